@@ -1,7 +1,7 @@
 use std::io::{BufRead, Seek};
 use std::path::Path;
 
-use crate::source::{self, Source};
+use crate::source::{self, SourceFile};
 use crate::{Error, FileKind, exr_file, png_file};
 
 /// Reads the metadata of a file: the string attributes of an EXR file's first part, or the text chunks of a PNG file,
@@ -16,7 +16,7 @@ pub fn read_metadata(path: impl AsRef<Path>) -> Result<Vec<(String, String)>, Er
     metadata_of(&mut source::open(path.as_ref())?)
 }
 
-pub(crate) fn metadata_of<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Vec<(String, String)>, Error> {
+pub(crate) fn metadata_of<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Vec<(String, String)>, Error> {
     match source.kind()? {
         FileKind::Exr => Ok(exr_file::Header::read(source)?.into_strings()),
         FileKind::Png => png_file::read_text(source),

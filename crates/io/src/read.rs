@@ -4,7 +4,7 @@ use std::io::{BufRead, Seek};
 use std::path::Path;
 
 use crate::exr_file::{self, ExrReader};
-use crate::source::{self, Shareable, Source};
+use crate::source::{self, Shareable, SourceFile};
 use crate::{Error, FileKind, Info, Limits, Picture, PictureInfo, Selection, raster};
 
 /// Returns the kind of an image file by its first bytes, whatever its name.
@@ -25,7 +25,7 @@ pub fn info(path: impl AsRef<Path>, limits: &Limits) -> Result<Info, Error> {
     info_of(&mut source::open(path.as_ref())?, limits)
 }
 
-pub(crate) fn info_of<R: BufRead + Seek>(source: &mut Source<R>, limits: &Limits) -> Result<Info, Error> {
+pub(crate) fn info_of<R: BufRead + Seek>(source: &mut SourceFile<R>, limits: &Limits) -> Result<Info, Error> {
     let kind = source.kind()?;
     let parts = match kind {
         FileKind::Exr => exr_file::Header::read(source)?.into_parts(),
@@ -47,7 +47,7 @@ pub fn read(path: impl AsRef<Path>, selection: &Selection, limits: &Limits) -> R
 }
 
 pub(crate) fn read_of<R: Shareable>(
-    mut source: Source<R>,
+    mut source: SourceFile<R>,
     selection: &Selection,
     limits: &Limits,
 ) -> Result<Picture, Error> {
@@ -56,7 +56,7 @@ pub(crate) fn read_of<R: Shareable>(
         kind => {
             let (info, form) = raster::info(&mut source, kind)?;
             let found = selection.resolve(&source.path, std::slice::from_ref(&info))?;
-            let planes = raster::read_planes(&mut source, kind, (&info, &form), &found.channels, limits)?;
+            let planes = raster::read_planes(&mut source, kind, &info, &form, &found.channels, limits)?;
             Ok(PictureInfo::new(&info, found.part, &found.channels).with_planes(planes))
         }
     }

@@ -3,7 +3,7 @@ use std::io::BufReader;
 use std::path::Path;
 
 use crate::raster::{self, Form, TakeRow};
-use crate::source::{self, Source};
+use crate::source::{self, SourceFile};
 use crate::{Error, FileKind, Limits, PictureInfo, Selection};
 
 /// PNG, JPEG or TIFF file opened for reading row by row, from the top down.
@@ -28,7 +28,7 @@ use crate::{Error, FileKind, Limits, PictureInfo, Selection};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct RowReader {
-    source: Source<BufReader<File>>,
+    source: SourceFile<BufReader<File>>,
     kind: FileKind,
     form: Form,
     info: PictureInfo,

@@ -8,16 +8,16 @@ use crate::open::{OpenFile, open_file};
 use crate::{Error, FileKind, describe};
 
 /// File or bytes in memory, with a name for messages and the length that claims are checked against.
-pub(crate) struct Source<R> {
+pub(crate) struct SourceFile<R> {
     pub(crate) path: PathBuf,
     pub(crate) length: u64,
     pub(crate) reader: R,
 }
 
 /// Opens a regular file.
-pub(crate) fn open(path: &Path) -> Result<Source<BufReader<File>>, Error> {
+pub(crate) fn open(path: &Path) -> Result<SourceFile<BufReader<File>>, Error> {
     let OpenFile { file, length } = open_file(path)?;
-    Ok(Source { path: path.into(), length, reader: BufReader::new(file) })
+    Ok(SourceFile { path: path.into(), length, reader: BufReader::new(file) })
 }
 
 /// Bytes that many threads can read at once, each at its own position.
@@ -58,7 +58,7 @@ impl ReadAt for std::sync::Mutex<File> {
     }
 }
 
-impl<R: Read + Seek> Source<R> {
+impl<R: Read + Seek> SourceFile<R> {
     /// Returns the kind of image file by the first bytes, whatever the name of the file.
     pub(crate) fn kind(&mut self) -> Result<FileKind, Error> {
         let mut magic = Vec::new();
@@ -103,7 +103,7 @@ impl ReadAt for Vec<u8> {
 }
 
 #[cfg(test)]
-impl Source<std::io::Cursor<Vec<u8>>> {
+impl SourceFile<std::io::Cursor<Vec<u8>>> {
     /// Creates a source from bytes in memory, with a name for messages.
     pub(crate) fn of_bytes(bytes: Vec<u8>) -> Self {
         let length = bytes.len() as u64;

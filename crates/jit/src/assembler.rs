@@ -1,6 +1,6 @@
 //! Emits instructions by their purpose, for both vector widths.
 
-use crate::operations::{Compare, Two, instruction};
+use crate::operations::{BinaryInstruction, Compare, instruction};
 use iced_x86::IcedError;
 use iced_x86::code_asm::*;
 use std::collections::HashMap;
@@ -36,7 +36,7 @@ const AHEAD: i32 = 1024;
 
 /// A vector in memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Place {
+pub(crate) enum VectorPlace {
     /// Current samples of a row: its number in the table, and the index among the vectors processed side by side.
     Row(usize, u32),
     State(u32),
@@ -159,30 +159,30 @@ impl Assembler {
         })
     }
 
-    fn address(&mut self, place: Place) -> Result<AsmMemoryOperand> {
+    fn address(&mut self, place: VectorPlace) -> Result<AsmMemoryOperand> {
         let size = |wide: bool| if wide { zmmword_ptr } else { ymmword_ptr };
         Ok(match place {
-            Place::Row(row, part) => {
+            VectorPlace::Row(row, part) => {
                 let pointer = self.row(row)?;
                 size(self.wide)(pointer + r9 + self.bytes() * part as i32)
             }
-            Place::State(index) => size(self.wide)(rdx + 64 * index as i32),
-            Place::Slot(index) => size(self.wide)(rcx + 64 * index as i32),
+            VectorPlace::State(index) => size(self.wide)(rdx + 64 * index as i32),
+            VectorPlace::Slot(index) => size(self.wide)(rcx + 64 * index as i32),
         })
     }
 
-    pub(crate) fn load(&mut self, to: Reg, place: Place) -> Result {
+    pub(crate) fn load(&mut self, to: Reg, place: VectorPlace) -> Result {
         let from = self.address(place)?;
         if self.wide { self.a.vmovups(ZMM[to as usize], from) } else { self.a.vmovups(YMM[to as usize], from) }
     }
 
-    pub(crate) fn store(&mut self, place: Place, from: Reg) -> Result {
+    pub(crate) fn store(&mut self, place: VectorPlace, from: Reg) -> Result {
         let to = self.address(place)?;
         if self.wide { self.a.vmovups(to, ZMM[from as usize]) } else { self.a.vmovups(to, YMM[from as usize]) }
     }
 
     /// Emits a store around the cache.
-    pub(crate) fn stream(&mut self, place: Place, from: Reg) -> Result {
+    pub(crate) fn stream(&mut self, place: VectorPlace, from: Reg) -> Result {
         let to = self.address(place)?;
         if self.wide { self.a.vmovntps(to, ZMM[from as usize]) } else { self.a.vmovntps(to, YMM[from as usize]) }
     }
@@ -281,7 +281,7 @@ impl Assembler {
         self.a.vandps(YMM[to as usize], YMM[a as usize], YMM[b as usize])
     }
 
-    pub(crate) fn two(&mut self, op: Two, to: Reg, a: Reg, b: Reg) -> Result {
+    pub(crate) fn binary(&mut self, op: BinaryInstruction, to: Reg, a: Reg, b: Reg) -> Result {
         let (to, a, b) = (to as usize, a as usize, b as usize);
         if self.wide {
             instruction!(self.a, op, ZMM[to], ZMM[a], ZMM[b])
@@ -291,7 +291,7 @@ impl Assembler {
     }
 
     /// Emits an operation with a memory operand as the second operand.
-    fn two_address(&mut self, op: Two, to: Reg, a: Reg, b: AsmMemoryOperand) -> Result {
+    fn binary_address(&mut self, op: BinaryInstruction, to: Reg, a: Reg, b: AsmMemoryOperand) -> Result {
         let (to, a) = (to as usize, a as usize);
         if self.wide {
             instruction!(self.a, op, ZMM[to], ZMM[a], b)
@@ -301,17 +301,17 @@ impl Assembler {
     }
 
     /// Emits an operation with an f32 constant as the second operand.
-    pub(crate) fn two_constant(&mut self, op: Two, to: Reg, a: Reg, value: f32) -> Result {
+    pub(crate) fn binary_constant(&mut self, op: BinaryInstruction, to: Reg, a: Reg, value: f32) -> Result {
         debug_assert!(!op.is_double());
         let from = self.single(value);
-        self.two_address(op, to, a, from)
+        self.binary_address(op, to, a, from)
     }
 
     /// Emits an operation with an f64 constant as the second operand.
-    pub(crate) fn two_double(&mut self, op: Two, to: Reg, a: Reg, value: f64) -> Result {
+    pub(crate) fn binary_double(&mut self, op: BinaryInstruction, to: Reg, a: Reg, value: f64) -> Result {
         debug_assert!(op.is_double());
         let from = self.double(value);
-        self.two_address(op, to, a, from)
+        self.binary_address(op, to, a, from)
     }
 
     /// Emits a − b in the lanes of a mask; other lanes do not change. Wide code only.
@@ -325,9 +325,9 @@ impl Assembler {
     }
 
     /// Emits an operation with a vector in memory as the second operand.
-    pub(crate) fn two_memory(&mut self, op: Two, to: Reg, a: Reg, place: Place) -> Result {
+    pub(crate) fn binary_memory(&mut self, op: BinaryInstruction, to: Reg, a: Reg, place: VectorPlace) -> Result {
         let from = self.address(place)?;
-        self.two_address(op, to, a, from)
+        self.binary_address(op, to, a, from)
     }
 
     /// Shifts all lanes left by one bit.

@@ -1,6 +1,6 @@
 //! Branches, which are jumped over when their results are not needed.
 
-use crate::assembler::{OTHER_MASK, Place, Reg, Result, SCRATCH_MASK};
+use crate::assembler::{OTHER_MASK, Reg, Result, SCRATCH_MASK, VectorPlace};
 use crate::program::Item;
 use crate::registers::{Holder, Move};
 use crate::translate::Translator;
@@ -67,9 +67,9 @@ impl Translator<'_> {
             self.asm.place(&mut skipped)?;
             for step in moves {
                 match step {
-                    Move::Store(register, slot) => self.asm.store(Place::Slot(slot), register)?,
-                    Move::Load(register, slot) => self.asm.load(register, Place::Slot(slot))?,
-                    Move::Source(register, source) => self.fetch(register, source)?,
+                    Move::Store(register, slot) => self.asm.store(VectorPlace::Slot(slot), register)?,
+                    Move::Load(register, slot) => self.asm.load(register, VectorPlace::Slot(slot))?,
+                    Move::Fetch(register, source) => self.fetch(register, source)?,
                 }
             }
             self.asm.jump(end)?;

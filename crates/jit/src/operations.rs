@@ -12,7 +12,7 @@ pub(crate) enum Compare {
 
 /// Operations with two operands, on f32, on bits, and on f64.
 #[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Two {
+pub(crate) enum BinaryInstruction {
     Add,
     Sub,
     Mul,
@@ -35,7 +35,7 @@ pub(crate) enum Two {
     FnmaDouble,
 }
 
-impl Two {
+impl BinaryInstruction {
     pub(crate) fn is_double(self) -> bool {
         matches!(
             self,
@@ -48,22 +48,22 @@ impl Two {
 macro_rules! instruction {
     ($assembler:expr, $op:expr, $to:expr, $a:expr, $b:expr) => {
         match $op {
-            Two::Add => $assembler.vaddps($to, $a, $b),
-            Two::Sub => $assembler.vsubps($to, $a, $b),
-            Two::Mul => $assembler.vmulps($to, $a, $b),
-            Two::Div => $assembler.vdivps($to, $a, $b),
-            Two::Min => $assembler.vminps($to, $a, $b),
-            Two::Max => $assembler.vmaxps($to, $a, $b),
-            Two::Fma => $assembler.vfmadd231ps($to, $a, $b),
-            Two::Fnma => $assembler.vfnmadd231ps($to, $a, $b),
-            Two::MinBits => $assembler.vpminud($to, $a, $b),
-            Two::MaxBits => $assembler.vpmaxud($to, $a, $b),
-            Two::AddDouble => $assembler.vaddpd($to, $a, $b),
-            Two::SubDouble => $assembler.vsubpd($to, $a, $b),
-            Two::MulDouble => $assembler.vmulpd($to, $a, $b),
-            Two::MaxDouble => $assembler.vmaxpd($to, $a, $b),
-            Two::FmaDouble => $assembler.vfmadd231pd($to, $a, $b),
-            Two::FnmaDouble => $assembler.vfnmadd231pd($to, $a, $b),
+            BinaryInstruction::Add => $assembler.vaddps($to, $a, $b),
+            BinaryInstruction::Sub => $assembler.vsubps($to, $a, $b),
+            BinaryInstruction::Mul => $assembler.vmulps($to, $a, $b),
+            BinaryInstruction::Div => $assembler.vdivps($to, $a, $b),
+            BinaryInstruction::Min => $assembler.vminps($to, $a, $b),
+            BinaryInstruction::Max => $assembler.vmaxps($to, $a, $b),
+            BinaryInstruction::Fma => $assembler.vfmadd231ps($to, $a, $b),
+            BinaryInstruction::Fnma => $assembler.vfnmadd231ps($to, $a, $b),
+            BinaryInstruction::MinBits => $assembler.vpminud($to, $a, $b),
+            BinaryInstruction::MaxBits => $assembler.vpmaxud($to, $a, $b),
+            BinaryInstruction::AddDouble => $assembler.vaddpd($to, $a, $b),
+            BinaryInstruction::SubDouble => $assembler.vsubpd($to, $a, $b),
+            BinaryInstruction::MulDouble => $assembler.vmulpd($to, $a, $b),
+            BinaryInstruction::MaxDouble => $assembler.vmaxpd($to, $a, $b),
+            BinaryInstruction::FmaDouble => $assembler.vfmadd231pd($to, $a, $b),
+            BinaryInstruction::FnmaDouble => $assembler.vfnmadd231pd($to, $a, $b),
         }
     };
 }

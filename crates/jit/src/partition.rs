@@ -1,7 +1,7 @@
 //! Translation of weights that sum to 1, and of blends by them, which are computed in f64.
 
-use crate::assembler::{Place, Reg, Result, SCRATCH_MASK};
-use crate::operations::{Compare, Two};
+use crate::assembler::{Reg, Result, SCRATCH_MASK, VectorPlace};
+use crate::operations::{BinaryInstruction, Compare};
 use crate::program::Value;
 use crate::translate::Translator;
 
@@ -21,8 +21,8 @@ impl Translator<'_> {
                 let (sum_low, sum_high) = (sums[2 * channel], sums[2 * channel + 1]);
                 if let Some(constant) = self.constant(*value).filter(|constant| constant.is_finite()) {
                     // A finite number times 0 adds nothing.
-                    self.asm.two_double(Two::FmaDouble, sum_low, low, constant.into())?;
-                    self.asm.two_double(Two::FmaDouble, sum_high, high, constant.into())?;
+                    self.asm.binary_double(BinaryInstruction::FmaDouble, sum_low, low, constant.into())?;
+                    self.asm.binary_double(BinaryInstruction::FmaDouble, sum_high, high, constant.into())?;
                     continue;
                 }
                 let x = self.value(*value)?;
@@ -34,11 +34,11 @@ impl Translator<'_> {
                         self.asm.fma_double_where(sum, SCRATCH_MASK, weight, value)?;
                     } else {
                         // The product is exact.
-                        self.asm.two(Two::MulDouble, value, value, weight)?;
+                        self.asm.binary(BinaryInstruction::MulDouble, value, value, weight)?;
                         let mask = self.take()?;
                         self.asm.compare_double_zero(mask, Compare::NotEqual, weight)?;
                         self.asm.and(value, value, mask)?;
-                        self.asm.two(Two::AddDouble, sum, sum, value)?;
+                        self.asm.binary(BinaryInstruction::AddDouble, sum, sum, value)?;
                         self.give_back(&[mask]);
                     }
                 }
@@ -73,28 +73,28 @@ impl Translator<'_> {
             self.asm.select(big, mask, big, rounded)?;
             self.give_back(&[x]);
             self.asm.widen(low, high, rounded)?;
-            self.asm.two(Two::AddDouble, sum_low, sum_low, low)?;
-            self.asm.two(Two::AddDouble, sum_high, sum_high, high)?;
+            self.asm.binary(BinaryInstruction::AddDouble, sum_low, sum_low, low)?;
+            self.asm.binary(BinaryInstruction::AddDouble, sum_high, sum_high, high)?;
             let slot = self.registers.new_slot();
-            self.asm.store(Place::Slot(slot), rounded)?;
+            self.asm.store(VectorPlace::Slot(slot), rounded)?;
             slots.push(slot);
         }
         self.asm.widen(low, high, big)?;
         for (half, sum) in [(low, sum_low), (high, sum_high)] {
             self.asm.fill_double(spare, 1.0)?;
-            self.asm.two(Two::SubDouble, sum, spare, sum)?;
-            self.asm.two(Two::AddDouble, half, half, sum)?;
+            self.asm.binary(BinaryInstruction::SubDouble, sum, spare, sum)?;
+            self.asm.binary(BinaryInstruction::AddDouble, half, half, sum)?;
         }
         self.asm.narrow(big, low, high)?;
         self.give_back(&[best, rounded, sum_low, sum_high, high]);
         for ((index, value), slot) in to.iter().enumerate().zip(slots) {
             let d = self.take()?;
-            self.asm.load(d, Place::Slot(slot))?;
+            self.asm.load(d, VectorPlace::Slot(slot))?;
             let mask = self.asm.scratch(low);
             self.asm.equals(mask, owner, number(index))?;
             self.asm.select(d, mask, d, big)?;
             // From now on the weight has its slot if its register is needed.
-            self.asm.store(Place::Slot(slot), d)?;
+            self.asm.store(VectorPlace::Slot(slot), d)?;
             self.registers.set_slot(*value, slot);
             self.define(*value, d);
             self.registers.give_back(d);
@@ -104,8 +104,8 @@ impl Translator<'_> {
 
     /// Computes `round_weight`: no change from ½ up, below ½ by adding and subtracting ½.
     fn round(&mut self, to: Reg, x: Reg, spare: Reg) -> Result {
-        self.asm.two_constant(Two::Add, to, x, 0.5)?;
-        self.asm.two_constant(Two::Sub, to, to, 0.5)?;
+        self.asm.binary_constant(BinaryInstruction::Add, to, x, 0.5)?;
+        self.asm.binary_constant(BinaryInstruction::Sub, to, to, 0.5)?;
         let mask = self.asm.scratch(spare);
         self.asm.compare_constant(mask, Compare::AtLeast, x, 0.5)?;
         self.asm.select(to, mask, to, x)
@@ -119,16 +119,16 @@ impl Translator<'_> {
             let x = self.value(*weight)?;
             self.asm.widen(low, high, x)?;
             self.give_back(&[x]);
-            self.asm.two(Two::AddDouble, sum_low, sum_low, low)?;
-            self.asm.two(Two::AddDouble, sum_high, sum_high, high)?;
+            self.asm.binary(BinaryInstruction::AddDouble, sum_low, sum_low, low)?;
+            self.asm.binary(BinaryInstruction::AddDouble, sum_high, sum_high, high)?;
         }
         for (sum, state) in [(sum_low, state), (sum_high, state + 1)] {
-            self.asm.two_double(Two::SubDouble, sum, sum, 1.0)?;
+            self.asm.binary_double(BinaryInstruction::SubDouble, sum, sum, 1.0)?;
             self.asm.magnitude(sum)?;
-            self.asm.load(high, Place::State(state))?;
+            self.asm.load(high, VectorPlace::State(state))?;
             // If either operand is NaN, the instruction returns the second one, here `sum`.
-            self.asm.two(Two::MaxDouble, high, high, sum)?;
-            self.asm.store(Place::State(state), high)?;
+            self.asm.binary(BinaryInstruction::MaxDouble, high, high, sum)?;
+            self.asm.store(VectorPlace::State(state), high)?;
         }
         Ok(())
     }

@@ -14,14 +14,14 @@ pub(crate) enum Holder {
     Pinned,
     Value(Value),
     /// Signed distance of a mask from its nearer end.
-    By(Value),
+    MaskDistance(Value),
     /// Selects the nearer end of a mask. Narrow code only; wide code uses mask registers.
-    Near(Value),
+    MaskSide(Value),
 }
 
 /// Source of a value other than a register.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Source {
+pub(crate) enum ValueSource {
     Row(usize, u32),
     Line(usize),
     Constant(f32),
@@ -29,10 +29,10 @@ pub(crate) enum Source {
 
 /// Places and uses of a value.
 #[derive(Clone, Debug, Default)]
-struct Home {
+struct ValuePlaces {
     register: Option<Reg>,
     slot: Option<u32>,
-    source: Option<Source>,
+    source: Option<ValueSource>,
     /// Items that use the value.
     uses: Vec<u32>,
     /// Mixes with the value as the weight.
@@ -50,7 +50,7 @@ pub(crate) enum End {
 
 /// A mask that is prepared for mixing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct By {
+pub(crate) struct PreparedMask {
     pub(crate) of: Value,
     pub(crate) by: Reg,
     /// Lanes in which the end `near` is nearer: a mask register, or a vector register in narrow code.
@@ -63,7 +63,7 @@ pub(crate) struct By {
 #[derive(Clone, Debug)]
 pub(crate) struct Snapshot {
     holders: Vec<Holder>,
-    by: Vec<By>,
+    by: Vec<PreparedMask>,
     /// Slots, by value.
     slots: Vec<Option<u32>>,
 }
@@ -73,7 +73,7 @@ pub(crate) struct Snapshot {
 pub(crate) enum Move {
     Store(Reg, u32),
     Load(Reg, u32),
-    Source(Reg, Source),
+    Fetch(Reg, ValueSource),
 }
 
 /// Register that is freed for a new value.
@@ -90,8 +90,8 @@ pub(crate) struct Registers {
     holders: Vec<Holder>,
     /// Registers of the current item, as bits.
     locked: u32,
-    homes: Vec<Home>,
-    pub(crate) by: Vec<By>,
+    homes: Vec<ValuePlaces>,
+    pub(crate) by: Vec<PreparedMask>,
     wide: bool,
     free_slots: Vec<u32>,
     slots: u32,
@@ -114,7 +114,7 @@ impl Registers {
         let count = if wide { 32 } else { 16 };
         let mut holders = vec![Holder::Nothing; count];
         holders[count - pinned..].fill(Holder::Pinned);
-        let mut homes = vec![Home::default(); program.values as usize * parts as usize];
+        let mut homes = vec![ValuePlaces::default(); program.values as usize * parts as usize];
         for (at, item) in program.items.iter().enumerate() {
             for part in 0..parts {
                 let at = position(item, at, part, parts);
@@ -122,13 +122,14 @@ impl Registers {
                 item.operands(|value| homes[home(&value)].uses.push(at));
                 let Item::Compute { op, to } = item else { continue };
                 homes[home(to)].source = match op {
-                    Op::Input(index) => Some(Source::Row(*index as usize, part)),
-                    Op::Line(index) => Some(Source::Line(program.inputs + *index as usize)),
-                    Op::Constant(value) => Some(Source::Constant(*value)),
+                    Op::Input(index) => Some(ValueSource::Row(*index as usize, part)),
+                    Op::Line(index) => Some(ValueSource::Line(program.inputs + *index as usize)),
+                    Op::Constant(value) => Some(ValueSource::Constant(*value)),
                     _ => None,
                 };
                 if let Op::Mix { a, b, t } = op {
-                    let is_constant = |value| i32::from(matches!(homes[home(value)].source, Some(Source::Constant(_))));
+                    let is_constant =
+                        |value| i32::from(matches!(homes[home(value)].source, Some(ValueSource::Constant(_))));
                     let from = is_constant(a) - is_constant(b);
                     let mask = &mut homes[home(t)];
                     mask.mixes.push(at);
@@ -144,7 +145,7 @@ impl Registers {
         self.slots as usize
     }
 
-    pub(crate) fn source(&self, value: Value) -> Option<Source> {
+    pub(crate) fn source(&self, value: Value) -> Option<ValueSource> {
         self.homes[value.0 as usize].source
     }
 
@@ -195,7 +196,7 @@ impl Registers {
                 // Among values with the same next use, prefer one that needs no store.
                 (next(&home.uses, at), u8::from(home.slot.is_some() || home.source.is_some()) * 2)
             }
-            Holder::By(value) | Holder::Near(value) => (next(&self.homes[value.0 as usize].mixes, at), 1),
+            Holder::MaskDistance(value) | Holder::MaskSide(value) => (next(&self.homes[value.0 as usize].mixes, at), 1),
             _ => (0, 0),
         });
         let Some(register) = victim else { unreachable!("no item works with that many registers") };
@@ -211,7 +212,7 @@ impl Registers {
                     return Victim::Store(register, slot);
                 }
             }
-            Holder::By(value) | Holder::Near(value) => {
+            Holder::MaskDistance(value) | Holder::MaskSide(value) => {
                 self.drop_by(value);
                 self.holders[register as usize] = Holder::Temporary;
             }
@@ -227,7 +228,7 @@ impl Registers {
     }
 
     /// Locks the registers of a prepared mask until the end of the item.
-    pub(crate) fn lock_by(&mut self, by: By) {
+    pub(crate) fn lock_by(&mut self, by: PreparedMask) {
         self.locked |= 1 << by.by;
         if !self.wide {
             self.locked |= 1 << by.mask;
@@ -260,7 +261,7 @@ impl Registers {
     fn drop_by(&mut self, of: Value) {
         self.by.retain(|by| by.of != of);
         for holder in &mut self.holders {
-            if matches!(holder, Holder::By(value) | Holder::Near(value) if *value == of) {
+            if matches!(holder, Holder::MaskDistance(value) | Holder::MaskSide(value) if *value == of) {
                 *holder = Holder::Nothing;
             }
         }
@@ -326,7 +327,7 @@ impl Registers {
     /// path.
     pub(crate) fn resolve(&mut self, gate: &Snapshot, join: u32, results: &[(Value, Value)]) -> Vec<Move> {
         // Masks that only one of the two paths has prepared are dropped.
-        let lost: Vec<By> = self.by.iter().filter(|by| !gate.by.contains(by)).copied().collect();
+        let lost: Vec<PreparedMask> = self.by.iter().filter(|by| !gate.by.contains(by)).copied().collect();
         lost.iter().for_each(|by| self.drop_by(by.of));
         let register_then = |value: Value| gate.holders.iter().position(|holder| *holder == Holder::Value(value));
         let (mut stores, mut loads, mut spare) = (Vec::new(), Vec::new(), Vec::new());
@@ -352,7 +353,7 @@ impl Registers {
             }
             let to = register as Reg;
             if let Some(source) = home.source {
-                loads.push(Move::Source(to, source));
+                loads.push(Move::Fetch(to, source));
             } else if let Some(slot) = gate.slots[then.0 as usize] {
                 loads.push(Move::Load(to, slot));
             } else if let Some(from) = register_then(then) {

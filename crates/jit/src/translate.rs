@@ -1,10 +1,10 @@
 //! Translates a program to machine code, item by item.
 
-use crate::assembler::{Assembler, Place, Reg, Result};
+use crate::assembler::{Assembler, Reg, Result, VectorPlace};
 use crate::branches::Skip;
-use crate::operations::{Compare, Two};
+use crate::operations::{BinaryInstruction, Compare};
 use crate::program::{Item, Op, Program, Value};
-use crate::registers::{By, End, Holder, Registers, Snapshot, Source, Victim, position};
+use crate::registers::{End, Holder, PreparedMask, Registers, Snapshot, ValueSource, Victim, position};
 use crate::schedule::scheduled;
 use crate::{Set, Stores};
 use iced_x86::code_asm::CodeLabel;
@@ -88,7 +88,7 @@ pub(crate) struct Translator<'p> {
 impl Translator<'_> {
     fn whole(&mut self) -> Result {
         for (state, register) in &self.pinned {
-            self.asm.load(*register, Place::State(*state))?;
+            self.asm.load(*register, VectorPlace::State(*state))?;
         }
         if self.asm.wide {
             self.asm.fill(HALF, 0.5)?;
@@ -112,7 +112,7 @@ impl Translator<'_> {
         }
         self.asm.repeat()?;
         for (state, register) in &self.pinned {
-            self.asm.store(Place::State(*state), *register)?;
+            self.asm.store(VectorPlace::State(*state), *register)?;
         }
         self.asm.leave()?;
         self.around()
@@ -123,7 +123,7 @@ impl Translator<'_> {
         match self.registers.take(self.at) {
             Victim::Free(register) => Ok(register),
             Victim::Store(register, slot) => {
-                self.asm.store(Place::Slot(slot), register)?;
+                self.asm.store(VectorPlace::Slot(slot), register)?;
                 Ok(register)
             }
         }
@@ -149,24 +149,24 @@ impl Translator<'_> {
         let register = self.take()?;
         match (self.registers.slot(value), self.registers.source(value)) {
             (_, Some(source)) => self.fetch(register, source)?,
-            (Some(slot), None) => self.asm.load(register, Place::Slot(slot))?,
+            (Some(slot), None) => self.asm.load(register, VectorPlace::Slot(slot))?,
             (None, None) => unreachable!("values are used where they were made, or after what they were made before"),
         }
         self.registers.hold(register, Holder::Value(value));
         Ok(register)
     }
 
-    pub(crate) fn fetch(&mut self, register: Reg, source: Source) -> Result {
+    pub(crate) fn fetch(&mut self, register: Reg, source: ValueSource) -> Result {
         match source {
-            Source::Row(row, part) => self.asm.load(register, Place::Row(row, part)),
-            Source::Line(row) => self.asm.line(register, row),
-            Source::Constant(constant) => self.asm.fill(register, constant),
+            ValueSource::Row(row, part) => self.asm.load(register, VectorPlace::Row(row, part)),
+            ValueSource::Line(row) => self.asm.line(register, row),
+            ValueSource::Constant(constant) => self.asm.fill(register, constant),
         }
     }
 
     pub(crate) fn constant(&self, value: Value) -> Option<f32> {
         match self.registers.source(value) {
-            Some(Source::Constant(constant)) => Some(constant),
+            Some(ValueSource::Constant(constant)) => Some(constant),
             _ => None,
         }
     }
@@ -185,8 +185,8 @@ impl Translator<'_> {
             Item::Over { x, min, width, to } => {
                 let x = self.value(*x)?;
                 let d = self.take()?;
-                self.asm.two_constant(Two::Sub, d, x, *min)?;
-                self.asm.two_constant(Two::Div, d, d, *width)?;
+                self.asm.binary_constant(BinaryInstruction::Sub, d, x, *min)?;
+                self.asm.binary_constant(BinaryInstruction::Div, d, d, *width)?;
                 self.define(*to, d);
                 Ok(())
             }
@@ -194,11 +194,11 @@ impl Translator<'_> {
                 let x_in = self.value(*x)?;
                 let d = self.over(*x, x_in, &[])?;
                 // If both operands are equal or one is NaN, the instruction returns the second.
-                self.asm.two_constant(Two::Max, d, x_in, 0.0)?;
+                self.asm.binary_constant(BinaryInstruction::Max, d, x_in, 0.0)?;
                 if self.asm.wide {
-                    self.asm.two(Two::Min, d, d, ONE)?
+                    self.asm.binary(BinaryInstruction::Min, d, d, ONE)?
                 } else {
-                    self.asm.two_constant(Two::Min, d, d, 1.0)?
+                    self.asm.binary_constant(BinaryInstruction::Min, d, d, 1.0)?
                 }
                 self.define(*to, d);
                 Ok(())
@@ -209,7 +209,7 @@ impl Translator<'_> {
             Item::SeeSum { weights, state } => self.see_sum(weights, *state),
             Item::Output { value, to } => {
                 let register = self.value(*value)?;
-                let place = Place::Row(self.program.inputs + self.program.lines + *to as usize, self.part);
+                let place = VectorPlace::Row(self.program.inputs + self.program.lines + *to as usize, self.part);
                 match self.stores {
                     Stores::Cached => self.asm.store(place, register),
                     Stores::Around => self.asm.stream(place, register),
@@ -238,10 +238,10 @@ impl Translator<'_> {
                 let t = self.value(t)?;
                 let d = self.take()?;
                 if self.asm.wide {
-                    self.asm.two(Two::Sub, d, ONE, t)?;
+                    self.asm.binary(BinaryInstruction::Sub, d, ONE, t)?;
                 } else {
                     self.asm.fill(d, 1.0)?;
-                    self.asm.two(Two::Sub, d, d, t)?;
+                    self.asm.binary(BinaryInstruction::Sub, d, d, t)?;
                 }
                 self.define(to, d);
                 Ok(())
@@ -249,7 +249,7 @@ impl Translator<'_> {
             Op::Product(t, u) => {
                 let (t, u) = (self.value(t)?, self.value(u)?);
                 let d = self.take()?;
-                self.asm.two(Two::Mul, d, t, u)?;
+                self.asm.binary(BinaryInstruction::Mul, d, t, u)?;
                 self.define(to, d);
                 Ok(())
             }
@@ -260,9 +260,9 @@ impl Translator<'_> {
                 for half in [low, high] {
                     // 2·t is exact, so 3 − 2·t is rounded only once.
                     self.asm.fill_double(factor, 3.0)?;
-                    self.asm.two_double(Two::FnmaDouble, factor, half, 2.0)?;
-                    self.asm.two(Two::MulDouble, half, half, half)?;
-                    self.asm.two(Two::MulDouble, half, half, factor)?;
+                    self.asm.binary_double(BinaryInstruction::FnmaDouble, factor, half, 2.0)?;
+                    self.asm.binary(BinaryInstruction::MulDouble, half, half, half)?;
+                    self.asm.binary(BinaryInstruction::MulDouble, half, half, factor)?;
                 }
                 self.asm.narrow(factor, low, high)?;
                 self.define(to, factor);
@@ -280,18 +280,18 @@ impl Translator<'_> {
                             if is_first {
                                 self.asm.copy(half, square)?;
                             } else {
-                                self.asm.two(Two::MulDouble, half, half, square)?;
+                                self.asm.binary(BinaryInstruction::MulDouble, half, half, square)?;
                             }
                             is_first = false;
                         }
                         n >>= 1;
                         if n > 0 {
-                            self.asm.two(Two::MulDouble, square, square, square)?;
+                            self.asm.binary(BinaryInstruction::MulDouble, square, square, square)?;
                         }
                     }
                 }
                 self.asm.narrow(d, low, high)?;
-                self.asm.two(Two::Min, d, d, t)?;
+                self.asm.binary(BinaryInstruction::Min, d, d, t)?;
                 self.define(to, d);
                 Ok(())
             }
@@ -299,7 +299,7 @@ impl Translator<'_> {
     }
 
     /// Prepares a mask: finds the nearer end, and the distance from it.
-    fn by(&mut self, t: Value) -> Result<By> {
+    fn by(&mut self, t: Value) -> Result<PreparedMask> {
         if let Some(by) = self.registers.by.iter().find(|by| by.of == t).copied() {
             self.registers.lock_by(by);
             return Ok(by);
@@ -312,7 +312,7 @@ impl Translator<'_> {
         if self.asm.wide {
             self.asm.compare(mask, how, x, HALF)?;
             if near == End::A {
-                self.asm.two(Two::Sub, by, x, ONE)?;
+                self.asm.binary(BinaryInstruction::Sub, by, x, ONE)?;
                 self.asm.select(by, mask, by, x)?;
             } else {
                 // The processor eliminates register copies.
@@ -323,55 +323,55 @@ impl Translator<'_> {
             self.asm.compare_constant(mask, how, x, 0.5)?;
             let [others, lanes] = if near == End::A { [1.0, 0.0] } else { [0.0, 1.0] };
             self.asm.choose(by, mask, others, lanes)?;
-            self.asm.two(Two::Sub, by, x, by)?;
-            self.registers.hold(mask, Holder::Near(t));
+            self.asm.binary(BinaryInstruction::Sub, by, x, by)?;
+            self.registers.hold(mask, Holder::MaskSide(t));
         }
-        self.registers.hold(by, Holder::By(t));
-        let by = By { of: t, by, mask, near };
+        self.registers.hold(by, Holder::MaskDistance(t));
+        let by = PreparedMask { of: t, by, mask, near };
         self.registers.by.push(by);
         Ok(by)
     }
 
     fn mix(&mut self, a: Value, b: Value, t: Value, to: Value) -> Result {
-        let By { by, mask, near, .. } = self.by(t)?;
+        let PreparedMask { by, mask, near, .. } = self.by(t)?;
         let d = match (self.constant(a), self.constant(b)) {
             (Some(from), Some(until)) => {
                 let d = self.take()?;
                 let [far, near] = if near == End::A { [until, from] } else { [from, until] };
                 self.asm.choose(d, mask, far, near)?;
-                self.asm.two_constant(Two::Fma, d, by, until - from)?;
+                self.asm.binary_constant(BinaryInstruction::Fma, d, by, until - from)?;
                 d
             }
             // For −0 and 0, the result would have the other sign.
             (None, Some(until)) if near == End::B && until != 0.0 => {
                 let a_in = self.value(a)?;
                 let difference = self.take()?;
-                self.asm.two_constant(Two::Sub, difference, a_in, until)?;
+                self.asm.binary_constant(BinaryInstruction::Sub, difference, a_in, until)?;
                 let d = self.over(a, a_in, &[b, t])?;
                 self.asm.select_constant(d, mask, a_in, until)?;
-                self.asm.two(Two::Fnma, d, by, difference)?;
+                self.asm.binary(BinaryInstruction::Fnma, d, by, difference)?;
                 d
             }
             (Some(from), None) if near == End::A => {
                 let b_in = self.value(b)?;
                 let difference = self.take()?;
-                self.asm.two_constant(Two::Sub, difference, b_in, from)?;
+                self.asm.binary_constant(BinaryInstruction::Sub, difference, b_in, from)?;
                 let d = self.over(b, b_in, &[a, t])?;
                 self.asm.select_constant(d, mask, b_in, from)?;
-                self.asm.two(Two::Fma, d, by, difference)?;
+                self.asm.binary(BinaryInstruction::Fma, d, by, difference)?;
                 d
             }
             _ => {
                 let (a_in, b_in) = (self.value(a)?, self.value(b)?);
                 let difference = self.take()?;
-                self.asm.two(Two::Sub, difference, b_in, a_in)?;
+                self.asm.binary(BinaryInstruction::Sub, difference, b_in, a_in)?;
                 let d = if self.registers.may_reuse(a, self.at) {
                     self.over(a, a_in, &[b, t])?
                 } else {
                     self.over(b, b_in, &[a, t])?
                 };
                 self.select(d, near, mask, a_in, b_in)?;
-                self.asm.two(Two::Fma, d, by, difference)?;
+                self.asm.binary(BinaryInstruction::Fma, d, by, difference)?;
                 d
             }
         };
@@ -403,14 +403,14 @@ impl Translator<'_> {
             self.asm.shift(bits, x)?;
             x = bits;
         }
-        for (op, state) in [(Two::MinBits, least), (Two::MaxBits, Some(largest))] {
+        for (op, state) in [(BinaryInstruction::MinBits, least), (BinaryInstruction::MaxBits, Some(largest))] {
             let Some(state) = state else { continue };
             if let Some(register) = self.pinned.get(&state).copied() {
-                self.asm.two(op, register, register, x)?;
+                self.asm.binary(op, register, register, x)?;
             } else {
                 let seen = self.take()?;
-                self.asm.two_memory(op, seen, x, Place::State(state))?;
-                self.asm.store(Place::State(state), seen)?;
+                self.asm.binary_memory(op, seen, x, VectorPlace::State(state))?;
+                self.asm.store(VectorPlace::State(state), seen)?;
             }
         }
         Ok(())

@@ -4,7 +4,7 @@
 //! prove either that no point of a rectangle lies on the ray, or that at most one does, which Newton's method then
 //! finds or not.
 
-use crate::sea_point::Carried;
+use crate::sea_point::SeaPoint;
 use crate::{Projector, Ray, SeaSurface};
 use glam::DVec3;
 use std::cmp::Ordering;
@@ -42,7 +42,7 @@ struct Rectangle {
     nearest: f64,
 }
 
-enum Look {
+enum Solutions {
     /// No point lies on the ray.
     Empty,
     /// At most one point lies on the ray: its distance and rest point.
@@ -83,9 +83,9 @@ pub(crate) fn first_point(
         }
         for part in next.cut() {
             match search.look(&part) {
-                Look::Empty => {}
-                Look::From(nearest) => rectangles.push(Rectangle { nearest, ..part }),
-                Look::Point(distance, rest) => {
+                Solutions::Empty => {}
+                Solutions::From(nearest) => rectangles.push(Rectangle { nearest, ..part }),
+                Solutions::Point(distance, rest) => {
                     if first.is_none_or(|(known, _)| distance < known) {
                         first = Some((distance, rest));
                     }
@@ -116,7 +116,7 @@ impl Search<'_> {
         [place.x, place.z]
     }
 
-    fn look(&self, part: &Rectangle) -> Look {
+    fn look(&self, part: &Rectangle) -> Solutions {
         let rest = self.rest(part.middle);
         let middle = self.sea.carried(self.projector, rest);
         let radius = libm::hypot(part.half[0], part.half[1]);
@@ -143,7 +143,7 @@ impl Search<'_> {
             || distance + deep < 0.0
             || distance - deep > self.end
         {
-            return Look::Empty;
+            return Solutions::Empty;
         }
         // Bound on the change of the derivatives within twice the radius. If it is at most a quarter of their least
         // effect, no two points are carried to the same position, and each Newton step divides the error by at least
@@ -156,15 +156,15 @@ impl Search<'_> {
                     if libm::hypot(at[0] - rest[0], at[1] - rest[1]) <= 2.0 * radius + LEAST * (1.0 + distance) =>
                 {
                     if distance >= 0.0 && distance <= self.end {
-                        Look::Point(distance, at)
+                        Solutions::Point(distance, at)
                     } else {
-                        Look::Empty
+                        Solutions::Empty
                     }
                 }
-                _ => Look::Empty,
+                _ => Solutions::Empty,
             };
         }
-        Look::From(distance - deep)
+        Solutions::From(distance - deep)
     }
 
     /// Returns the derivatives of a point's offset across the ray, row by row.
@@ -198,7 +198,7 @@ impl Search<'_> {
     }
 
     /// Returns the footprints of a rectangle, and how they grow.
-    fn growth(&self, part: &Rectangle, middle: &Carried) -> Grown {
+    fn growth(&self, part: &Rectangle, middle: &SeaPoint) -> FootprintRange {
         let [x, z] = self.projector.heading();
         // Footprints change only along the camera's heading.
         let reach: f64 =
@@ -216,7 +216,7 @@ impl Search<'_> {
         });
         let growths = ends.map(|end| self.sea.growth(self.projector, at(end)));
         let bent = growths.map(|growth| (growth - middle.growth).abs());
-        Grown {
+        FootprintRange {
             least,
             range: (most[0].max(most[1]) - middle.footprint).max(middle.footprint - least),
             most: growths[0].abs().max(growths[1].abs()).max(middle.growth.abs()),
@@ -226,7 +226,7 @@ impl Search<'_> {
 }
 
 /// Footprints of a rectangle.
-struct Grown {
+struct FootprintRange {
     /// Least footprint, in meters.
     least: f64,
     /// Largest difference from the footprint at its middle, in meters.

@@ -1,13 +1,13 @@
 //! Finds points of a sea near those of its mesh, by sums in f32 over many points side by side.
 
 use crate::certain::meet_sea;
-use crate::points::Near;
+use crate::points::MeshHit;
 use crate::reference::hit_of_sea;
 use crate::surface::Hit;
 use crate::{Projector, Ray, SeaSurface};
 use glam::{DMat3, DVec3};
 use std::cell::RefCell;
-use trochoid_sea::{Fields, Points, Sample, Wanted};
+use trochoid_sea::{FieldSet, Fields, Points, Sample};
 
 /// Number of points that are processed together; no point affects the result of another.
 const TOGETHER: usize = 64;
@@ -18,7 +18,7 @@ const STEPS: usize = 4;
 const CLOSE: f64 = 1e-3;
 
 /// A point that is being moved to a ray.
-struct Walk {
+struct FollowedPoint {
     /// Index of the ray.
     index: usize,
     rest: [f64; 2],
@@ -39,36 +39,35 @@ thread_local! {
 }
 
 /// Does the same as [`meet_sea`] up to f32 rounding; falls back to it for points that are not found.
-pub(crate) fn follow_sea(sea: &SeaSurface, projector: &Projector, nears: &[(Ray, Near)]) -> Vec<Option<Hit>> {
-    let mut found = vec![None; nears.len()];
-    for first in (0..nears.len()).step_by(TOGETHER) {
-        let range = first..(first + TOGETHER).min(nears.len());
+pub(crate) fn follow_sea(sea: &SeaSurface, projector: &Projector, mesh_hits: &[(Ray, MeshHit)]) -> Vec<Option<Hit>> {
+    let mut found = vec![None; mesh_hits.len()];
+    for first in (0..mesh_hits.len()).step_by(TOGETHER) {
+        let range = first..(first + TOGETHER).min(mesh_hits.len());
         let start = |index: usize| {
-            let near = &nears[index].1;
-            Walk { index, rest: [near.rest.x, near.rest.z], distance: near.distance }
+            let near = &mesh_hits[index].1;
+            FollowedPoint { index, rest: [near.rest.x, near.rest.z], distance: near.distance }
         };
-        let mut walks: Vec<Walk> = range.clone().map(start).collect();
+        let mut walks: Vec<FollowedPoint> = range.clone().map(start).collect();
         SCRATCH.with_borrow_mut(|scratch| {
             for _ in 0..STEPS {
                 scratch.look(sea, projector, &walks);
                 let mut lane = 0;
                 walks.retain_mut(|walk| {
                     lane += 1;
-                    let (ray, near) = &nears[walk.index];
+                    let (ray, near) = &mesh_hits[walk.index];
                     let (sample, footprint) = (scratch.sample(lane - 1), scratch.footprint[lane - 1]);
                     let Some(error) = walk.step(sea, ray, &sample) else { return true };
                     let is_there = error <= CLOSE * footprint && walk.distance >= 0.0;
                     if is_there {
                         let (rest, distance) = (walk.rest, walk.distance);
-                        found[walk.index] =
-                            Some(hit_of_sea(sea, projector, ray, distance, (rest, &sample), near.inside));
+                        found[walk.index] = Some(hit_of_sea(sea, projector, ray, distance, rest, &sample, near.inside));
                     }
                     !is_there
                 });
             }
         });
         for walk in walks {
-            let (ray, near) = &nears[walk.index];
+            let (ray, near) = &mesh_hits[walk.index];
             found[walk.index] = meet_sea(sea, projector, ray, near);
         }
     }
@@ -77,15 +76,15 @@ pub(crate) fn follow_sea(sea: &SeaSurface, projector: &Projector, nears: &[(Ray,
 
 impl Scratch {
     /// Evaluates the sea at the rest points of the walks.
-    fn look(&mut self, sea: &SeaSurface, projector: &Projector, walks: &[Walk]) {
+    fn look(&mut self, sea: &SeaSurface, projector: &Projector, walks: &[FollowedPoint]) {
         let Self { x, z, footprint, fields } = self;
         [&mut *x, &mut *z, &mut *footprint].into_iter().for_each(Vec::clear);
-        for Walk { rest, .. } in walks {
+        for FollowedPoint { rest, .. } in walks {
             x.push(rest[0]);
             z.push(rest[1]);
             footprint.push(sea.footprint(projector, DVec3::new(rest[0], sea.level, rest[1])));
         }
-        let wanted = Wanted { displacement: true, derivatives: true, slope_variance: true, velocity: false };
+        let wanted = FieldSet { displacement: true, derivatives: true, slope_variance: true, velocity: false };
         sea.frame.scattered(Points { x, z, footprint }, wanted, fields);
     }
 
@@ -102,7 +101,7 @@ impl Scratch {
     }
 }
 
-impl Walk {
+impl FollowedPoint {
     /// Takes one Newton step, given the sea here, and returns how far from the ray the point was; `None` if there is
     /// no such step.
     fn step(&mut self, sea: &SeaSurface, ray: &Ray, sample: &Sample) -> Option<f64> {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::certain::{Search, SeenGrid, contours_of_grid, meet_grid};
 use crate::channel::{NORMALS, RESTS};
-use crate::points::Near;
+use crate::points::MeshHit;
 use crate::shading::unit_or_up;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{Channel, ChannelSet, Projector, Ray, Resting};
@@ -368,7 +368,7 @@ impl Surface for GridSurface {
         contours_of_grid(&SeenGrid { grid: self, eye: search.projector.position }, search, mesh)
     }
 
-    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
+    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
         meet_grid(self, projector, ray, near)
     }
 

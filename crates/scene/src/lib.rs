@@ -59,7 +59,7 @@ pub use glam::DVec3;
 pub use grid_surface::GridSurface;
 pub use light::{Illumination, Light};
 pub use obstacles::{Obstacles, first_reference, surroundings};
-pub use points::{Near, Sums};
+pub use points::{MeshHit, Sums};
 pub use resting::Resting;
 pub use rigid::{Pose, RigidBodies};
 pub use sea_surface::{Resolved, SeaSurface};

@@ -9,7 +9,7 @@ use trochoid_image::Window;
 
 /// A point of a surface's mesh along a ray: where to look for the surface itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Near {
+pub struct MeshHit {
     /// Distance along the ray, in meters.
     pub distance: f64,
     /// The point's rest point, in the world.
@@ -71,25 +71,25 @@ impl Visible {
         let sheets = self.nearest_sheets(around(pixels), offset);
         let offset = self.on_raster(offset);
         let mut found = vec![None; pixels.len()];
-        let mut nears: Vec<Vec<(Ray, Near)>> = vec![Vec::new(); surfaces.len()];
+        let mut mesh_hits: Vec<Vec<(Ray, MeshHit)>> = vec![Vec::new(); surfaces.len()];
         let mut places: Vec<Vec<usize>> = vec![Vec::new(); surfaces.len()];
         for (index, &[x, y]) in pixels.iter().enumerate() {
             if let Some(sheet) = sheets.at([x, y])[0] {
                 let ray = self.projector.ray(x as f64 + offset[0], y as f64 + offset[1]);
-                let (surface, near) = self.near(&ray, &sheet);
-                nears[surface].push((ray, near));
+                let (surface, near) = self.mesh_hit(&ray, &sheet);
+                mesh_hits[surface].push((ray, near));
                 places[surface].push(index);
             }
         }
-        for (surface, (nears, places)) in nears.iter().zip(&places).enumerate() {
+        for (surface, (mesh_hits, places)) in mesh_hits.iter().zip(&places).enumerate() {
             let hits = match sums {
-                Sums::Single => surfaces[surface].follow(&self.projector, nears),
+                Sums::Single => surfaces[surface].follow(&self.projector, mesh_hits),
                 Sums::Double => {
-                    let meet = |(ray, near): &(Ray, Near)| surfaces[surface].meet_near(&self.projector, ray, near);
-                    nears.iter().map(meet).collect()
+                    let meet = |(ray, near): &(Ray, MeshHit)| surfaces[surface].meet_near(&self.projector, ray, near);
+                    mesh_hits.iter().map(meet).collect()
                 }
             };
-            for ((place, (ray, near)), hit) in places.iter().zip(nears).zip(hits) {
+            for ((place, (ray, near)), hit) in places.iter().zip(mesh_hits).zip(hits) {
                 let depth = (ray.at(near.distance) - self.projector.position).dot(self.projector.forward);
                 let hit = hit.filter(|hit| (hit.depth - depth).abs() <= APART * depth.abs());
                 found[*place] = hit.map(|hit| Hit { surface, ..hit });
@@ -105,12 +105,12 @@ impl Visible {
 
     /// Returns the point of the surface itself near a sheet of its mesh.
     pub(crate) fn meet(&self, surfaces: &[&dyn Surface], ray: &Ray, sheet: &Sheet) -> Option<Hit> {
-        let (surface, near) = self.near(ray, sheet);
+        let (surface, near) = self.mesh_hit(ray, sheet);
         surfaces[surface].meet_near(&self.projector, ray, &near).map(|hit| Hit { surface, ..hit })
     }
 
     /// Returns where a ray meets a sheet, and the index of the sheet's surface.
-    fn near(&self, ray: &Ray, sheet: &Sheet) -> (usize, Near) {
+    fn mesh_hit(&self, ray: &Ray, sheet: &Sheet) -> (usize, MeshHit) {
         let projector = &self.projector;
         let index = self.layer(sheet.primitive());
         let layer = &self.layers[index];
@@ -118,7 +118,7 @@ impl Visible {
         let triangle = layer.triangles(local)[sheet.part()];
         let along = ray.direction.dot(projector.forward);
         let distance = (sheet.depth(projector) - (ray.origin - projector.position).dot(projector.forward)) / along;
-        let near = Near {
+        let near = MeshHit {
             distance,
             rest: rest_at(layer, triangle, projector, ray.at(distance)),
             triangle: (local < layer.primitives).then_some(local),

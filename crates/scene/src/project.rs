@@ -79,7 +79,7 @@ pub(crate) struct Layer {
 type Binned = (u32, u32);
 
 /// Clips and projects meshes.
-struct Stage<'a> {
+struct MeshProjector<'a> {
     projector: &'a Projector,
     raster: Raster,
     bins: [i64; 2],
@@ -87,7 +87,7 @@ struct Stage<'a> {
 
 /// A vertex of a clipped polygon: weights of the triangle's three corners, and its position in view space.
 #[derive(Clone, Copy)]
-struct Corner {
+struct ClippedVertex {
     position: [f64; 3],
     weights: [f64; 3],
 }
@@ -96,12 +96,12 @@ impl Layer {
     /// Projects a mesh and sorts its primitives into bins. `first` is the number of its first primitive; `out`
     /// receives pairs of bin and number.
     pub(crate) fn new(mesh: Mesh, projector: &Projector, bins: [i64; 2], first: u32, out: &mut Vec<Binned>) -> Self {
-        let stage = Stage { projector, raster: Raster::new(projector), bins };
+        let stage = MeshProjector { projector, raster: Raster::new(projector), bins };
         let (screen, codes): (Vec<ScreenVertex>, Vec<u8>) =
             mesh.positions.par_iter().map(|&position| stage.vertex(stage.view(position))).unzip();
         let primitives = mesh.primitives();
         let mut layer = Self { mesh, screen, clipped: Vec::new(), primitives };
-        let tasks: Vec<(Vec<Binned>, Vec<Clipped>)> = (0..primitives.div_ceil(TASK))
+        let tasks: Vec<(Vec<Binned>, Vec<ClippedTriangle>)> = (0..primitives.div_ceil(TASK))
             .into_par_iter()
             .map(|task| {
                 let (mut binned, mut clipped) = (Vec::new(), Vec::new());
@@ -154,7 +154,7 @@ impl Layer {
     }
 
     /// Adds a clipped polygon's vertices, with interpolated attributes, and its fan of triangles.
-    fn append(&mut self, stage: &Stage<'_>, polygon: &Clipped, first: u32, out: &mut Vec<Binned>) {
+    fn append(&mut self, stage: &MeshProjector<'_>, polygon: &ClippedTriangle, first: u32, out: &mut Vec<Binned>) {
         let start = self.mesh.positions.len() as u32;
         for corner in &polygon.corners {
             self.screen.push(stage.vertex(corner.position).0);
@@ -224,12 +224,12 @@ impl<'a> IntoIterator for &'a Triangles {
 }
 
 /// The part of a triangle inside of the view volume.
-struct Clipped {
+struct ClippedTriangle {
     triangle: [u32; 3],
-    corners: Vec<Corner>,
+    corners: Vec<ClippedVertex>,
 }
 
-impl Stage<'_> {
+impl MeshProjector<'_> {
     /// Converts a point relative to the camera to view space: right, up, depth.
     #[inline]
     fn view(&self, position: [f32; 3]) -> [f64; 3] {
@@ -289,16 +289,16 @@ impl Stage<'_> {
     ///
     /// The intersection of an edge with a plane is computed from its ends in an order that depends only on the ends,
     /// so both triangles at an edge get the same point.
-    fn clip(&self, mesh: &Mesh, triangle: [u32; 3], out: &mut Vec<Clipped>) {
+    fn clip(&self, mesh: &Mesh, triangle: [u32; 3], out: &mut Vec<ClippedTriangle>) {
         let reach = self.clip_reach();
-        let mut polygon: Vec<Corner> = (0..3)
-            .map(|index| Corner {
+        let mut polygon: Vec<ClippedVertex> = (0..3)
+            .map(|index| ClippedVertex {
                 position: self.view(mesh.positions[triangle[index] as usize]),
                 weights: std::array::from_fn(|corner| if corner == index { 1.0 } else { 0.0 }),
             })
             .collect();
         for plane in 0..5 {
-            let distance = |corner: &Corner| self.planes(corner.position, reach)[plane];
+            let distance = |corner: &ClippedVertex| self.planes(corner.position, reach)[plane];
             let mut kept = Vec::with_capacity(polygon.len() + 1);
             for (index, a) in polygon.iter().enumerate() {
                 let b = &polygon[(index + 1) % polygon.len()];
@@ -315,7 +315,7 @@ impl Stage<'_> {
                 return;
             }
         }
-        out.push(Clipped { triangle, corners: polygon });
+        out.push(ClippedTriangle { triangle, corners: polygon });
     }
 
     /// Puts a primitive into all bins that its bounding box touches.
@@ -340,14 +340,14 @@ impl Stage<'_> {
     }
 }
 
-fn precedes(a: &Corner, b: &Corner) -> bool {
+fn precedes(a: &ClippedVertex, b: &ClippedVertex) -> bool {
     let order = a.position.iter().zip(&b.position).map(|(a, b)| a.total_cmp(b));
     order.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then).is_lt()
 }
 
 /// Returns the point between a and b where the distance to a plane is 0.
-fn cross(a: &Corner, b: &Corner, at_a: f64, at_b: f64) -> Corner {
+fn cross(a: &ClippedVertex, b: &ClippedVertex, at_a: f64, at_b: f64) -> ClippedVertex {
     let t = at_a / (at_a - at_b);
     let mix = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|index| a[index] + (b[index] - a[index]) * t);
-    Corner { position: mix(a.position, b.position), weights: mix(a.weights, b.weights) }
+    ClippedVertex { position: mix(a.position, b.position), weights: mix(a.weights, b.weights) }
 }

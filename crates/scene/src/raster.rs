@@ -15,7 +15,7 @@ use crate::surface::Topology;
 
 /// Triangles that one sample of each pixel of a window sees.
 #[derive(Clone, Copy)]
-pub(crate) struct Seen<'a> {
+pub(crate) struct SeenTriangles<'a> {
     window: Window,
     /// By pixel and sample: the primitive and the index of its triangle, packed; [`NOTHING`] if there is none.
     triangles: &'a [u64],
@@ -35,7 +35,7 @@ pub(crate) struct Row<'a> {
     pub(crate) triangles: Vec<u64>,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> SeenTriangles<'a> {
     /// Returns the triangle that a pixel sees.
     pub(crate) fn triangle(self, x: i64, y: i64) -> u64 {
         let pixel = (y - self.window.y0) as usize * self.window.width() + (x - self.window.x0) as usize;
@@ -79,19 +79,19 @@ const TOGETHER: usize = 1 << 21;
 const REMEMBERED: usize = 4;
 
 #[derive(Default)]
-struct Memory {
+struct RasterMemory {
     /// Results of the last windows, the latest first.
-    windows: Vec<Remembered>,
+    windows: Vec<RememberedWindow>,
     /// Scratch space for the keys of visible triangles during rasterization.
     keys: Vec<f64>,
 }
 
 thread_local! {
-    static MEMORY: RefCell<Memory> = RefCell::default();
+    static MEMORY: RefCell<RasterMemory> = RefCell::default();
 }
 
 /// Triangles that a view saw through a window, for some samples of its pixels.
-struct Remembered {
+struct RememberedWindow {
     view: u64,
     window: Window,
     triangles: Vec<u64>,
@@ -115,16 +115,17 @@ impl Visible {
     ///
     /// Windows are requested once for each sample of their pixels. Most of the work on a triangle is the same for all
     /// samples, so the first request does it for the others too, and the thread remembers the result.
-    pub(crate) fn look(&self, window: Window, offset: [f64; 2], take: impl FnOnce(Seen<'_>)) {
+    pub(crate) fn look(&self, window: Window, offset: [f64; 2], take: impl FnOnce(SeenTriangles<'_>)) {
         let sample = self.offsets.iter().position(|known| *known == offset);
         let sample = sample.filter(|_| window.area().saturating_mul(self.offsets.len()) <= TOGETHER);
         MEMORY.with_borrow_mut(|memory| {
             let Some(sample) = sample else {
                 let mut triangles = Vec::new();
                 self.rasterize(window, &[offset], &mut triangles, &mut memory.keys);
-                return take(Seen { window, triangles: &triangles, samples: 1, sample: 0 });
+                return take(SeenTriangles { window, triangles: &triangles, samples: 1, sample: 0 });
             };
-            let known = |known: &Remembered| known.view == self.number && known.window.intersect(window) == window;
+            let known =
+                |known: &RememberedWindow| known.view == self.number && known.window.intersect(window) == window;
             let known = match memory.windows.iter().position(known) {
                 Some(known) => memory.windows.remove(known),
                 None => {
@@ -132,11 +133,11 @@ impl Visible {
                     let oldest = if memory.windows.len() == REMEMBERED { memory.windows.pop() } else { None };
                     let mut triangles = oldest.map(|oldest| oldest.triangles).unwrap_or_default();
                     self.rasterize(window, &self.offsets, &mut triangles, &mut memory.keys);
-                    Remembered { view: self.number, window, triangles }
+                    RememberedWindow { view: self.number, window, triangles }
                 }
             };
             let (samples, triangles) = (self.offsets.len(), &known.triangles[..]);
-            take(Seen { window: known.window, triangles, samples, sample });
+            take(SeenTriangles { window: known.window, triangles, samples, sample });
             memory.windows.insert(0, known);
         });
     }
@@ -171,7 +172,7 @@ impl Visible {
     ) {
         let inside = window.intersect(Window::sized(self.projector.size[0] as u32, self.projector.size[1] as u32));
         let (triangles, keys) = (triangles.as_chunks_mut::<N>().0, keys.as_chunks_mut::<N>().0);
-        let mut samples = Samples::new(window, shifts, self.raster.bits, triangles, keys);
+        let mut samples = PixelSamples::new(window, shifts, self.raster.bits, triangles, keys);
         for bin_y in inside.y0.div_euclid(BIN[1])..inside.y1.div_euclid(BIN[1]) + 1 {
             for bin_x in inside.x0.div_euclid(BIN[0])..inside.x1.div_euclid(BIN[0]) + 1 {
                 let (x0, y0) = (bin_x * BIN[0], bin_y * BIN[1]);
@@ -190,7 +191,7 @@ impl Visible {
     }
 
     #[inline(always)]
-    fn cover_bin<const N: usize>(&self, primitives: &[u32], part: Window, samples: &mut Samples<'_, N>) {
+    fn cover_bin<const N: usize>(&self, primitives: &[u32], part: Window, samples: &mut PixelSamples<'_, N>) {
         let mut at = Cursor { layers: &self.layers, firsts: &self.firsts, layer: 0, row: 0, cells: 0..0 };
         for &primitive in primitives {
             let number = u64::from(primitive) * 2;
@@ -255,7 +256,7 @@ impl<'a> Cursor<'a> {
 }
 
 /// Samples of each pixel of a window.
-struct Samples<'a, const N: usize> {
+struct PixelSamples<'a, const N: usize> {
     window: Window,
     /// Positions within their pixel, in fixed point.
     shifts: [[i32; 2]; N],
@@ -268,7 +269,7 @@ struct Samples<'a, const N: usize> {
     keys: &'a mut [[f64; N]],
 }
 
-impl<'a, const N: usize> Samples<'a, N> {
+impl<'a, const N: usize> PixelSamples<'a, N> {
     fn new(
         window: Window,
         shifts: [[i32; 2]; N],

@@ -83,7 +83,7 @@ fn rest_below(sea: &SeaSurface, projector: &Projector, point: DVec3, guess: [f64
 
 fn hit(sea: &SeaSurface, projector: &Projector, ray: &Ray, distance: f64, rest: [f64; 2], inside: bool) -> Hit {
     let print = sea.footprint(projector, DVec3::new(rest[0], sea.level, rest[1]));
-    hit_of_sea(sea, projector, ray, distance, (rest, &sea.frame.evaluate(rest, print)), inside)
+    hit_of_sea(sea, projector, ray, distance, rest, &sea.frame.evaluate(rest, print), inside)
 }
 
 /// Returns the hit of a sea's point with this rest point at a distance along a ray.
@@ -92,7 +92,8 @@ pub(crate) fn hit_of_sea(
     projector: &Projector,
     ray: &Ray,
     distance: f64,
-    (rest, sample): ([f64; 2], &Sample),
+    rest: [f64; 2],
+    sample: &Sample,
     inside: bool,
 ) -> Hit {
     let normal = DVec3::from(sample.normal());

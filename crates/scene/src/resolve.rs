@@ -18,7 +18,7 @@ const BLOCK: usize = 32;
 type Lanes = [f64; BLOCK];
 
 /// A sample that sees a triangle.
-struct Hit {
+struct SampleHit {
     /// Index of the sample within its row.
     column: usize,
     surface: usize,
@@ -27,7 +27,7 @@ struct Hit {
 
 /// Hits of one mesh in one row.
 struct Block<'a> {
-    hits: &'a [Hit],
+    hits: &'a [SampleHit],
     mesh: &'a Mesh,
     /// Index of the row's first sample, and positions within the picture.
     start: usize,
@@ -61,7 +61,7 @@ impl Visible {
         wanted: ChannelSet,
         out: &mut Samples,
     ) {
-        let mut hits: Vec<Hit> = Vec::new();
+        let mut hits: Vec<SampleHit> = Vec::new();
         for row in rows {
             let (start, numbers) = (row.first, &row.triangles);
             let width = numbers.len();
@@ -82,7 +82,7 @@ impl Visible {
                 let surface = self.layer(primitive);
                 let local = (primitive - self.firsts[surface]) as usize;
                 let triangle = self.layers[surface].triangles(local)[(number % 2) as usize];
-                hits.push(Hit { column, surface, triangle });
+                hits.push(SampleHit { column, surface, triangle });
                 column += 1;
             }
             let y = row.y as f64 + offset[1];

@@ -1,7 +1,7 @@
 //! Surfaces over a resting plane, evaluated by rest point instead of through a camera.
 
 use rayon::prelude::*;
-use trochoid_sea::{Fields, Grid, GridError, GridPlan, Sample, Wanted};
+use trochoid_sea::{FieldSet, Fields, Grid, GridError, GridPlan, Sample};
 
 use crate::{GridSurface, SeaSurface};
 
@@ -18,7 +18,7 @@ pub trait Resting {
     fn on_grid(
         &self,
         grid: Grid,
-        wanted: Wanted,
+        wanted: FieldSet,
         tolerance: f64,
         out: &mut Fields,
         stop: &(dyn Fn() -> bool + Sync),
@@ -32,7 +32,7 @@ impl Resting for SeaSurface {
     fn on_grid(
         &self,
         grid: Grid,
-        wanted: Wanted,
+        wanted: FieldSet,
         tolerance: f64,
         out: &mut Fields,
         stop: &(dyn Fn() -> bool + Sync),
@@ -51,7 +51,7 @@ impl Resting for GridSurface {
     fn on_grid(
         &self,
         grid: Grid,
-        wanted: Wanted,
+        wanted: FieldSet,
         _tolerance: f64,
         out: &mut Fields,
         stop: &(dyn Fn() -> bool + Sync),

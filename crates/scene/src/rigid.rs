@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::certain::Search;
-use crate::points::Near;
+use crate::points::MeshHit;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
@@ -158,7 +158,7 @@ impl Surface for RigidBodies {
         self.model.contours(search, mesh)
     }
 
-    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
+    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
         let away = |hit: &Hit| (hit.distance - near.distance).abs();
         let hits = self.hits(projector, ray, |own, ray| self.model.meet_near(own, ray, near));
         hits.min_by(|a, b| away(a).total_cmp(&away(b)))

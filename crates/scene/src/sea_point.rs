@@ -7,7 +7,7 @@ use trochoid_sea::{Precise, PreciseSea};
 
 /// The point to which a sea carries a rest point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Carried {
+pub(crate) struct SeaPoint {
     /// Position in the world.
     pub(crate) point: DVec3,
     /// Derivatives by the rest point's x and z. They include the effect of the footprint, which changes only along
@@ -20,7 +20,7 @@ pub(crate) struct Carried {
 }
 
 impl SeaSurface {
-    pub(crate) fn carried(&self, projector: &Projector, rest: [f64; 2]) -> Carried {
+    pub(crate) fn carried(&self, projector: &Projector, rest: [f64; 2]) -> SeaPoint {
         let footprint = self.footprint(projector, DVec3::new(rest[0], self.level, rest[1]));
         self.carried_as(projector, rest, footprint, self.precise().evaluate(rest, footprint))
     }
@@ -32,12 +32,12 @@ impl SeaSurface {
         rest: [f64; 2],
         footprint: f64,
         precise: Precise,
-    ) -> Carried {
+    ) -> SeaPoint {
         let growth = self.growth(projector, rest);
         let ([xx, xz, zz], [yx, yz]) = (precise.sample.strain, precise.sample.slope);
         let [x, z] = projector.heading();
         let by_footprint = DVec3::from(precise.by_footprint) * growth;
-        Carried {
+        SeaPoint {
             point: DVec3::new(rest[0], self.level, rest[1]) + DVec3::from(precise.sample.displacement),
             by: [DVec3::new(1.0 + xx, yx, xz) + by_footprint * x, DVec3::new(xz, yz, 1.0 + zz) + by_footprint * z],
             precise,

@@ -7,7 +7,8 @@ use crate::certain::{Search, SeenSea, contours_of_grid, meet_sea};
 use crate::extent::{Bounds, Sector, Strip};
 use crate::followed::follow_sea;
 use crate::footprint::least_footprint;
-use crate::points::Near;
+use crate::points::MeshHit;
+use crate::sea_point::Limits;
 use crate::sea_point::Limits;
 use crate::spacing::Spacing;
 use crate::surface::{Anchor, Hit, Mesh, Surface};
@@ -194,12 +195,12 @@ impl Surface for SeaSurface {
         contours_of_grid(&SeenSea { sea: self, projector: search.projector }, search, mesh)
     }
 
-    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
+    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
         meet_sea(self, projector, ray, near)
     }
 
-    fn follow(&self, projector: &Projector, nears: &[(Ray, Near)]) -> Vec<Option<Hit>> {
-        follow_sea(self, projector, nears)
+    fn follow(&self, projector: &Projector, mesh_hits: &[(Ray, MeshHit)]) -> Vec<Option<Hit>> {
+        follow_sea(self, projector, mesh_hits)
     }
 
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {

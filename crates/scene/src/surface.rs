@@ -2,7 +2,7 @@ use glam::DVec3;
 
 use crate::certain::Search;
 use crate::channel::FINE;
-use crate::points::Near;
+use crate::points::MeshHit;
 use crate::{ChannelSet, Projector, Ray, Resting, SeaSurface};
 
 /// Something that a camera can see.
@@ -45,14 +45,14 @@ pub trait Surface: Send + Sync {
     }
 
     /// Returns the point of the continuous surface along a ray near a point of its mesh, in f64.
-    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
+    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
         let _ = near;
         self.trace(projector, ray)
     }
 
     /// Does the same for many rays; sums of waves may be computed in f32. Each result depends only on its own ray.
-    fn follow(&self, projector: &Projector, nears: &[(Ray, Near)]) -> Vec<Option<Hit>> {
-        nears.iter().map(|(ray, near)| self.meet_near(projector, ray, near)).collect()
+    fn follow(&self, projector: &Projector, mesh_hits: &[(Ray, MeshHit)]) -> Vec<Option<Hit>> {
+        mesh_hits.iter().map(|(ray, near)| self.meet_near(projector, ray, near)).collect()
     }
 
     /// Returns the sea of waves, for objects that move with the water; `None` for any other surface.

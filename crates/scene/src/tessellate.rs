@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use rayon::prelude::*;
-use trochoid_sea::{Fields, Line, LineScratch, Lines, Points, Wanted};
+use trochoid_sea::{FieldSet, Fields, Line, LineScratch, Lines, Points};
 
 use crate::channel::{NORMALS, RESTS};
 use crate::extent::{Sector, Strip};
@@ -55,7 +55,7 @@ trait Layout: Sync {
     const CLOSED: bool;
 
     /// Computes the rest points of a row, and the wanted quantities there.
-    fn row(&self, row: usize, wanted: Wanted, scratch: &mut Scratch);
+    fn row(&self, row: usize, wanted: FieldSet, scratch: &mut Scratch);
 }
 
 /// Returns a grid over the sector, to the horizon; `None` soon after `stop` says so.
@@ -86,7 +86,7 @@ pub(crate) fn sector(
                 footprint: ahead(sea, projector, along - sector.setback),
             }
         };
-        let layout = Across { lines: Lines::new(&sea.frame, columns + 1), columns: columns + 1, line };
+        let layout = StraightRows { lines: Lines::new(&sea.frame, columns + 1), columns: columns + 1, line };
         Rows { sea, projector, columns: columns + 1, rows, layout }.mesh(wanted, stop)
     }
 }
@@ -188,7 +188,7 @@ pub(crate) fn strip(
         }
     };
     let columns = columns as usize + 1;
-    let layout = Across { lines: Lines::new(&sea.frame, columns), columns, line };
+    let layout = StraightRows { lines: Lines::new(&sea.frame, columns), columns, line };
     Rows { sea, projector, columns, rows: rows as usize + 1, layout }.mesh(wanted, stop)
 }
 
@@ -203,16 +203,16 @@ struct Scratch {
 }
 
 /// Straight rows across the view.
-struct Across<'a, F> {
+struct StraightRows<'a, F> {
     lines: Lines<'a>,
     columns: usize,
     line: F,
 }
 
-impl<F: Fn(usize) -> Line + Sync> Layout for Across<'_, F> {
+impl<F: Fn(usize) -> Line + Sync> Layout for StraightRows<'_, F> {
     const CLOSED: bool = false;
 
-    fn row(&self, row: usize, wanted: Wanted, scratch: &mut Scratch) {
+    fn row(&self, row: usize, wanted: FieldSet, scratch: &mut Scratch) {
         let line = (self.line)(row);
         let Scratch { x, z, line: buffers, fields, .. } = scratch;
         for (axis, values) in [x, z].into_iter().enumerate() {
@@ -236,7 +236,7 @@ struct Disc<'a> {
 impl Layout for Disc<'_> {
     const CLOSED: bool = true;
 
-    fn row(&self, row: usize, wanted: Wanted, scratch: &mut Scratch) {
+    fn row(&self, row: usize, wanted: FieldSet, scratch: &mut Scratch) {
         let Scratch { x, z, footprint: prints, fields, .. } = scratch;
         x.clear();
         z.clear();
@@ -294,11 +294,11 @@ impl<L: Layout> Rows<'_, L> {
 
     fn row(&self, index: usize, row: Row<'_>, scratch: &mut Scratch) {
         let eye = self.projector.position;
-        let wanted = Wanted {
+        let wanted = FieldSet {
             displacement: true,
             derivatives: !row.normals.is_empty(),
             slope_variance: !row.slope_variances.is_empty(),
-            ..Wanted::default()
+            ..FieldSet::default()
         };
         self.layout.row(index, wanted, scratch);
         let Scratch { x, z, fields, .. } = scratch;

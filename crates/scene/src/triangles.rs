@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use crate::bezier::Placement;
 use crate::certain::{Search, contours_of_facets};
 use crate::channel::{NORMALS, RESTS};
-use crate::points::Near;
+use crate::points::MeshHit;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
@@ -261,7 +261,7 @@ impl Surface for TriangleModel {
     }
 
     /// Returns the hit of the triangle itself, unless rounding has moved the ray beside it.
-    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
+    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
         // There may be several bodies of this model.
         let triangle = near.triangle.map(|triangle| self.triangles[triangle % self.triangles.len()]);
         let met = triangle.and_then(|triangle| Some((meet(&self.positions, triangle, ray)?, triangle)));
@@ -271,14 +271,15 @@ impl Surface for TriangleModel {
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
         let met =
             self.triangles.iter().filter_map(|triangle| Some((meet(&self.positions, *triangle, ray)?, *triangle)));
-        let (met, triangle) = met.min_by(|a, b| a.0.0.total_cmp(&b.0.0))?;
+        let (met, triangle) = met.min_by(|a, b| a.0.distance.total_cmp(&b.0.distance))?;
         Some(self.hit(projector, ray, met, triangle))
     }
 }
 
 impl TriangleModel {
     /// Interpolates the point of a triangle by the weights of its corners.
-    fn hit(&self, projector: &Projector, ray: &Ray, (distance, weights): (f64, [f64; 3]), triangle: [u32; 3]) -> Hit {
+    fn hit(&self, projector: &Projector, ray: &Ray, crossing: Crossing, triangle: [u32; 3]) -> Hit {
+        let Crossing { distance, weights } = crossing;
         let corners = triangle.map(|vertex| vertex as usize);
         let blend = |vectors: &[DVec3]| (0..3).map(|i| weights[i] * vectors[corners[i]]).sum::<DVec3>();
         let position = blend(&self.positions);
@@ -309,10 +310,18 @@ impl TriangleModel {
     }
 }
 
-/// Returns the distance along a ray to a triangle, and the weights of its corners there.
+/// Point where a ray crosses a triangle.
+struct Crossing {
+    /// Distance along the ray, in meters.
+    distance: f64,
+    /// Weights of the triangle's corners.
+    weights: [f64; 3],
+}
+
+/// Returns the point where a ray crosses a triangle.
 ///
 /// After Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997.
-fn meet(positions: &[DVec3], triangle: [u32; 3], ray: &Ray) -> Option<(f64, [f64; 3])> {
+fn meet(positions: &[DVec3], triangle: [u32; 3], ray: &Ray) -> Option<Crossing> {
     let [p, q, r] = triangle.map(|vertex| positions[vertex as usize]);
     let (a, b) = (q - p, r - p);
     let across = ray.direction.cross(b);
@@ -326,5 +335,5 @@ fn meet(positions: &[DVec3], triangle: [u32; 3], ray: &Ray) -> Option<(f64, [f64
     let v = ray.direction.dot(along) / determinant;
     let distance = b.dot(along) / determinant;
     let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance >= 0.0 && distance.is_finite();
-    inside.then_some((distance, [1.0 - u - v, u, v]))
+    inside.then_some(Crossing { distance, weights: [1.0 - u - v, u, v] })
 }

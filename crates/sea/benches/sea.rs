@@ -3,11 +3,13 @@
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use trochoid_sea::toon::{Basin, Behavior, Boundary, Burst, Motion, ToonSea};
-use trochoid_sea::{Fields, GerstnerSpectrum, Grid, GridPlan, Line, LineScratch, Lines, Method, Sea, SeaFrame, Wanted};
+use trochoid_sea::{
+    FieldSet, Fields, GerstnerSpectrum, Grid, GridPlan, Line, LineScratch, Lines, Method, Sea, SeaFrame,
+};
 
 const SIDE: usize = 256;
 const POINTS: usize = 2048;
-const WANTED: Wanted = Wanted { displacement: true, derivatives: true, slope_variance: false, velocity: false };
+const WANTED: FieldSet = FieldSet { displacement: true, derivatives: true, slope_variance: false, velocity: false };
 
 fn sea(count: usize) -> SeaFrame {
     let spectrum = GerstnerSpectrum { count, ..GerstnerSpectrum::default() };

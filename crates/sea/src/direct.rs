@@ -1,6 +1,6 @@
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 
-use crate::fields::{Fields, Points, SUMS, Wanted};
+use crate::fields::{FieldSet, Fields, Points, SUMS};
 use crate::frame::{SeaFrame, Term};
 use crate::kernel::{LANES, exp_neg, sincos_turns};
 
@@ -93,7 +93,7 @@ impl SeaFrame {
     ///
     /// # Panics
     /// The slices of `points` differ in length.
-    pub fn direct(&self, points: Points<'_>, wanted: Wanted, out: &mut Fields) {
+    pub fn direct(&self, points: Points<'_>, wanted: FieldSet, out: &mut Fields) {
         let len = points.x.len();
         assert!(points.z.len() == len && points.footprint.len() == len, "x, z and footprint are of one length");
         out.reset(wanted, len);
@@ -161,7 +161,7 @@ impl SeaFrame {
         block: &Block,
         start: usize,
         len: usize,
-        wanted: Wanted,
+        wanted: FieldSet,
         scratch: &mut Scratch,
         out: &mut Fields,
     ) {
@@ -274,7 +274,7 @@ const J: u8 = 2;
 const V: u8 = 4;
 
 /// Returns the kinds of sums that are wanted, as bits.
-pub(crate) fn kinds(wanted: Wanted) -> u8 {
+pub(crate) fn kinds(wanted: FieldSet) -> u8 {
     D * u8::from(wanted.displacement) + J * u8::from(wanted.derivatives) + V * u8::from(wanted.velocity)
 }
 

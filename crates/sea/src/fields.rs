@@ -1,6 +1,6 @@
 /// Quantities that an evaluation computes; others cost nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Wanted {
+pub struct FieldSet {
     /// Displacement from the rest point.
     pub displacement: bool,
     /// Derivatives of the displacement by the rest point: normals, Jacobian.
@@ -14,7 +14,7 @@ pub struct Wanted {
 /// Number of sums of waves that an evaluation can compute: three displacements, five derivatives, three velocities.
 pub(crate) const SUMS: usize = 11;
 
-impl Wanted {
+impl FieldSet {
     /// All quantities.
     pub const ALL: Self = Self { displacement: true, derivatives: true, slope_variance: true, velocity: true };
 
@@ -87,7 +87,7 @@ pub struct Fields {
 
 impl Fields {
     /// Makes room for `len` points of each wanted quantity, all 0, and empties the others.
-    pub fn reset(&mut self, wanted: Wanted, len: usize) {
+    pub fn reset(&mut self, wanted: FieldSet, len: usize) {
         let size = |wanted: bool| if wanted { len } else { 0 };
         let fill = |values: &mut Vec<f32>, len: usize| {
             values.clear();

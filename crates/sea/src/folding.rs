@@ -1,4 +1,4 @@
-use crate::fields::{Fields, Points, Wanted};
+use crate::fields::{FieldSet, Fields, Points};
 use crate::frame::Sea;
 use crate::wave::Wave;
 
@@ -104,7 +104,7 @@ impl Sea {
         let z: Vec<f64> = (0..options.samples).map(|index| at(index, 0.569_840_290_998_053_3)).collect();
         let points = Points { x: &x, z: &z, footprint: &vec![0.0; options.samples] };
         let mut fields = Fields::default();
-        self.at(options.time).direct(points, Wanted { derivatives: true, ..Wanted::default() }, &mut fields);
+        self.at(options.time).direct(points, FieldSet { derivatives: true, ..FieldSet::default() }, &mut fields);
         fields.strain
     }
 }

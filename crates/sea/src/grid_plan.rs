@@ -1,4 +1,4 @@
-use crate::fields::{Fields, Points, Wanted};
+use crate::fields::{FieldSet, Fields, Points};
 use crate::frame::{CUT, SeaFrame};
 use crate::grid::{Grid, GridError};
 use crate::method::Method;
@@ -13,11 +13,11 @@ use rayon::prelude::*;
 /// crate's filter. Results do not depend on the number of threads.
 ///
 /// ```
-/// use trochoid_sea::{Fields, GerstnerSpectrum, Grid, GridPlan, Sea, Wanted};
+/// use trochoid_sea::{FieldSet, Fields, GerstnerSpectrum, Grid, GridPlan, Sea};
 ///
 /// let sea = Sea::new(GerstnerSpectrum { count: 200, ..GerstnerSpectrum::default() }.waves()?);
 /// let grid = Grid { origin: [0.0; 2], step: [0.5; 2], columns: 64, rows: 64, footprint: 0.5 };
-/// let wanted = Wanted { displacement: true, ..Wanted::default() };
+/// let wanted = FieldSet { displacement: true, ..FieldSet::default() };
 /// let mut plan = GridPlan::new(grid, wanted, sea.waves().len(), 1e-4)?;
 /// let mut fields = Fields::default();
 /// for frame in 0..3 {
@@ -28,7 +28,7 @@ use rayon::prelude::*;
 /// ```
 pub struct GridPlan {
     grid: Grid,
-    wanted: Wanted,
+    wanted: FieldSet,
     method: Method,
     transform: Transform,
 }
@@ -46,7 +46,7 @@ impl GridPlan {
     ///
     /// # Errors
     /// The grid has too many points, or a number that is not finite.
-    pub fn new(grid: Grid, wanted: Wanted, waves: usize, tolerance: f64) -> Result<Self, GridError> {
+    pub fn new(grid: Grid, wanted: FieldSet, waves: usize, tolerance: f64) -> Result<Self, GridError> {
         grid.validate()?;
         Ok(Self::build(grid, wanted, Method::cheapest([grid.columns, grid.rows], wanted, waves, tolerance)))
     }
@@ -55,12 +55,12 @@ impl GridPlan {
     ///
     /// # Errors
     /// The grid has too many points, or a number that is not finite.
-    pub fn by(method: Method, grid: Grid, wanted: Wanted) -> Result<Self, GridError> {
+    pub fn by(method: Method, grid: Grid, wanted: FieldSet) -> Result<Self, GridError> {
         grid.validate()?;
         Ok(Self::build(grid, wanted, method))
     }
 
-    fn build(grid: Grid, wanted: Wanted, method: Method) -> Self {
+    fn build(grid: Grid, wanted: FieldSet, method: Method) -> Self {
         let Grid { columns, rows, .. } = grid;
         let transform = match method.kernel() {
             None => Transform::None,
@@ -91,7 +91,7 @@ impl GridPlan {
             // The footprint is the same everywhere.
             let point = Points { x: &[0.0], z: &[0.0], footprint: &[grid.footprint] };
             let mut lost = Fields::default();
-            frame.direct(point, Wanted { slope_variance: true, ..Wanted::default() }, &mut lost);
+            frame.direct(point, FieldSet { slope_variance: true, ..FieldSet::default() }, &mut lost);
             out.slope_variance.fill(lost.slope_variance[0]);
         }
         let footprint2 = grid.footprint * grid.footprint;
@@ -111,8 +111,8 @@ impl GridPlan {
 }
 
 /// Evaluates row by row, by the sum for any points.
-fn direct(frame: &SeaFrame, grid: Grid, wanted: Wanted, out: &mut Fields, stop: &(dyn Fn() -> bool + Sync)) {
-    let wanted = Wanted { slope_variance: false, ..wanted };
+fn direct(frame: &SeaFrame, grid: Grid, wanted: FieldSet, out: &mut Fields, stop: &(dyn Fn() -> bool + Sync)) {
+    let wanted = FieldSet { slope_variance: false, ..wanted };
     let x: Vec<f64> = (0..grid.columns).map(|column| grid.origin[0] + column as f64 * grid.step[0]).collect();
     let footprint = vec![grid.footprint; grid.columns];
     let row = |row: usize| {

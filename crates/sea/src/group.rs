@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 
-use crate::wave::{GRAVITY, LENGTHS_M, Wave, WaveError, WaveFigure, within};
+use crate::wave::{GRAVITY, LENGTHS_M, Wave, WaveError, WaveParameter, within};
 
 /// Most waves of one group.
 pub const MAX_GROUP: usize = 10_000;
@@ -108,7 +108,7 @@ impl WaveGroup {
             .into_iter()
             .map(|([x, z], forward, weight)| {
                 let (k, share) = (libm::sqrt(x * x + z * z), weight / total);
-                within(WaveFigure::WavelengthInGroup, TAU / k, LENGTHS_M, "1e-6 to 1e9 meters")?;
+                within(WaveParameter::WavelengthInGroup, TAU / k, LENGTHS_M, "1e-6 to 1e9 meters")?;
                 let angular_frequency = self.speed.map_or(libm::sqrt(GRAVITY * k), |speed| speed * forward);
                 let travel = angular_frequency * self.time;
                 Ok(Wave {
@@ -125,22 +125,22 @@ impl WaveGroup {
 
     fn validate(&self) -> Result<(), WaveError> {
         let any = (f64::MIN, f64::MAX);
-        within(WaveFigure::Wavelength, self.wavelength, (1e-3, 1e6), "0.001 to 1,000,000 meters")?;
-        within(WaveFigure::Height, self.height, any, "a finite number of meters")?;
-        within(WaveFigure::Direction, self.direction, any, "a finite azimuth")?;
+        within(WaveParameter::Wavelength, self.wavelength, (1e-3, 1e6), "0.001 to 1,000,000 meters")?;
+        within(WaveParameter::Height, self.height, any, "a finite number of meters")?;
+        within(WaveParameter::Direction, self.direction, any, "a finite azimuth")?;
         let least = (Self::LEAST_ALONG, 1e6);
-        within(WaveFigure::Along, self.along / self.wavelength, least, "0.31 wavelengths or more")?;
-        within(WaveFigure::Across, self.across, (1e-3, 1e9), "0.001 to 1e9 meters")?;
-        within(WaveFigure::Focus, self.focus[0], (-1e9, 1e9), "at most 1e9 meters from the origin")?;
-        within(WaveFigure::Focus, self.focus[1], (-1e9, 1e9), "at most 1e9 meters from the origin")?;
-        within(WaveFigure::Time, self.time, (-1e9, 1e9), "at most 1e9 seconds")?;
-        within(WaveFigure::Sharpness, self.sharpness, (0.0, 1e3), "0 to 1000")?;
-        within(WaveFigure::Speed, self.speed.unwrap_or(0.0), any, "a finite number of m/s")?;
+        within(WaveParameter::Along, self.along / self.wavelength, least, "0.31 wavelengths or more")?;
+        within(WaveParameter::Across, self.across, (1e-3, 1e9), "0.001 to 1e9 meters")?;
+        within(WaveParameter::Focus, self.focus[0], (-1e9, 1e9), "at most 1e9 meters from the origin")?;
+        within(WaveParameter::Focus, self.focus[1], (-1e9, 1e9), "at most 1e9 meters from the origin")?;
+        within(WaveParameter::Time, self.time, (-1e9, 1e9), "at most 1e9 seconds")?;
+        within(WaveParameter::Sharpness, self.sharpness, (0.0, 1e3), "0 to 1000")?;
+        within(WaveParameter::Speed, self.speed.unwrap_or(0.0), any, "a finite number of m/s")?;
         for count in self.waves {
-            within(WaveFigure::Waves, count as f64, (1.0, MAX_GROUP as f64), "at least one wave each way")?;
+            within(WaveParameter::Waves, count as f64, (1.0, MAX_GROUP as f64), "at least one wave each way")?;
         }
         within(
-            WaveFigure::Waves,
+            WaveParameter::Waves,
             self.waves[0] as f64 * self.waves[1] as f64,
             (1.0, MAX_GROUP as f64),
             "at most 10,000 in all",

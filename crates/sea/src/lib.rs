@@ -30,7 +30,7 @@
 //! fixed order and never fused.
 
 #[macro_use]
-mod figures;
+mod parameters;
 
 mod direct;
 mod fields;
@@ -55,7 +55,7 @@ mod spread;
 pub mod toon;
 mod wave;
 
-pub use fields::{Fields, Points, Sample, Wanted};
+pub use fields::{FieldSet, Fields, Points, Sample};
 pub use folding::{FoldOptions, Folding};
 pub use frame::{Sea, SeaFrame};
 pub use grid::{Grid, GridError, MAX_POINTS, MAX_SIDE};
@@ -66,4 +66,4 @@ pub use method::Method;
 pub use precise::{Bends, Precise, PreciseSea};
 pub use ripple::Ripple;
 pub use spectrum::{Convention, Dispersion, GerstnerSpectrum, MAX_WAVES, SpectrumError};
-pub use wave::{ExplicitWave, GRAVITY, Wave, WaveError, WaveFigure, attenuation};
+pub use wave::{ExplicitWave, GRAVITY, Wave, WaveError, WaveParameter, attenuation};

@@ -1,4 +1,4 @@
-use crate::fields::Wanted;
+use crate::fields::FieldSet;
 use crate::spread::Kernel;
 
 /// How the sum of waves is evaluated on a regular grid.
@@ -55,7 +55,7 @@ impl Method {
     }
 
     /// Returns the cheapest method whose error is at most `tolerance`, or the most exact one.
-    pub(crate) fn cheapest(sides: [usize; 2], wanted: Wanted, waves: usize, tolerance: f64) -> Self {
+    pub(crate) fn cheapest(sides: [usize; 2], wanted: FieldSet, waves: usize, tolerance: f64) -> Self {
         let sums = wanted.sums().into_iter().filter(|&wanted| wanted).count();
         let cost = |method: &Self| method.cost(sides, sums, waves);
         let exact = Self::ALL.into_iter().filter(|method| method.error() <= tolerance);

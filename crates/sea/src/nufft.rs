@@ -11,7 +11,7 @@ use crate::fields::Fields;
 use crate::frame::{Factor, SeaFrame, factors};
 use crate::grid::Grid;
 use crate::lanes::{Lanes, Line, Real, WIDTH, splat};
-use crate::spread::{Kernel, Source};
+use crate::spread::{Kernel, TransformWave};
 
 /// Number of lines along z that one thread fills with waves at a time.
 const BAND: usize = 16;
@@ -97,7 +97,7 @@ struct Extent {
 pub(crate) struct Nufft<T: Real> {
     kernel: Kernel,
     axes: [Axis<T>; 2],
-    sources: Vec<Source>,
+    sources: Vec<TransformWave>,
     /// Kernel values for each source: `width` along x, then along z.
     weights: Vec<T>,
     amplitudes: Vec<Complex<T>>,
@@ -163,7 +163,7 @@ impl<T: Real> Nufft<T> {
             let at = [0, 1].map(|axis| sign * turns[axis] * lengths[axis]);
             let (sin, cos) = libm::sincos(TAU * frame.phases.of(wave, center));
             let first = at.map(|at| libm::ceil(at - half) as i64);
-            Source { wave, turned, at, first, phase: [cos, sin].map(|part| part * f64::from(share)) }
+            TransformWave { wave, turned, at, first, phase: [cos, sin].map(|part| part * f64::from(share)) }
         }));
         // Sorted by the lines that they reach, so that bands of lines find their waves.
         self.sources.sort_by_key(|source| source.first[1]);

@@ -1,6 +1,6 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::wave::{GRAVITY, LENGTHS_M, Wave, WaveError, WaveFigure, within};
+use crate::wave::{GRAVITY, LENGTHS_M, Wave, WaveError, WaveParameter, within};
 
 /// The crossed ripples of cartoon water, y = A·sin(p)·cos(q): a checkerboard of bumps and hollows.
 ///
@@ -40,12 +40,12 @@ impl Ripple {
     pub fn waves(&self) -> Result<[Wave; 2], WaveError> {
         let any = (f64::MIN, f64::MAX);
         for length in self.lengths {
-            within(WaveFigure::Wavelength, length, (2.0 * LENGTHS_M.0, LENGTHS_M.1), "2e-6 to 1e9 meters")?;
+            within(WaveParameter::Wavelength, length, (2.0 * LENGTHS_M.0, LENGTHS_M.1), "2e-6 to 1e9 meters")?;
         }
-        within(WaveFigure::Height, self.height, any, "a finite number of meters")?;
-        within(WaveFigure::Direction, self.direction, any, "a finite azimuth")?;
-        within(WaveFigure::Phase, self.phase, any, "a finite angle")?;
-        within(WaveFigure::Frequency, self.frequency.unwrap_or(0.0), any, "a finite number of rad/s")?;
+        within(WaveParameter::Height, self.height, any, "a finite number of meters")?;
+        within(WaveParameter::Direction, self.direction, any, "a finite azimuth")?;
+        within(WaveParameter::Phase, self.phase, any, "a finite angle")?;
+        within(WaveParameter::Frequency, self.frequency.unwrap_or(0.0), any, "a finite number of rad/s")?;
         let [along, across] = self.lengths.map(|length| TAU / length);
         let k = libm::hypot(along, across);
         let (sin, cos) = libm::sincos(self.direction);

@@ -1,7 +1,7 @@
 //! The sum in f32 at single points: sixteen side by side, none of which changes a bit of another.
 
 use crate::direct::add;
-use crate::fields::{Fields, Points, SUMS, Wanted};
+use crate::fields::{FieldSet, Fields, Points, SUMS};
 use crate::frame::{CUT, SeaFrame};
 use crate::kernel::{LANES, exp_neg, sincos_turns};
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
@@ -35,7 +35,7 @@ impl SeaFrame {
     ///
     /// # Panics
     /// The slices of `points` differ in length.
-    pub fn scattered(&self, points: Points<'_>, wanted: Wanted, out: &mut Fields) {
+    pub fn scattered(&self, points: Points<'_>, wanted: FieldSet, out: &mut Fields) {
         let len = points.x.len();
         assert!(points.z.len() == len && points.footprint.len() == len, "x, z and footprint are of one length");
         out.reset(wanted, len);

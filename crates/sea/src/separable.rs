@@ -4,7 +4,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use rayon::prelude::*;
 
 use crate::direct::{add, kinds};
-use crate::fields::{Fields, SUMS, Wanted};
+use crate::fields::{FieldSet, Fields, SUMS};
 use crate::frame::SeaFrame;
 use crate::grid::Grid;
 use crate::kernel::{LANES, sincos_turns};
@@ -19,7 +19,7 @@ impl SeaFrame {
         &self,
         grid: Grid,
         shares: &[f32],
-        wanted: Wanted,
+        wanted: FieldSet,
         out: &mut Fields,
         stop: &(dyn Fn() -> bool + Sync),
     ) {

@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 
-use crate::wave::{GRAVITY, LENGTHS_M, Wave, WaveError, WaveFigure, within};
+use crate::wave::{GRAVITY, LENGTHS_M, Wave, WaveError, WaveParameter, within};
 
 /// Most waves of one spectrum.
 pub const MAX_WAVES: usize = 100_000;
@@ -115,7 +115,7 @@ impl From<WaveError> for SpectrumError {
 }
 
 /// Random numbers of one wave.
-struct Draw {
+struct WaveDraw {
     wavelength: f64,
     azimuth: f64,
     phase: f64,
@@ -131,7 +131,7 @@ impl GerstnerSpectrum {
     /// A knob is outside of its range.
     pub fn waves(&self) -> Result<Vec<Wave>, SpectrumError> {
         self.validate()?;
-        let draws: Vec<Draw> = (0..self.count).map(|index| self.draw(index as u64)).collect();
+        let draws: Vec<WaveDraw> = (0..self.count).map(|index| self.draw(index as u64)).collect();
         // Vertical amplitude of wave i: `scale` · Lᵢ.
         let (scale, orbit) = match self.convention {
             Convention::Settled => {
@@ -153,7 +153,7 @@ impl GerstnerSpectrum {
         Ok(draws.iter().map(|draw| self.wave(draw, scale, orbit)).collect())
     }
 
-    fn wave(&self, draw: &Draw, scale: f64, orbit: f64) -> Wave {
+    fn wave(&self, draw: &WaveDraw, scale: f64, orbit: f64) -> Wave {
         let k = TAU / draw.wavelength;
         let amplitude = scale * draw.wavelength;
         Wave {
@@ -170,7 +170,7 @@ impl GerstnerSpectrum {
         }
     }
 
-    fn draw(&self, index: u64) -> Draw {
+    fn draw(&self, index: u64) -> WaveDraw {
         // Each index has its own generator; the multiplier only spreads neighboring indices over the state.
         let state = (u128::from(self.seed) << 64) | u128::from(index.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let mut random = Pcg64::new(state, u128::from(index));
@@ -182,7 +182,7 @@ impl GerstnerSpectrum {
         let phase = TAU * unit();
         // The mean of a log-normal is exp(μ + σ²/2): μ = ln(mean) − σ²/2.
         let log_length = libm::log(self.wavelength) + self.spread * (length - self.spread / 2.0);
-        Draw {
+        WaveDraw {
             wavelength: libm::exp(log_length).clamp(LENGTHS_M.0, LENGTHS_M.1),
             azimuth: self.direction + self.direction_spread * turn,
             phase,
@@ -194,16 +194,18 @@ impl GerstnerSpectrum {
             return Err(SpectrumError::Count(self.count));
         }
         let any = (f64::MIN, f64::MAX);
-        within(WaveFigure::Wavelength, self.wavelength, (1e-3, 1e6), "0.001 to 1,000,000 meters")?;
-        within(WaveFigure::Spread, self.spread, (0.0, 3.0), "0 to 3")?;
-        within(WaveFigure::Height, self.height, (0.0, 1e6), "0 to 1,000,000 meters")?;
-        within(WaveFigure::Direction, self.direction, any, "a finite azimuth")?;
-        within(WaveFigure::DirectionSpread, self.direction_spread, (0.0, 1e3), "0 or more, finite")?;
-        within(WaveFigure::Sharpness, self.sharpness, (0.0, 1e3), "0 to 1000")?;
+        within(WaveParameter::Wavelength, self.wavelength, (1e-3, 1e6), "0.001 to 1,000,000 meters")?;
+        within(WaveParameter::Spread, self.spread, (0.0, 3.0), "0 to 3")?;
+        within(WaveParameter::Height, self.height, (0.0, 1e6), "0 to 1,000,000 meters")?;
+        within(WaveParameter::Direction, self.direction, any, "a finite azimuth")?;
+        within(WaveParameter::DirectionSpread, self.direction_spread, (0.0, 1e3), "0 or more, finite")?;
+        within(WaveParameter::Sharpness, self.sharpness, (0.0, 1e3), "0 to 1000")?;
         match self.dispersion {
             Dispersion::Deep => {}
-            Dispersion::Speed(speed) => within(WaveFigure::Speed, speed, any, "a finite number of m/s")?,
-            Dispersion::Period(period) => within(WaveFigure::Period, period, (1e-9, f64::MAX), "more than 0 seconds")?,
+            Dispersion::Speed(speed) => within(WaveParameter::Speed, speed, any, "a finite number of m/s")?,
+            Dispersion::Period(period) => {
+                within(WaveParameter::Period, period, (1e-9, f64::MAX), "more than 0 seconds")?
+            }
         }
         Ok(())
     }

@@ -55,7 +55,7 @@ impl Kernel {
 
 /// A wave in terms of the lines of the transform.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Source {
+pub(crate) struct TransformWave {
     /// Index in the frame.
     pub(crate) wave: usize,
     /// Whether the wave was reversed, so that it travels toward +x; its amplitude is then the conjugate.

@@ -64,9 +64,9 @@ pub struct ExplicitWave {
     pub speed: Option<f64>,
 }
 
-figures! {
+parameters! {
     /// A parameter of waves, spectra, groups or ripples.
-    WaveFigure {
+    WaveParameter {
         Wavelength = "wavelength",
         Spread = "spread",
         Height = "height",
@@ -91,7 +91,7 @@ figures! {
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaveError {
     /// Name of the parameter.
-    pub figure: WaveFigure,
+    pub parameter: WaveParameter,
     /// Its value.
     pub found: f64,
     /// Accepted values.
@@ -100,7 +100,7 @@ pub struct WaveError {
 
 impl std::fmt::Display for WaveError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} {}; expected {}", self.figure, self.found, self.expected)
+        write!(f, "{} {}; expected {}", self.parameter, self.found, self.expected)
     }
 }
 
@@ -108,12 +108,16 @@ impl std::error::Error for WaveError {}
 
 /// Accepts finite values within closed bounds; rejects anything else, including NaN, by name.
 pub(crate) fn within(
-    figure: WaveFigure,
+    parameter: WaveParameter,
     found: f64,
     (low, high): (f64, f64),
     expected: &'static str,
 ) -> Result<(), WaveError> {
-    if found.is_finite() && found >= low && found <= high { Ok(()) } else { Err(WaveError { figure, found, expected }) }
+    if found.is_finite() && found >= low && found <= high {
+        Ok(())
+    } else {
+        Err(WaveError { parameter, found, expected })
+    }
 }
 
 /// Shortest and longest wave, in meters: phases stay exact in f64, and squares of wave numbers finite in f32.
@@ -124,15 +128,15 @@ impl TryFrom<ExplicitWave> for Wave {
 
     fn try_from(wave: ExplicitWave) -> Result<Self, WaveError> {
         let any = (f64::MIN, f64::MAX);
-        within(WaveFigure::Wavelength, wave.wavelength, LENGTHS_M, "1e-6 to 1e9 meters")?;
-        within(WaveFigure::Amplitude, wave.amplitude, any, "a finite number of meters")?;
-        within(WaveFigure::Direction, wave.direction, any, "a finite azimuth")?;
-        within(WaveFigure::Sharpness, wave.sharpness, (0.0, f64::MAX), "0 or more, finite")?;
-        within(WaveFigure::Phase, wave.phase, any, "a finite angle")?;
+        within(WaveParameter::Wavelength, wave.wavelength, LENGTHS_M, "1e-6 to 1e9 meters")?;
+        within(WaveParameter::Amplitude, wave.amplitude, any, "a finite number of meters")?;
+        within(WaveParameter::Direction, wave.direction, any, "a finite azimuth")?;
+        within(WaveParameter::Sharpness, wave.sharpness, (0.0, f64::MAX), "0 or more, finite")?;
+        within(WaveParameter::Phase, wave.phase, any, "a finite angle")?;
         let k = TAU / wave.wavelength;
         let angular_frequency = match wave.speed {
             Some(speed) => {
-                within(WaveFigure::Speed, speed, any, "a finite number of m/s")?;
+                within(WaveParameter::Speed, speed, any, "a finite number of m/s")?;
                 k * speed
             }
             None => libm::sqrt(GRAVITY * k),

@@ -122,7 +122,8 @@ const BATCH: usize = 16;
 /// are unspecified.
 pub fn filter(
     kernels: [&Kernel; 2],
-    (from, samples): (Window, &[f32]),
+    from: Window,
+    samples: &[f32],
     extent: Window,
     to: Window,
     stop: &(dyn Fn() -> bool + Sync),
@@ -282,7 +283,7 @@ mod tests {
         for (shape, size) in [(Shape::Gaussian, 0.7), (Shape::Gaussian, 40.0), (Shape::Box, 2.5), (Shape::Box, 99.0)] {
             let kernel = Kernel::new(shape, size);
             let mut out = vec![f32::NAN; image.len()];
-            filter([&kernel, &kernel], (window, &image), window, window, &|| false, &mut out);
+            filter([&kernel, &kernel], window, &image, window, window, &|| false, &mut out);
             let radius = shape.radius(size);
             for (index, value) in out.iter().enumerate() {
                 let (x, y) = ((index % 23) as i64, (index / 23) as i64);
@@ -296,7 +297,7 @@ mod tests {
             }
             for constant in [0.1, f32::MAX, 1e-45, 0.0, -7.3] {
                 let image = vec![constant; image.len()];
-                filter([&kernel, &kernel], (window, &image), window, window, &|| false, &mut out);
+                filter([&kernel, &kernel], window, &image, window, window, &|| false, &mut out);
                 assert!(out.iter().all(|v| v.to_bits() == constant.to_bits()), "{shape:?} {size} of {constant}");
             }
         }
@@ -309,7 +310,7 @@ mod tests {
         for (shape, size) in [(Shape::Gaussian, 1.3), (Shape::Box, 6.25), (Shape::Gaussian, 30.0)] {
             let (kernel, radius) = (Kernel::new(shape, size), shape.radius(size));
             let mut expected = vec![0.0; image.len()];
-            filter([&kernel, &kernel], (whole, &image), whole, whole, &|| false, &mut expected);
+            filter([&kernel, &kernel], whole, &image, whole, whole, &|| false, &mut expected);
             for to in [Window::new(0, 0, 1, 1), Window::new(3, 2, 29, 3), Window::new(17, 5, 40, 11)] {
                 let from = Window::new(to.x0 - radius, to.y0 - radius, to.x1 + radius, to.y1 + radius).intersect(whole);
                 let part = |window: Window, image: &[f32]| -> Vec<f32> {
@@ -317,7 +318,7 @@ mod tests {
                     (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| at(x, y))).collect()
                 };
                 let mut found = vec![0.0; to.area()];
-                filter([&kernel, &kernel], (from, &part(from, &image)), whole, to, &|| false, &mut found);
+                filter([&kernel, &kernel], from, &part(from, &image), whole, to, &|| false, &mut found);
                 assert_eq!(found, part(to, &expected), "{shape:?} {size} over {to}");
             }
         }
@@ -329,7 +330,7 @@ mod tests {
         let kernel = Kernel::new(Shape::Box, 1.0);
         let inf = f32::INFINITY;
         let mut out = [0.0; 5];
-        filter([&kernel, &kernel], (window, &[1.0, 2.0, inf, 4.0, -inf]), window, window, &|| false, &mut out);
+        filter([&kernel, &kernel], window, &[1.0, 2.0, inf, 4.0, -inf], window, window, &|| false, &mut out);
         assert_eq!(out[1..], [inf, inf, 4.0, -inf]);
     }
 
@@ -342,7 +343,7 @@ mod tests {
         let window = Window::sized(16, 4);
         let image: Vec<f32> = (0..64).map(|i| if i % 16 < 8 { 0.0 } else { 1.0 }).collect();
         let mut out = vec![0.0; 64];
-        filter([&kernel, &kernel], (window, &image), window, window, &|| false, &mut out);
+        filter([&kernel, &kernel], window, &image, window, window, &|| false, &mut out);
         let hull = crate::Hull::new(&[[0.0; 3], [1.0; 3]]);
         let (exits, worst) = hull.exits(&out, &out, &out, hull.margin(2));
         assert!(exits > 0 && worst > 0.05, "{exits} pixels, by {worst}");

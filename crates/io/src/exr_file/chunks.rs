@@ -12,7 +12,7 @@ use super::header::Header;
 use super::layout::Layout;
 use crate::Error;
 use crate::limits::grow;
-use crate::source::{ReadAt, Source};
+use crate::source::{ReadAt, SourceFile};
 
 /// Minimum number of bytes that are read at once: chunks of single rows are small, and each request costs as much as
 /// many bytes.
@@ -60,7 +60,7 @@ pub(super) struct Chunks {
 /// # Errors
 /// A chunk is missing or out of place, or bytes follow the last; or the file is of a kind that this crate does not
 /// write.
-pub(crate) fn check_whole<R: BufRead + Seek>(source: &mut Source<R>) -> Result<(), Error> {
+pub(crate) fn check_whole<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<(), Error> {
     let header = Header::read(source)?;
     let chunks = Chunks::find(source, &header, 0)?;
     if chunks.multi_part || chunks.layout.tiled {
@@ -108,7 +108,11 @@ pub(super) struct Position {
 
 impl Chunks {
     /// Reads the part's table of offsets.
-    pub(super) fn find<R: BufRead + Seek>(source: &mut Source<R>, header: &Header, part: usize) -> Result<Self, Error> {
+    pub(super) fn find<R: BufRead + Seek>(
+        source: &mut SourceFile<R>,
+        header: &Header,
+        part: usize,
+    ) -> Result<Self, Error> {
         let (detail, place) = (&header.details[part], header.parts[part].place(part));
         let layout = detail.layout;
         if let Some(stated) = detail.stated_chunks.filter(|&stated| stated != layout.chunks) {

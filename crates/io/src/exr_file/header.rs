@@ -8,7 +8,7 @@ use super::attribute::{self, Fields};
 use super::layout::Layout;
 use super::{LONG_NAMES, MAGIC, MAX_COORDINATE, MULTI_PART, NAME_LENGTH, NON_IMAGE, TILED};
 use crate::error::printable;
-use crate::source::Source;
+use crate::source::SourceFile;
 use crate::{ChannelInfo, Compression, Encoding, Error, Levels, PartInfo, SampleType, Storage, names};
 
 /// Maximum size of all headers together, in bytes: a hundred times the largest Cryptomatte manifests.
@@ -59,7 +59,7 @@ struct Attribute {
 
 impl Header {
     /// Reads and checks the headers of all parts.
-    pub(crate) fn read<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Self, Error> {
+    pub(crate) fn read<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Self, Error> {
         source.seek(0)?;
         let start = source.bytes(8, "version")?;
         let mut fields = Fields(&start[4..]);
@@ -115,7 +115,7 @@ impl Header {
 }
 
 /// Returns the attributes of [`Header::into_strings`], as far as the file can be read.
-pub(crate) fn readable_strings<R: BufRead + Seek>(source: &mut Source<R>) -> Vec<(String, String)> {
+pub(crate) fn readable_strings<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Vec<(String, String)> {
     let mut attributes = Vec::new();
     if source.seek(8).is_ok() {
         let _ = Reader { source, position: 8 }.attributes(0, &mut attributes);
@@ -131,7 +131,7 @@ fn strings(attributes: &[Attribute]) -> Vec<(String, String)> {
 
 /// Reader of attributes, which counts the bytes.
 struct Reader<'a, R> {
-    source: &'a mut Source<R>,
+    source: &'a mut SourceFile<R>,
     position: u64,
 }
 
@@ -201,7 +201,7 @@ impl<R: BufRead + Seek> Reader<'_, R> {
 
 /// Creates a part from its attributes.
 struct Builder<'a, R> {
-    source: &'a Source<R>,
+    source: &'a SourceFile<R>,
     index: usize,
     version: u32,
 }

@@ -13,7 +13,7 @@ use super::failure::Failure;
 use super::header::Header;
 use super::parallel::in_order;
 use crate::limits::{grow, zeroed};
-use crate::source::{self, ReadAt, Shareable, Source};
+use crate::source::{self, ReadAt, Shareable, SourceFile};
 use crate::{Error, FileKind, Limits, PartInfo, Picture, PictureInfo, Selection, Storage};
 
 /// Remedy for a valid file that is not supported.
@@ -86,7 +86,7 @@ impl ExrReader {
     }
 
     pub(crate) fn of<R: Shareable>(
-        mut source: Source<R>,
+        mut source: SourceFile<R>,
         selection: &Selection,
         limits: &Limits,
     ) -> Result<Self, Error> {
@@ -327,7 +327,7 @@ impl std::fmt::Debug for ExrReader {
 }
 
 /// Returns the codec of a part, or the reason that it is not supported.
-fn supported<R: BufRead + Seek>(source: &Source<R>, header: &Header, part: usize) -> Result<Codec, Error> {
+fn supported<R: BufRead + Seek>(source: &SourceFile<R>, header: &Header, part: usize) -> Result<Codec, Error> {
     let info = &header.parts[part];
     let refuse =
         |place: String, found: String| Error::Unsupported { path: source.path.clone(), place, found, remedy: REMEDY };

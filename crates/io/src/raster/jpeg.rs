@@ -8,7 +8,7 @@ use image::metadata::Orientation;
 
 use super::form::{Form, PLACE, TakeBytes, bases, check_claim, damaged, unsupported};
 use crate::limits::reserve;
-use crate::source::Source;
+use crate::source::SourceFile;
 use crate::{Encoding, Error, FileKind, SampleType};
 
 /// Maximum number of pixel bytes per byte of a file. At best, a bit is a block of 64 samples. An area of 32 × 32 pixels
@@ -25,7 +25,7 @@ struct Frame {
 }
 
 /// Finds the header of the frame, and refuses a truncated JPEG, whose decoder would silently fill the rest with gray.
-fn frame<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Frame, Error> {
+fn frame<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Frame, Error> {
     source.seek(2)?;
     let path = source.path.clone();
     let broken = |found: &str| Error::invalid(&path, PLACE, found, "segments and an end-of-image marker");
@@ -65,7 +65,7 @@ fn frame<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Frame, Error> {
     frame.ok_or_else(|| broken("no frame"))
 }
 
-pub(super) fn form<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Form, Error> {
+pub(super) fn form<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Form, Error> {
     let found = frame(source)?;
     let path = &source.path;
     match found.mark {
@@ -104,12 +104,12 @@ pub(super) fn form<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Form, Er
     Ok(form)
 }
 
-fn decoder<R: BufRead + Seek>(source: &mut Source<R>) -> Result<JpegDecoder<&mut R>, Error> {
+fn decoder<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<JpegDecoder<&mut R>, Error> {
     JpegDecoder::new(&mut source.reader).map_err(|_| damaged(&source.path, FileKind::Jpeg, 0))
 }
 
 pub(super) fn rows<R: BufRead + Seek>(
-    source: &mut Source<R>,
+    source: &mut SourceFile<R>,
     form: &Form,
     take: &mut TakeBytes<'_>,
 ) -> Result<(), Error> {

@@ -13,7 +13,7 @@ use image::metadata::Orientation;
 use trochoid_image::Plane;
 
 use crate::limits::reserve;
-use crate::source::Source;
+use crate::source::SourceFile;
 use crate::{
     ChannelInfo, Compression, Error, FileKind, Limits, PartInfo, SampleType, Storage, names, png_file, tiff_file,
 };
@@ -23,7 +23,7 @@ pub(crate) use jpeg::DENSEST as JPEG_DENSEST;
 pub(crate) use turn::oriented;
 
 /// Reads the header.
-pub(crate) fn form<R: BufRead + Seek>(source: &mut Source<R>, kind: FileKind) -> Result<Form, Error> {
+pub(crate) fn form<R: BufRead + Seek>(source: &mut SourceFile<R>, kind: FileKind) -> Result<Form, Error> {
     source.seek(0)?;
     let form = match kind {
         FileKind::Jpeg => jpeg::form(source)?,
@@ -37,7 +37,7 @@ pub(crate) fn form<R: BufRead + Seek>(source: &mut Source<R>, kind: FileKind) ->
 }
 
 /// Returns the description of a header for users.
-pub(crate) fn info<R: BufRead + Seek>(source: &mut Source<R>, kind: FileKind) -> Result<(PartInfo, Form), Error> {
+pub(crate) fn info<R: BufRead + Seek>(source: &mut SourceFile<R>, kind: FileKind) -> Result<(PartInfo, Form), Error> {
     let attributes = if kind == FileKind::Png { png_file::read_text(source)? } else { Vec::new() };
     let form = form(source, kind)?;
     let channels = form.bases.iter().map(|base| ChannelInfo {
@@ -70,7 +70,7 @@ pub(crate) fn info<R: BufRead + Seek>(source: &mut Source<R>, kind: FileKind) ->
 
 /// Decodes all rows and passes `channels` of each to the receiver, from the top down, until the receiver stops.
 pub(crate) fn each_row<R: BufRead + Seek>(
-    source: &mut Source<R>,
+    source: &mut SourceFile<R>,
     kind: FileKind,
     form: &Form,
     channels: &[usize],
@@ -119,7 +119,7 @@ pub(crate) fn each_row<R: BufRead + Seek>(
 }
 
 fn rows<R: BufRead + Seek>(
-    source: &mut Source<R>,
+    source: &mut SourceFile<R>,
     kind: FileKind,
     form: &Form,
     take: &mut TakeBytes<'_>,
@@ -150,9 +150,10 @@ fn spread(row: &[u8], form: &Form, channel: usize, line: &mut [f32]) {
 
 /// Decodes `channels` of the picture, in that order.
 pub(crate) fn read_planes<R: BufRead + Seek>(
-    source: &mut Source<R>,
+    source: &mut SourceFile<R>,
     kind: FileKind,
-    (info, form): (&PartInfo, &Form),
+    info: &PartInfo,
+    form: &Form,
     channels: &[usize],
     limits: &Limits,
 ) -> Result<Vec<Plane>, Error> {

@@ -9,7 +9,7 @@ use png::{BitDepth, ColorType, Decoder, DecodingError, Reader, Transformations};
 
 use super::form::{Form, PLACE, TakeBytes, bases, check_claim, damaged};
 use crate::limits::reserve;
-use crate::source::Source;
+use crate::source::SourceFile;
 use crate::{Encoding, Error, FileKind, SampleType};
 
 /// Maximum number of bytes per byte of DEFLATE; each row has one byte in addition to its pixels.
@@ -17,7 +17,7 @@ const DEFLATE: u64 = 1032;
 /// Memory for decoding in addition to rows, in bytes: the window of DEFLATE with its buffers, and ancillary chunks.
 const WORKING: usize = 1 << 20;
 
-fn open<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Reader<&mut R>, Error> {
+fn open<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Reader<&mut R>, Error> {
     let path = source.path.clone();
     // The rows that the crate holds are limited by the size that the file can inflate to.
     let room = usize::try_from(source.length.saturating_mul(DEFLATE)).unwrap_or(usize::MAX).saturating_add(WORKING);
@@ -42,7 +42,7 @@ fn failed(path: &Path, row: usize, error: DecodingError) -> Error {
     }
 }
 
-pub(super) fn form<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Form, Error> {
+pub(super) fn form<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Form, Error> {
     let length = source.length;
     let path = source.path.clone();
     let reader = open(source)?;
@@ -72,7 +72,7 @@ pub(super) fn form<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Form, Er
 }
 
 pub(super) fn rows<R: BufRead + Seek>(
-    source: &mut Source<R>,
+    source: &mut SourceFile<R>,
     form: &Form,
     take: &mut TakeBytes<'_>,
 ) -> Result<(), Error> {

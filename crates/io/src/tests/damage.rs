@@ -6,7 +6,7 @@ use image::{DynamicImage, ImageFormat};
 use rand::{Rng, RngExt};
 
 use super::make::{METHODS, Method, Part, SMALL, exr, random, read};
-use crate::source::Source;
+use crate::source::SourceFile;
 use crate::{Levels, Selection, metadata};
 
 /// Returns small valid files of every kind.
@@ -41,8 +41,8 @@ fn files() -> Vec<(String, Vec<u8>)> {
 /// Calls all functions that read. Any result is accepted, as long as they return.
 fn survive(name: &str, case: &str, bytes: &[u8]) {
     let attempt = catch_unwind(AssertUnwindSafe(|| {
-        let _ = crate::read::info_of(&mut Source::of_bytes(bytes.to_vec()), &SMALL);
-        let _ = metadata::metadata_of(&mut Source::of_bytes(bytes.to_vec()));
+        let _ = crate::read::info_of(&mut SourceFile::of_bytes(bytes.to_vec()), &SMALL);
+        let _ = metadata::metadata_of(&mut SourceFile::of_bytes(bytes.to_vec()));
         if let Ok(picture) = read(bytes, &Selection::default()) {
             let held: usize = picture.channels.iter().map(|channel| channel.plane.samples().len() * 4).sum();
             assert!(held as u64 <= SMALL.bytes);

@@ -104,7 +104,7 @@ fn large_tiles_in_many_bands() {
     let part = Part { size: (2100, 2100), ..Part::tiled(Method::RLE, (256, 100)) };
     let bytes = exr(std::slice::from_ref(&part));
     let limits = crate::Limits::default();
-    let source = crate::source::Source::of_bytes(bytes);
+    let source = crate::source::SourceFile::of_bytes(bytes);
     let picture = crate::read::read_of(source, &Selection::channels(["Z"]), &limits).unwrap();
     assert_eq!(picture.channels[0].plane.samples(), part.float());
 }

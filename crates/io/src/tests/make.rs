@@ -10,7 +10,7 @@ use exr::meta::header::{ImageAttributes, LayerAttributes};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::source::Source;
+use crate::source::SourceFile;
 use crate::{Error, Info, Levels, Limits, Picture, Selection};
 
 pub(super) use exr::compression::Compression as Method;
@@ -32,11 +32,11 @@ pub(super) const METHODS: [Method; 10] = [
 pub(super) const SMALL: Limits = Limits { pixels: 1 << 20, bytes: 16 << 20 };
 
 pub(super) fn read(bytes: &[u8], selection: &Selection) -> Result<Picture, Error> {
-    crate::read::read_of(Source::of_bytes(bytes.to_vec()), selection, &SMALL)
+    crate::read::read_of(SourceFile::of_bytes(bytes.to_vec()), selection, &SMALL)
 }
 
 pub(super) fn describe(bytes: &[u8]) -> Result<Info, Error> {
-    crate::read::info_of(&mut Source::of_bytes(bytes.to_vec()), &SMALL)
+    crate::read::info_of(&mut SourceFile::of_bytes(bytes.to_vec()), &SMALL)
 }
 
 pub(super) fn random() -> Pcg64Mcg {

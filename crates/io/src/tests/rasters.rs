@@ -6,7 +6,7 @@ use image::{DynamicImage, ImageFormat};
 use trochoid_image::Window;
 
 use super::make::{SMALL, describe, read};
-use crate::source::Source;
+use crate::source::SourceFile;
 use crate::{Encoding, Error, FileKind, Limits, SampleType, Selection};
 
 const WIDTH: u32 = 13;
@@ -118,7 +118,7 @@ fn huge_claims_are_refused() {
     assert!(!matches!(read(&huge, &Selection::default()), Ok(_) | Err(Error::Io { .. })));
     let tight = Limits { bytes: 100, ..SMALL };
     for format in [ImageFormat::Png, ImageFormat::Tiff, ImageFormat::Jpeg] {
-        let source = Source::of_bytes(encoded(&image, format));
+        let source = SourceFile::of_bytes(encoded(&image, format));
         let error = crate::read::read_of(source, &Selection::default(), &tight).unwrap_err();
         assert!(matches!(error, Error::TooLarge { .. } | Error::Unsupported { .. }), "{format:?}: {error}");
     }

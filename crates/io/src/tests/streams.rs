@@ -8,14 +8,14 @@ use rand::RngExt;
 use trochoid_image::{Plane, Window};
 
 use super::make::{METHODS, Method, Part, SMALL, exr, random, values};
-use crate::source::Source;
+use crate::source::SourceFile;
 use crate::{
     BandBuffer, EncodeScratch, EncodedBand, Error, ExrChannel, ExrHeader, ExrImage, ExrReader, ExrWriter, Limits,
     SampleType, Samples, Selection, info, read, read_metadata, write_exr,
 };
 
 fn reader(bytes: &[u8], selection: &Selection) -> ExrReader {
-    ExrReader::of(Source::of_bytes(bytes.to_vec()), selection, &SMALL).unwrap()
+    ExrReader::of(SourceFile::of_bytes(bytes.to_vec()), selection, &SMALL).unwrap()
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::io::{BufRead, Seek};
 use std::path::{Path, PathBuf};
 
 use crate::Error;
-use crate::source::Source;
+use crate::source::SourceFile;
 
 /// Maximum number of entries in a directory; some hundred tags exist.
 const MOST_ENTRIES: u64 = 4096;
@@ -67,7 +67,7 @@ pub(super) struct Directory {
 }
 
 impl Directory {
-    pub(super) fn read<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Self, Error> {
+    pub(super) fn read<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Self, Error> {
         source.seek(0)?;
         let head = source.bytes(4, "header")?;
         let big_endian = head[0] == b'M';
@@ -115,7 +115,7 @@ impl Directory {
     /// Returns the unsigned numbers of a tag, at most this many; none if the tag is absent.
     pub(super) fn numbers<R: BufRead + Seek>(
         &self,
-        source: &mut Source<R>,
+        source: &mut SourceFile<R>,
         tag: u16,
         most: u64,
     ) -> Result<Option<Vec<u64>>, Error> {
@@ -133,7 +133,7 @@ impl Directory {
     }
 
     /// Returns the first number of a tag.
-    pub(super) fn number<R: BufRead + Seek>(&self, source: &mut Source<R>, tag: u16) -> Result<Option<u64>, Error> {
+    pub(super) fn number<R: BufRead + Seek>(&self, source: &mut SourceFile<R>, tag: u16) -> Result<Option<u64>, Error> {
         let Some(entry) = self.entries.get(&tag) else { return Ok(None) };
         Ok(self.numbers(source, tag, entry.count.min(u64::from(u16::MAX)))?.map(|numbers| numbers[0]))
     }

@@ -7,7 +7,7 @@ use image::metadata::Orientation;
 
 use super::directory::{Directory, tag};
 use crate::raster::{Form, PLACE, bases, unsupported};
-use crate::source::Source;
+use crate::source::SourceFile;
 use crate::{Encoding, Error, Limits, SampleType};
 
 /// Compression of chunks.
@@ -63,7 +63,7 @@ pub(super) struct Layout {
 
 /// Tags of an open file.
 struct Tags<'a, R> {
-    source: &'a mut Source<R>,
+    source: &'a mut SourceFile<R>,
     directory: Directory,
 }
 
@@ -211,7 +211,7 @@ fn sample_type(meaning: &Meaning, bits: usize, float: bool) -> SampleType {
 }
 
 impl Layout {
-    pub(super) fn read<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Self, Error> {
+    pub(super) fn read<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Self, Error> {
         let directory = Directory::read(source)?;
         let (path, length) = (source.path.clone(), source.length);
         let mut tags = Tags { source, directory };

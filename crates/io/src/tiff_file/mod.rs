@@ -12,18 +12,18 @@ use std::io::{BufRead, Seek};
 
 use crate::limits::reserve;
 use crate::raster::{Form, PLACE, TakeBytes, damaged};
-use crate::source::Source;
+use crate::source::SourceFile;
 use crate::{Error, FileKind};
 use layout::Layout;
 
 /// Reads the tags.
-pub(crate) fn form<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Form, Error> {
+pub(crate) fn form<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Form, Error> {
     Ok(Layout::read(source)?.form)
 }
 
 /// Decodes all rows, a row of chunks at a time.
 pub(crate) fn rows<R: BufRead + Seek>(
-    source: &mut Source<R>,
+    source: &mut SourceFile<R>,
     form: &Form,
     take: &mut TakeBytes<'_>,
 ) -> Result<(), Error> {
@@ -49,7 +49,7 @@ pub(crate) fn rows<R: BufRead + Seek>(
 
 /// Returns the raw samples of the chunk that starts at row `y`; if planes are separate, one chunk of each.
 fn read_chunks<R: BufRead + Seek>(
-    source: &mut Source<R>,
+    source: &mut SourceFile<R>,
     layout: &Layout,
     y: usize,
     column: usize,

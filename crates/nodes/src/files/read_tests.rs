@@ -162,7 +162,10 @@ fn stated_primaries_are_converted() {
     for bad in [Chromaticities { red: p3.green, ..p3 }, Chromaticities { white: [f32::NAN, 0.3], ..p3 }] {
         exr(folder.path(), &[("R", [0.5; 12]), ("G", [0.5; 12]), ("B", [0.25; 12])], Some(bad));
         let text = message(read(folder.path(), "color", r#""as": "color""#));
-        assert!(text.contains("expected three primaries that span colors") && text.contains("chromaticities"), "{text}");
+        assert!(
+            text.contains("expected three primaries that span colors") && text.contains("chromaticities"),
+            "{text}"
+        );
     }
 }
 

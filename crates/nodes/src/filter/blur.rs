@@ -108,7 +108,7 @@ impl Prepared for PreparedBlur {
         fill(self.kind, block.window.area(), outputs, |channel, out| {
             if let Some(Some(samples)) = image.planes.get(channel) {
                 let stop = inputs.cancellation();
-                filter(self.kernels.each_ref(), (image.window, samples), image.extent, block.window, stop, out);
+                filter(self.kernels.each_ref(), image.window, samples, image.extent, block.window, stop, out);
             }
         });
         inputs.go_on()

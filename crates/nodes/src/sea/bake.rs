@@ -8,7 +8,7 @@ use std::ops::Range;
 use trochoid_graph::*;
 use trochoid_image::Window;
 use trochoid_scene::Resting;
-use trochoid_sea::{Fields, Grid, Sample, Wanted};
+use trochoid_sea::{FieldSet, Fields, Grid, Sample};
 
 /// Evaluates a sea over a rectangle of the world and outputs images for other renderers.
 ///
@@ -124,16 +124,16 @@ fn is_asked(wanted: &[Vec<bool>], output: Out) -> bool {
 }
 
 /// Returns the sums needed to compute the wanted images.
-fn sums(wanted: &[Vec<bool>]) -> Wanted {
+fn sums(wanted: &[Vec<bool>]) -> FieldSet {
     let any = |outputs: [Out; 2]| outputs.into_iter().any(|output| is_asked(wanted, output));
     let (displacement, derivatives) = (any([Out::Height, Out::Displacement]), any([Out::Normal, Out::Jacobian]));
-    Wanted { displacement, derivatives, ..Wanted::default() }
+    FieldSet { displacement, derivatives, ..FieldSet::default() }
 }
 
 /// Counts the channels of the wanted images and of the sums needed for them.
 fn planes(wanted: &[Vec<bool>]) -> [usize; 2] {
     let images = Out::ALL.into_iter().filter(|output| is_asked(wanted, *output)).map(|output| output.channels().len());
-    let Wanted { displacement, derivatives, .. } = sums(wanted);
+    let FieldSet { displacement, derivatives, .. } = sums(wanted);
     [images.sum(), 3 * usize::from(displacement) + 5 * usize::from(derivatives)]
 }
 

@@ -4,7 +4,7 @@ use super::check_trails;
 use crate::view::{Around, grown, is_covered, nothing};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
-use trochoid_sea::toon::lines::{Lines, Place, density};
+use trochoid_sea::toon::lines::{LinePoint, Lines, density};
 use trochoid_sea::toon::{LineRow, NearPhase, NearPlace, density_span};
 
 /// A mask of lines along the motion of a toon sea's bursts, tapering with height.
@@ -177,7 +177,7 @@ impl Prepared for PreparedLines {
         let beside = [[moved(-1.0, 0.0), moved(1.0, 0.0)], [moved(0.0, -1.0), moved(0.0, 1.0)]];
         let [weight, height] = [Channel::DriftWeight, Channel::Height].map(|channel| inputs.view(&self.view, channel));
         let here = phase(inputs);
-        let place = Place { weight, phase: here, height, density: density(here, beside) };
+        let place = LinePoint { weight, phase: here, height, density: density(here, beside) };
         Ok(vec![Reference::Mask(self.lines.mask(&place))])
     }
 }

@@ -9,7 +9,7 @@ use trochoid_image::Format;
 use trochoid_scene::SeaSurface;
 use trochoid_sea::{
     Convention, Dispersion, ExplicitWave, FoldOptions, Folding, GerstnerSpectrum, MAX_WAVES, Sea, SpectrumError, Wave,
-    WaveError, WaveFigure, WaveGroup,
+    WaveError, WaveGroup, WaveParameter,
 };
 
 /// An endless sea: a sum of trochoidal waves with log-normally distributed wavelengths, plus waves and crests set by
@@ -194,14 +194,14 @@ impl Refused {
                 let (found, expected) = (format!("{found} waves"), format!("at most {MAX_WAVES}"));
                 check.error(GerstnerSea::COUNT, found, expected, "lower \"count\"");
             }
-            Self::Spectrum(SpectrumError::Knob(WaveError { figure, found, expected })) => {
-                check.error(GerstnerSea::of_spectrum(*figure), format!("{figure} {found}"), expected, CHANGE);
+            Self::Spectrum(SpectrumError::Knob(WaveError { parameter, found, expected })) => {
+                check.error(GerstnerSea::of_spectrum(*parameter), format!("{parameter} {found}"), expected, CHANGE);
             }
-            Self::Handmade(WaveError { figure, found, expected }) => {
-                check.error(GerstnerSea::WAVES, format!("{figure} {found}"), expected, CHANGE);
+            Self::Handmade(WaveError { parameter, found, expected }) => {
+                check.error(GerstnerSea::WAVES, format!("{parameter} {found}"), expected, CHANGE);
             }
-            Self::Group { index, error: WaveError { figure, found, expected } } => {
-                check.error(GerstnerSea::GROUPS, format!("groups[{index}]: {figure} {found}"), expected, CHANGE);
+            Self::Group { index, error: WaveError { parameter, found, expected } } => {
+                check.error(GerstnerSea::GROUPS, format!("groups[{index}]: {parameter} {found}"), expected, CHANGE);
             }
             Self::Short { index, along, least } => {
                 check.error(GerstnerSea::GROUPS, short(*index, *along), long_enough(*least), SHORT);
@@ -284,22 +284,24 @@ impl GerstnerSea {
         Ok(waves)
     }
 
-    /// Returns the knob that a figure of the spectrum comes from.
-    fn of_spectrum(figure: WaveFigure) -> ItemName {
-        match figure {
-            WaveFigure::Wavelength | WaveFigure::WavelengthInGroup => Self::WAVELENGTH,
-            WaveFigure::Spread => Self::SPREAD,
-            WaveFigure::Height | WaveFigure::Amplitude => Self::HEIGHT,
-            WaveFigure::Direction => Self::DIRECTION,
-            WaveFigure::DirectionSpread => Self::DIRECTION_SPREAD,
-            WaveFigure::Sharpness => Self::SHARPNESS,
-            WaveFigure::Speed => Self::SPEED,
-            WaveFigure::Period | WaveFigure::Frequency => Self::PERIOD,
-            WaveFigure::Waves => Self::COUNT,
+    /// Returns the knob that a parameter of the spectrum comes from.
+    fn of_spectrum(parameter: WaveParameter) -> ItemName {
+        match parameter {
+            WaveParameter::Wavelength | WaveParameter::WavelengthInGroup => Self::WAVELENGTH,
+            WaveParameter::Spread => Self::SPREAD,
+            WaveParameter::Height | WaveParameter::Amplitude => Self::HEIGHT,
+            WaveParameter::Direction => Self::DIRECTION,
+            WaveParameter::DirectionSpread => Self::DIRECTION_SPREAD,
+            WaveParameter::Sharpness => Self::SHARPNESS,
+            WaveParameter::Speed => Self::SPEED,
+            WaveParameter::Period | WaveParameter::Frequency => Self::PERIOD,
+            WaveParameter::Waves => Self::COUNT,
             // These occur only in groups and ripples.
-            WaveFigure::Phase | WaveFigure::Along | WaveFigure::Across | WaveFigure::Focus | WaveFigure::Time => {
-                Self::WAVES
-            }
+            WaveParameter::Phase
+            | WaveParameter::Along
+            | WaveParameter::Across
+            | WaveParameter::Focus
+            | WaveParameter::Time => Self::WAVES,
         }
     }
 }

@@ -6,8 +6,8 @@ use crate::view::SurfaceHandle;
 use std::sync::{Arc, OnceLock};
 use trochoid_graph::*;
 use trochoid_scene::Projector;
-use trochoid_scene::spray::{Brush, Dabs, Planes, Sprayed, Stamp, TooMuchSpray};
-use trochoid_sea::spray::{self as model, Burst, MAX_DROPS, SprayError, SprayFigure, SprayRun, reference};
+use trochoid_scene::spray::{Brush, Dabs, Planes, SpraySample, Stamp, TooMuchSpray};
+use trochoid_sea::spray::{self as model, Burst, MAX_DROPS, SprayError, SprayParameter, SprayRun, reference};
 
 /// Drops thrown into the air by breaking crests and by bursts set by hand, drawn as brush stamps.
 ///
@@ -192,28 +192,28 @@ impl Spray {
         spray.check().map(|()| spray)
     }
 
-    /// Returns the knob or list that a figure comes from.
-    fn item_of(figure: SprayFigure) -> ItemName {
-        match figure {
-            SprayFigure::Center => Self::CENTER,
-            SprayFigure::Size => Self::SIZE,
-            SprayFigure::Cell => Self::CELL,
-            SprayFigure::Rate => Self::RATE,
-            SprayFigure::Threshold => Self::THRESHOLD,
-            SprayFigure::Width => Self::WIDTH,
-            SprayFigure::Density => Self::DENSITY,
-            SprayFigure::Follow => Self::FOLLOW,
-            SprayFigure::Speed => Self::SPEED,
-            SprayFigure::Cone => Self::SPREAD,
-            SprayFigure::Wind => Self::WIND,
-            SprayFigure::Drag => Self::DRAG,
-            SprayFigure::Lifetime => Self::LIFETIME,
-            SprayFigure::Radius => Self::RADIUS,
-            SprayFigure::Growth => Self::GROWTH,
-            SprayFigure::Vary => Self::VARY,
-            SprayFigure::Tuft => Self::TUFT,
-            SprayFigure::Torn => Self::TORN,
-            SprayFigure::Bursts => Self::BURSTS,
+    /// Returns the knob or list that a parameter comes from.
+    fn item_of(parameter: SprayParameter) -> ItemName {
+        match parameter {
+            SprayParameter::Center => Self::CENTER,
+            SprayParameter::Size => Self::SIZE,
+            SprayParameter::Cell => Self::CELL,
+            SprayParameter::Rate => Self::RATE,
+            SprayParameter::Threshold => Self::THRESHOLD,
+            SprayParameter::Width => Self::WIDTH,
+            SprayParameter::Density => Self::DENSITY,
+            SprayParameter::Follow => Self::FOLLOW,
+            SprayParameter::Speed => Self::SPEED,
+            SprayParameter::Cone => Self::SPREAD,
+            SprayParameter::Wind => Self::WIND,
+            SprayParameter::Drag => Self::DRAG,
+            SprayParameter::Lifetime => Self::LIFETIME,
+            SprayParameter::Radius => Self::RADIUS,
+            SprayParameter::Growth => Self::GROWTH,
+            SprayParameter::Vary => Self::VARY,
+            SprayParameter::Tuft => Self::TUFT,
+            SprayParameter::Torn => Self::TORN,
+            SprayParameter::Bursts => Self::BURSTS,
         }
     }
 
@@ -231,7 +231,7 @@ impl Spray {
 impl Node for Spray {
     fn check(&self, check: &mut Check<'_>) {
         if let Err(error) = self.spray() {
-            let (item, expected) = (Self::item_of(error.figure()), "a spray within its limits");
+            let (item, expected) = (Self::item_of(error.parameter()), "a spray within its limits");
             return check.error(item, error, expected, "change the named knobs");
         }
         if !self.bursts.is_empty() {
@@ -403,7 +403,7 @@ impl Prepared for PreparedSpray {
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let dabs = self.truth()?;
-        let Sprayed { alpha, depth, age, .. } = dabs.at(inputs.at, inputs.view(&self.view, Channel::Depth));
+        let SpraySample { alpha, depth, age, .. } = dabs.at(inputs.at, inputs.view(&self.view, Channel::Depth));
         let output = |output| match output {
             Out::Alpha => Reference::Mask(alpha),
             Out::Depth => Reference::Field(vec![depth]),

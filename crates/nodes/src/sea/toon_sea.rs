@@ -7,7 +7,7 @@ use trochoid_graph::*;
 use trochoid_image::Format;
 use trochoid_sea::toon::{
     self as model, Basin, Behavior, Boundary, Combine, Drift, Forecast, Instability, Mixing, Motion, Physics, Rift,
-    Shape, ToonError, ToonFigure,
+    Shape, ToonError, ToonParameter,
 };
 
 /// A finite sea raised by bursts that travel along splines. Their heights spread over a grid and die away; foam and
@@ -239,39 +239,39 @@ impl ToonSea {
         }
     }
 
-    /// Returns the knob or list that a figure comes from.
-    fn item_of(&self, figure: ToonFigure, burst: Option<usize>) -> ItemName {
-        match (figure, burst) {
+    /// Returns the knob or list that a parameter comes from.
+    fn item_of(&self, parameter: ToonParameter, burst: Option<usize>) -> ItemName {
+        match (parameter, burst) {
             (_, Some(burst)) => self.list_of(burst),
-            (ToonFigure::Columns | ToonFigure::Cells, None) => Self::COLUMNS,
-            (ToonFigure::Rows, None) => Self::ROWS,
-            (ToonFigure::Spacing, None) => Self::SPACING,
-            (ToonFigure::Rate, None) => Self::RATE,
-            (ToonFigure::Speed, None) => Self::SPEED,
-            (ToonFigure::Damping, None) => Self::DAMPING,
-            (ToonFigure::Frequency, None) => Self::FREQUENCY,
-            (ToonFigure::Push, None) => Self::PUSH,
-            (ToonFigure::Injection, None) => Self::INJECTION,
-            (ToonFigure::RiftDistance, None) => Self::RIFT_DISTANCE,
-            (ToonFigure::RiftGain, None) => Self::RIFT_GAIN,
-            (ToonFigure::RiftDecay, None) => Self::RIFT_DECAY,
-            (ToonFigure::DriftPeriod | ToonFigure::DriftReach, None) => Self::LINE_DISTANCE,
-            (ToonFigure::DriftLag, None) => Self::LINE_SWEEP,
-            (ToonFigure::DriftDecay, None) => Self::LINE_DECAY,
-            (ToonFigure::DriftRenewal, None) => Self::LINE_RENEWAL,
+            (ToonParameter::Columns | ToonParameter::Cells, None) => Self::COLUMNS,
+            (ToonParameter::Rows, None) => Self::ROWS,
+            (ToonParameter::Spacing, None) => Self::SPACING,
+            (ToonParameter::Rate, None) => Self::RATE,
+            (ToonParameter::Speed, None) => Self::SPEED,
+            (ToonParameter::Damping, None) => Self::DAMPING,
+            (ToonParameter::Frequency, None) => Self::FREQUENCY,
+            (ToonParameter::Push, None) => Self::PUSH,
+            (ToonParameter::Injection, None) => Self::INJECTION,
+            (ToonParameter::RiftDistance, None) => Self::RIFT_DISTANCE,
+            (ToonParameter::RiftGain, None) => Self::RIFT_GAIN,
+            (ToonParameter::RiftDecay, None) => Self::RIFT_DECAY,
+            (ToonParameter::DriftPeriod | ToonParameter::DriftReach, None) => Self::LINE_DISTANCE,
+            (ToonParameter::DriftLag, None) => Self::LINE_SWEEP,
+            (ToonParameter::DriftDecay, None) => Self::LINE_DECAY,
+            (ToonParameter::DriftRenewal, None) => Self::LINE_RENEWAL,
             // Only guides can make that many.
-            (ToonFigure::Bursts, None) => Self::GUIDES,
-            (ToonFigure::BodyLength | ToonFigure::BodyBeam | ToonFigure::BodyDraught, None) => Self::BODIES,
+            (ToonParameter::Bursts, None) => Self::GUIDES,
+            (ToonParameter::BodyLength | ToonParameter::BodyBeam | ToonParameter::BodyDraught, None) => Self::BODIES,
             (
-                ToonFigure::ControlPoint
-                | ToonFigure::Duration
-                | ToonFigure::Offset
-                | ToonFigure::Height
-                | ToonFigure::Peak
-                | ToonFigure::Influence
-                | ToonFigure::Fade
-                | ToonFigure::Lane
-                | ToonFigure::Active,
+                ToonParameter::ControlPoint
+                | ToonParameter::Duration
+                | ToonParameter::Offset
+                | ToonParameter::Height
+                | ToonParameter::Peak
+                | ToonParameter::Influence
+                | ToonParameter::Fade
+                | ToonParameter::Lane
+                | ToonParameter::Active,
                 None,
             ) => Self::BURSTS,
         }
@@ -280,7 +280,7 @@ impl ToonSea {
     /// Reports why the knobs do not describe a sea.
     fn report(&self, error: &ToonError, check: &mut Check<'_>) {
         let (item, remedy) = match error {
-            ToonError::Range { figure, burst, .. } => (self.item_of(*figure, *burst), "change it".into()),
+            ToonError::Range { parameter, burst, .. } => (self.item_of(*parameter, *burst), "change it".into()),
             ToonError::Unstable(_) | ToonError::NotResampled { .. } => (Self::C1, self.coefficients()),
         };
         check.error(item, error.found(), error.expected(), remedy);

@@ -344,7 +344,7 @@ impl Prepared for PreparedFlow {
             lines = lines.map(|line| {
                 let mut smooth = vec![0.0f32; window.area()];
                 let kernels = [&self.kernel, &self.kernel];
-                filter(kernels, (from, &line), self.picture, window, inputs.cancellation(), &mut smooth);
+                filter(kernels, from, &line, self.picture, window, inputs.cancellation(), &mut smooth);
                 smooth
             });
             inputs.go_on()?;

@@ -16,7 +16,7 @@ pub(super) struct Ball {
 
 impl Ball {
     /// Returns the ball around a box.
-    pub(super) fn around((low, high): (DVec3, DVec3)) -> Self {
+    pub(super) fn around(low: DVec3, high: DVec3) -> Self {
         Self { center: (low + high) / 2.0, radius: low.distance(high) / 2.0 }
     }
 

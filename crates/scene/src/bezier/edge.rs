@@ -11,12 +11,12 @@ use crate::Projector;
 const NEAR_M: f64 = 1e-3;
 
 /// A curve in the direction on which both of its patches agree.
-pub(super) struct Shared {
+pub(super) struct SharedCurve {
     points: [DVec3; 4],
     reversed: bool,
 }
 
-impl Shared {
+impl SharedCurve {
     /// Makes the shared curve of an edge as one patch sees it.
     pub(super) fn new(points: [DVec3; 4]) -> Self {
         let [a, b, c, d] = points;

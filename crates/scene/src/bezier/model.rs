@@ -93,7 +93,7 @@ pub enum Tessellation {
 
 /// A patch in the world.
 #[derive(Clone, Debug)]
-pub(super) struct Placed {
+pub(super) struct PlacedPatch {
     pub(super) shape: Bicubic,
     /// Patch from which normals are computed.
     pub(super) for_normals: Bicubic,
@@ -103,7 +103,7 @@ pub(super) struct Placed {
     pub(super) ball: Ball,
 }
 
-impl Placed {
+impl PlacedPatch {
     /// Returns the texture coordinates at (u, v).
     pub(super) fn uv(&self, place: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|axis| self.uv[0][axis] + (self.uv[1][axis] - self.uv[0][axis]) * place[axis])
@@ -127,7 +127,7 @@ impl Placed {
 /// from both sides; the outer side is that of ∂P/∂u × ∂P/∂v in the model, even if the placement mirrors it.
 #[derive(Clone, Debug)]
 pub struct PatchModel {
-    pub(super) placed: Vec<Placed>,
+    pub(super) placed: Vec<PlacedPatch>,
     pub(super) ball: Ball,
     pub(super) tessellation: Tessellation,
     /// Whether the normal of the placed control points points to the inner side.
@@ -142,12 +142,14 @@ impl PatchModel {
             .iter()
             .map(|patch| {
                 let shape = patch.shape.map(|point| placement.apply(point));
-                let ball = Ball::around(shape.bounds());
-                Placed { shape, for_normals: shape.for_normals(), rest: patch.shape, uv: patch.uv, ball }
+                let (low, high) = shape.bounds();
+                let ball = Ball::around(low, high);
+                PlacedPatch { shape, for_normals: shape.for_normals(), rest: patch.shape, uv: patch.uv, ball }
             })
             .collect::<Vec<_>>();
         let bounds = placed.iter().map(|placed| placed.shape.bounds());
-        let ball = Ball::around(bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default());
+        let (low, high) = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
+        let ball = Ball::around(low, high);
         Self { placed, ball, tessellation, turned: placement.mirrors() != flip, level: 0.0 }
     }
 

@@ -1,10 +1,10 @@
 //! A model as a surface: its meshes, and its intersections with rays.
 
-use super::model::{PatchModel, Placed, Tessellation};
+use super::model::{PatchModel, PlacedPatch, Tessellation};
 use super::{tessellate, trace};
 use crate::certain::{Search, contours_of_facets};
 use crate::channel::FINE;
-use crate::points::Near;
+use crate::points::MeshHit;
 use crate::surface::{Anchor, Hit, Mesh, Surface};
 use crate::{ChannelSet, Projector, Ray};
 
@@ -41,7 +41,7 @@ impl Surface for PatchModel {
     }
 
     /// Returns the point in the smallest range of distances that contains one.
-    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
+    fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
         let around = |share: f64| [(1.0 - share) * near.distance, (1.0 + share) * near.distance];
         [1e-4, 1e-3, 1e-2].into_iter().find_map(|share| trace::trace(self, projector, ray, around(share)))
     }
@@ -51,7 +51,7 @@ impl Surface for PatchModel {
     }
 
     fn anchors(&self, uv: [f64; 2]) -> Vec<Anchor> {
-        let anchor = |placed: &Placed| {
+        let anchor = |placed: &PlacedPatch| {
             let [u, v] = placed.place(uv)?;
             let [along_u, along_v] = placed.shape.tangents(u, v);
             Some(Anchor { point: placed.shape.evaluate(u, v), along_u, along_v })

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::edge::{Scale, Shared, whole};
-use super::model::{MAX_SEGMENTS, Placed, Tessellation};
+use super::edge::{Scale, SharedCurve, whole};
+use super::model::{MAX_SEGMENTS, PlacedPatch, Tessellation};
 use super::stitch::Cut;
 use super::{Bicubic, PatchModel};
 use crate::channel::{NORMALS, RESTS};
@@ -29,8 +29,9 @@ fn cuts<'a>(
     projector: &Projector,
     tessellation: Tessellation,
     tolerance: f64,
-) -> (Vec<&'a Placed>, Vec<Cut>) {
-    let seen: Vec<&Placed> = model.placed.iter().filter(|placed| !outside(projector, &placed.shape.points)).collect();
+) -> (Vec<&'a PlacedPatch>, Vec<Cut>) {
+    let seen: Vec<&PlacedPatch> =
+        model.placed.iter().filter(|placed| !outside(projector, &placed.shape.points)).collect();
     let scale = Scale { projector, tolerance };
     let cuts = seen.par_iter().map(|placed| plan(&placed.shape, tessellation, &scale)).collect();
     (seen, cuts)
@@ -90,7 +91,7 @@ fn plan(shape: &Bicubic, tessellation: Tessellation, scale: &Scale<'_>) -> Cut {
         let segments = whole(f64::from(segments));
         return Cut { edges: [segments; 4], inner: [segments.max(2); 2] };
     }
-    let edges = std::array::from_fn(|edge| Shared::new(shape.edge(edge)).segments(scale));
+    let edges = std::array::from_fn(|edge| SharedCurve::new(shape.edge(edge)).segments(scale));
     // A triangle over steps h and k is off by up to (h²·Puu + 2hk·Puv + k²·Pvv)/8; each term gets a third.
     let difference = |a: usize, b: usize| shape.points[b] - shape.points[a];
     let second = |stride: usize, starts: [usize; 8]| {
@@ -141,11 +142,11 @@ struct Part {
     without: usize,
 }
 
-fn part(placed: &Placed, cut: &Cut, projector: &Projector, wanted: ChannelSet) -> Part {
+fn part(placed: &PlacedPatch, cut: &Cut, projector: &Projector, wanted: ChannelSet) -> Part {
     let mut points = Vec::with_capacity(cut.vertices());
     let mut places = Vec::with_capacity(cut.vertices());
     for (edge, &count) in cut.edges.iter().enumerate() {
-        let shared = Shared::new(placed.shape.edge(edge));
+        let shared = SharedCurve::new(placed.shape.edge(edge));
         for index in 0..count {
             points.push(shared.point(index, count));
             let t = index as f64 / count as f64;

@@ -12,7 +12,7 @@ use crate::{Projector, Ray};
 /// relative to the patch's size.
 const HALVINGS: u32 = 26;
 /// A patch in the ray's coordinates: x and y across the ray, z along it.
-struct Lined {
+struct RaySpacePatch {
     shape: Bicubic,
     u: f64,
     v: f64,
@@ -21,7 +21,7 @@ struct Lined {
 }
 
 /// First point where a ray meets a patch.
-struct Met {
+struct PatchHit {
     distance: f64,
     place: [f64; 2],
 }
@@ -35,7 +35,7 @@ pub(super) fn trace(model: &PatchModel, projector: &Projector, ray: &Ray, [from,
         return None;
     }
     let (right, up) = ray.direction.any_orthonormal_pair();
-    let mut nearest: Option<(usize, Met)> = None;
+    let mut nearest: Option<(usize, PatchHit)> = None;
     for (index, placed) in model.placed.iter().enumerate() {
         let limit = nearest.as_ref().map_or(to, |(_, met)| met.distance);
         if !placed.ball.may_meet(ray, [from, limit]) {
@@ -77,12 +77,12 @@ pub(super) fn trace(model: &PatchModel, projector: &Projector, ray: &Ray, [from,
 }
 
 /// Returns the first point of one patch on the ray, from distance `from` on and nearer than `limit`.
-fn meet(shape: Bicubic, from: f64, limit: f64) -> Option<Met> {
+fn meet(shape: Bicubic, from: f64, limit: f64) -> Option<PatchHit> {
     let (low, high) = shape.bounds();
     let slack = SLACK * (low.abs().max_element() + high.abs().max_element());
     let mut limit = limit;
     let mut found = None;
-    let mut open = vec![Lined { shape, u: 0.0, v: 0.0, depth: 0 }];
+    let mut open = vec![RaySpacePatch { shape, u: 0.0, v: 0.0, depth: 0 }];
     while let Some(part) = open.pop() {
         let (low, high) = part.shape.bounds();
         let misses = low.x > slack || low.y > slack || high.x < -slack || high.y < -slack;
@@ -94,7 +94,7 @@ fn meet(shape: Bicubic, from: f64, limit: f64) -> Option<Met> {
             let distance = 0.5 * (low.z + high.z);
             if (from..limit).contains(&distance) {
                 limit = distance;
-                found = Some(Met { distance, place: [part.u + 0.5 * width, part.v + 0.5 * width] });
+                found = Some(PatchHit { distance, place: [part.u + 0.5 * width, part.v + 0.5 * width] });
             }
             continue;
         }
@@ -102,7 +102,7 @@ fn meet(shape: Bicubic, from: f64, limit: f64) -> Option<Met> {
             let distance = part.shape.evaluate(u, v).z;
             if (from..limit).contains(&distance) {
                 limit = distance;
-                found = Some(Met { distance, place: [part.u + u * width, part.v + v * width] });
+                found = Some(PatchHit { distance, place: [part.u + u * width, part.v + v * width] });
             }
             continue;
         }
@@ -114,7 +114,7 @@ fn meet(shape: Bicubic, from: f64, limit: f64) -> Option<Met> {
         open.extend(order.map(|quarter| {
             let place = |start: f64, half: usize| start + half as f64 * 0.5 * width;
             let (u, v) = (place(part.u, quarter % 2), place(part.v, quarter / 2));
-            Lined { shape: quarters[quarter], u, v, depth: part.depth + 1 }
+            RaySpacePatch { shape: quarters[quarter], u, v, depth: part.depth + 1 }
         }));
     }
     found

@@ -1,6 +1,6 @@
 //! Contours of smooth surfaces over a resting plane that are tessellated as grids.
 
-use super::{Search, Turn};
+use super::{ContourBox, Search};
 use crate::bezier::Bicubic;
 use crate::surface::{Mesh, Topology};
 use glam::DVec3;
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 /// A point of a surface by its rest point, relative to the camera, with its derivatives by the rest point's x and z.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Corner {
+pub(crate) struct SurfaceCorner {
     pub(crate) rest: [f64; 2],
     pub(crate) point: DVec3,
     pub(crate) by: [DVec3; 2],
@@ -18,7 +18,7 @@ pub(crate) struct Corner {
 
 /// Limits of the sizes of derivatives in any direction within a cell.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Most {
+pub(crate) struct DerivativeLimits {
     pub(crate) fourth: f64,
     pub(crate) fifth: f64,
     /// Largest difference of second derivatives from those of corners.
@@ -26,11 +26,11 @@ pub(crate) struct Most {
 }
 
 /// A surface that is smooth in its rest point.
-pub(crate) trait Smooth: Sync {
-    fn corner(&self, rest: [f64; 2]) -> Corner;
+pub(crate) trait SmoothSurface: Sync {
+    fn corner(&self, rest: [f64; 2]) -> SurfaceCorner;
 
     /// Returns the limits between four rest points.
-    fn most(&self, corners: &[[f64; 2]; 4]) -> Most;
+    fn derivative_limits(&self, corners: &[[f64; 2]; 4]) -> DerivativeLimits;
 }
 
 /// Size in pixels to which patches are cut, and most cuts.
@@ -50,16 +50,16 @@ struct Cell<'a, S> {
     facet: [DVec3; 4],
     /// Edges of its triangles along s and t.
     edges: [[DVec3; 2]; 2],
-    most: Most,
+    most: DerivativeLimits,
     /// Rounding error of the vertices, in meters.
     slack: f64,
 }
 
 /// A part of a cell whose corners are known: the bicubic patch through them.
 #[derive(Clone, Copy)]
-struct Known {
-    corners: [Corner; 4],
-    part: Part,
+struct KnownPart {
+    corners: [SurfaceCorner; 4],
+    part: PatchPart,
     /// Largest distance of the surface from the patch, and largest differences of their derivatives by s and by t.
     off: f64,
     turned: [f64; 2],
@@ -77,14 +77,14 @@ enum Facing {
 
 /// A part of a patch.
 #[derive(Clone, Copy)]
-struct Part {
+struct PatchPart {
     patch: Bicubic,
     s: [f64; 2],
     t: [f64; 2],
 }
 
 /// Marks every contour of a surface and of the grid that replaces it, given the rest points of the grid.
-pub(crate) fn contours_of_grid<S: Smooth>(smooth: &S, search: &Search<'_>, mesh: &Mesh) -> bool {
+pub(crate) fn contours_of_grid<S: SmoothSurface>(smooth: &S, search: &Search<'_>, mesh: &Mesh) -> bool {
     let Topology::Grid { columns, rows } = mesh.topology else { return mesh.positions.is_empty() };
     let eye = search.projector.position;
     let rest = |vertex: usize| {
@@ -93,7 +93,7 @@ pub(crate) fn contours_of_grid<S: Smooth>(smooth: &S, search: &Search<'_>, mesh:
     };
     // The last column of a disc is its first.
     let closed = (0..rows).all(|row| mesh.positions[row * columns] == mesh.positions[(row + 1) * columns - 1]);
-    let row_of = |row: usize| -> Vec<Corner> {
+    let row_of = |row: usize| -> Vec<SurfaceCorner> {
         (0..columns).map(|column| smooth.corner(rest(row * columns + column))).collect()
     };
     const TOGETHER: usize = 8;
@@ -128,13 +128,13 @@ pub(crate) fn contours_of_grid<S: Smooth>(smooth: &S, search: &Search<'_>, mesh:
     true
 }
 
-impl<'a, S: Smooth> Cell<'a, S> {
-    fn new(smooth: &'a S, search: &'a Search<'a>, corners: [Corner; 4], facet: [DVec3; 4]) -> Self {
+impl<'a, S: SmoothSurface> Cell<'a, S> {
+    fn new(smooth: &'a S, search: &'a Search<'a>, corners: [SurfaceCorner; 4], facet: [DVec3; 4]) -> Self {
         let rests = corners.map(|corner| corner.rest);
         let edges = [[facet[1] - facet[0], facet[3] - facet[2]], [facet[2] - facet[0], facet[3] - facet[1]]];
         let reach = facet.iter().map(|point| point.length()).fold(0.0, f64::max);
         let slack = 4.0 * f64::from(f32::EPSILON) * reach;
-        Self { smooth, search, rests, facet, edges, most: smooth.most(&rests), slack }
+        Self { smooth, search, rests, facet, edges, most: smooth.derivative_limits(&rests), slack }
     }
 
     /// Returns the derivatives of the rest point by s at t, by t at s, and by both.
@@ -151,7 +151,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
     /// derivative, and its slope by at most √3·h³/216 times that. Across, these errors of values and slopes are
     /// interpolated in turn: values with weights that sum to 1, slopes with weights of at most h/4; the slopes of the
     /// result are at most 5/2 times the largest of them.
-    fn known(&self, corners: [Corner; 4], s: [f64; 2], t: [f64; 2]) -> Known {
+    fn known(&self, corners: [SurfaceCorner; 4], s: [f64; 2], t: [f64; 2]) -> KnownPart {
         let (ds, dt) = (s[1] - s[0], t[1] - t[0]);
         let mut points = [DVec3::ZERO; 16];
         let mut lengths = [0.0_f64; 3];
@@ -176,7 +176,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
             points[place(1, 1)] = corner.point + by_s + by_t + by_both;
         }
         let [a, b, skew] = [lengths[0] * ds, lengths[1] * dt, lengths[2] * ds * dt];
-        let Most { fourth, fifth, twist } = self.most;
+        let DerivativeLimits { fourth, fifth, twist } = self.most;
         let fourths = [fourth * a * a * a * a, fourth * b * b * b * b];
         // Fourth derivatives along one side, differentiated by the other one.
         let fifths = [
@@ -188,20 +188,20 @@ impl<'a, S: Smooth> Cell<'a, S> {
         let root = 3.0_f64.sqrt() / 216.0;
         let turn = |fourth: f64, fifth: f64| root * fourth + 2.5 / 384.0 * fifth + twist / 4.0;
         let turned = [turn(fourths[0], fifths[1]) / ds + self.slack, turn(fourths[1], fifths[0]) / dt + self.slack];
-        Known { corners, part: Part { patch: Bicubic { points }, s, t }, off, turned }
+        KnownPart { corners, part: PatchPart { patch: Bicubic { points }, s, t }, off, turned }
     }
 
     /// Marks all positions that may have a contour in a part whose corners are known.
-    fn refine(&self, known: &Known, times: u32) {
-        let Some(turn) = self.around(known, &known.part) else { return };
+    fn refine(&self, known: &KnownPart, times: u32) {
+        let Some(contour) = self.around(known, &known.part) else { return };
         // Orthographic cameras see only what lies in front of them.
-        if self.search.projector.orthographic && turn.is_cut() {
-            return self.search.mark(&turn);
+        if self.search.projector.orthographic && contour.is_cut() {
+            return self.search.mark(&contour);
         }
         let facing = self.facing(known, &known.part);
         // Precision lost to rounding cannot be regained by refining.
         let coarse = known.off > 2.0 * self.slack
-            && (facing == Facing::Unknown || turn.pixels(self.search.projector, known.off) > NEAR);
+            && (facing == Facing::Unknown || contour.pixels(self.search.projector, known.off) > NEAR);
         match facing {
             Facing::OneWay => {}
             Facing::Unknown | Facing::BothWays if times > 0 && coarse => {
@@ -211,17 +211,17 @@ impl<'a, S: Smooth> Cell<'a, S> {
             }
             Facing::Unknown | Facing::BothWays => {
                 // The size of the patch itself shrinks with each cut; its distance from the mesh does not.
-                let own = Turn::around(self.search.projector, &known.part.patch.points, 0.0, 0.0);
+                let own = ContourBox::around(self.search.projector, &known.part.patch.points, 0.0, 0.0);
                 let cuts = own.map_or(0.0, |own| libm::log2(own.size() / FINE).ceil());
-                self.cut(known, &known.part, (facing, turn), cuts.clamp(0.0, CUTS) as u32);
+                self.cut(known, &known.part, facing, contour, cuts.clamp(0.0, CUTS) as u32);
             }
         }
     }
 
     /// Marks the contours of a part of the patch that may have one, by dividing it into smaller parts.
-    fn cut(&self, known: &Known, part: &Part, (facing, turn): (Facing, Turn), cuts: u32) {
+    fn cut(&self, known: &KnownPart, part: &PatchPart, facing: Facing, contour: ContourBox, cuts: u32) {
         if cuts == 0 || facing == Facing::Unknown {
-            self.search.mark(&turn);
+            self.search.mark(&contour);
             return;
         }
         let half = |[from, to]: [f64; 2], upper: bool| {
@@ -229,23 +229,23 @@ impl<'a, S: Smooth> Cell<'a, S> {
             if upper { [middle, to] } else { [from, middle] }
         };
         for (index, patch) in part.patch.quarters().into_iter().enumerate() {
-            let quarter = Part { patch, s: half(part.s, index % 2 == 1), t: half(part.t, index / 2 == 1) };
-            let Some(turn) = self.around(known, &quarter) else { continue };
+            let quarter = PatchPart { patch, s: half(part.s, index % 2 == 1), t: half(part.t, index / 2 == 1) };
+            let Some(contour) = self.around(known, &quarter) else { continue };
             let facing = self.facing(known, &quarter);
             if facing != Facing::OneWay {
-                self.cut(known, &quarter, (facing, turn), cuts - 1);
+                self.cut(known, &quarter, facing, contour, cuts - 1);
             }
         }
     }
 
     /// Returns the box around a part of the surface, of the mesh and of everything between them, unless it is hidden.
-    fn around(&self, known: &Known, part: &Part) -> Option<Turn> {
-        let turn = Turn::around(self.search.projector, &self.points(part), known.off, self.search.step)?;
-        (!self.search.hides(&turn)).then_some(turn)
+    fn around(&self, known: &KnownPart, part: &PatchPart) -> Option<ContourBox> {
+        let contour = ContourBox::around(self.search.projector, &self.points(part), known.off, self.search.step)?;
+        (!self.search.hides(&contour)).then_some(contour)
     }
 
     /// Returns points whose convex hull contains the patch and the mesh.
-    fn points(&self, part: &Part) -> [DVec3; 20] {
+    fn points(&self, part: &PatchPart) -> [DVec3; 20] {
         let mut points = [DVec3::ZERO; 20];
         points[..16].copy_from_slice(&part.patch.points);
         for index in 0..4 {
@@ -255,7 +255,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
     }
 
     /// Marks an edge between two corners of the mesh, where the surface ends, if it is an edge of this part.
-    fn end(&self, ends: [usize; 2], known: &Known, times: u32) {
+    fn end(&self, ends: [usize; 2], known: &KnownPart, times: u32) {
         let edge = |i: usize| match ends {
             [0, 1] => i,
             [2, 3] => 12 + i,
@@ -269,12 +269,12 @@ impl<'a, S: Smooth> Cell<'a, S> {
         }
         points[4..].copy_from_slice(&ends.map(|end| self.on_facet(part.s[end % 2], part.t[end / 2])));
         let projector = self.search.projector;
-        let Some(turn) = Turn::around(projector, &points, known.off, self.search.step) else { return };
-        if times > 0 && known.off > 2.0 * self.slack && turn.pixels(projector, known.off) > NEAR {
+        let Some(contour) = ContourBox::around(projector, &points, known.off, self.search.step) else { return };
+        if times > 0 && known.off > 2.0 * self.slack && contour.pixels(projector, known.off) > NEAR {
             let parts = self.refined(known);
             ends.iter().for_each(|end| self.end(ends, &parts[*end], times - 1));
         } else {
-            self.search.mark(&turn);
+            self.search.mark(&contour);
         }
     }
 
@@ -284,7 +284,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
     /// triangles, so their cross product N lies in the hull of all products, and P in that of points. N·P is bounded
     /// by its value in the middle of both, and by the largest differences from it: in a nearly flat part N hardly
     /// turns, while P differs across it.
-    fn facing(&self, known: &Known, part: &Part) -> Facing {
+    fn facing(&self, known: &KnownPart, part: &PatchPart) -> Facing {
         let (ds, dt) = (part.s[1] - part.s[0], part.t[1] - part.t[0]);
         let p = &part.patch.points;
         let [mut along, mut across] = [[DVec3::ZERO; 14]; 2];
@@ -367,7 +367,7 @@ impl<'a, S: Smooth> Cell<'a, S> {
     }
 
     /// Returns the quarters of a part, with the surface evaluated at their corners.
-    fn refined(&self, known: &Known) -> [Known; 4] {
+    fn refined(&self, known: &KnownPart) -> [KnownPart; 4] {
         let middle = |[from, to]: [f64; 2]| [from, 0.5 * (from + to), to];
         let (s, t) = (middle(known.part.s), middle(known.part.t));
         let at = |s: f64, t: f64| {

@@ -9,7 +9,7 @@ use trochoid_image::Window;
 
 /// A box of the picture in which a contour may lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Turn {
+pub(crate) struct ContourBox {
     /// Least x and y, in pixels.
     low: [f32; 2],
     /// Greatest x and y, in pixels.
@@ -18,7 +18,7 @@ pub(crate) struct Turn {
     near: f32,
 }
 
-impl Turn {
+impl ContourBox {
     /// Returns the whole picture, at any depth.
     pub(crate) fn everywhere(projector: &Projector) -> Self {
         Self { low: [0.0; 2], high: projector.size.map(|side| side as f32), near: f32::NEG_INFINITY }
@@ -132,17 +132,17 @@ impl<'a> Search<'a> {
     }
 
     /// Returns whether all samples of the pixels that a box touches see something nearer.
-    pub(crate) fn hides(&self, turn: &Turn) -> bool {
+    pub(crate) fn hides(&self, contour: &ContourBox) -> bool {
         let mut hidden = true;
-        self.marks.each_pixel(turn, |pixel, _| hidden &= self.farthest[pixel] < turn.near);
+        self.marks.each_pixel(contour, |pixel, _| hidden &= self.farthest[pixel] < contour.near);
         hidden
     }
 
     /// Records that a contour may lie in a box.
-    pub(crate) fn mark(&self, turn: &Turn) {
-        self.marks.each_pixel(turn, |pixel, places| {
+    pub(crate) fn mark(&self, contour: &ContourBox) {
+        self.marks.each_pixel(contour, |pixel, places| {
             self.marks.places[pixel].fetch_or(places, Ordering::Relaxed);
-            self.marks.nearest[pixel].fetch_min(ordered(turn.near), Ordering::Relaxed);
+            self.marks.nearest[pixel].fetch_min(ordered(contour.near), Ordering::Relaxed);
         });
     }
 
@@ -197,11 +197,11 @@ impl Marks {
     }
 
     /// Calls `take` for every pixel that a box touches, with the parts that it touches.
-    fn each_pixel(&self, turn: &Turn, mut take: impl FnMut(usize, u64)) {
+    fn each_pixel(&self, contour: &ContourBox, mut take: impl FnMut(usize, u64)) {
         // Parts of pixels, clamped to the picture; NaN counts as everywhere.
         let range = |axis: usize, count: usize| {
             let last = (count * DIVIDED) as f32;
-            let [low, high] = [turn.low[axis], turn.high[axis]].map(|at| at * DIVIDED as f32);
+            let [low, high] = [contour.low[axis], contour.high[axis]].map(|at| at * DIVIDED as f32);
             let from = if low > 0.0 { low.min(last) as usize } else { 0 };
             let to = if high < last { (high + 1.0).max(0.0) as usize } else { last as usize };
             from..to

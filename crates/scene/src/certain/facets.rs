@@ -1,6 +1,6 @@
 //! Contours of surfaces given by their triangles.
 
-use super::{Search, Turn};
+use super::{ContourBox, Search};
 use crate::surface::{Mesh, Topology};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -69,12 +69,12 @@ pub(crate) fn contours_of_facets(mesh: &Mesh, search: &Search<'_>, curved: bool)
 fn cut(corners: &[DVec3; 3], search: &Search<'_>, pixels: f64, cuts: u32) {
     let reach = corners.iter().map(|point| point.length()).fold(0.0, f64::max);
     let slack = 4.0 * f64::from(f32::EPSILON) * reach;
-    let Some(turn) = Turn::around(search.projector, corners, slack, pixels) else { return };
-    if search.hides(&turn) {
+    let Some(contour) = ContourBox::around(search.projector, corners, slack, pixels) else { return };
+    if search.hides(&contour) {
         return;
     }
-    if cuts == 0 || turn.size() - 2.0 * pixels <= FINE {
-        search.mark(&turn);
+    if cuts == 0 || contour.size() - 2.0 * pixels <= FINE {
+        search.mark(&contour);
         return;
     }
     // Bisects the longest side.

@@ -1,7 +1,7 @@
 //! Contours of height fields on grids.
 
-use super::{Corner, Most, Smooth};
-use crate::points::Near;
+use super::{DerivativeLimits, SmoothSurface, SurfaceCorner};
+use crate::points::MeshHit;
 use crate::surface::Hit;
 use crate::{GridSurface, Projector, Ray};
 use glam::DVec3;
@@ -16,25 +16,25 @@ pub(crate) struct SeenGrid<'a> {
     pub(crate) eye: DVec3,
 }
 
-impl Smooth for SeenGrid<'_> {
-    fn corner(&self, rest: [f64; 2]) -> Corner {
+impl SmoothSurface for SeenGrid<'_> {
+    fn corner(&self, rest: [f64; 2]) -> SurfaceCorner {
         let rest = self.grid.within_reach(rest);
         let ([height, by_x, by_z], twist) = self.grid.twisted(rest);
         let point = DVec3::new(rest[0], self.grid.level() + height, rest[1]) - self.eye;
         let by = [DVec3::new(1.0, by_x, 0.0), DVec3::new(0.0, by_z, 1.0)];
         // Cells run along the axes, so the other second derivatives do not matter.
-        Corner { rest, point, by, second: [DVec3::ZERO, DVec3::new(0.0, twist, 0.0), DVec3::ZERO] }
+        SurfaceCorner { rest, point, by, second: [DVec3::ZERO, DVec3::new(0.0, twist, 0.0), DVec3::ZERO] }
     }
 
     /// Vertices are placed so that every cell of the mesh lies in a single cell of the grid, where the field is
     /// bicubic.
-    fn most(&self, _corners: &[[f64; 2]; 4]) -> Most {
-        Most::default()
+    fn derivative_limits(&self, _corners: &[[f64; 2]; 4]) -> DerivativeLimits {
+        DerivativeLimits::default()
     }
 }
 
 /// Returns the point where a ray meets a height field near a point of its mesh, by Newton's method along the ray.
-pub(crate) fn meet_grid(grid: &GridSurface, projector: &Projector, ray: &Ray, near: &Near) -> Option<Hit> {
+pub(crate) fn meet_grid(grid: &GridSurface, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
     let mut distance = near.distance;
     for _ in 0..STEPS {
         let point = ray.at(distance);

@@ -3,10 +3,10 @@
 //! A mesh approximates a surface. If each of its points is moved to the corresponding point of the surface, a sample
 //! keeps seeing the same sheet all the way, unless a contour passes over the sample: a line where a sheet turns away
 //! from the camera or ends, or where two sheets change places. Therefore every position where the mesh, the surface
-//! or anything between them may have a contour is covered with boxes ([`Turn`]). Consider a sample that lies outside
-//! of all boxes that are nearer than the sheet it sees, and where the surfaces of the nearest sheets lie behind one
-//! another in the order of the sheets: its ray meets the visible surface near the point where it meets the mesh. That
-//! point is found in f64.
+//! or anything between them may have a contour is covered with boxes ([`ContourBox`]). Consider a sample that lies
+//! outside of all boxes that are nearer than the sheet it sees, and where the surfaces of the nearest sheets lie behind
+//! one another in the order of the sheets: its ray meets the visible surface near the point where it meets the mesh.
+//! That point is found in f64.
 
 mod cells;
 mod contours;
@@ -14,7 +14,8 @@ mod facets;
 mod grid;
 mod sea;
 
-pub(crate) use cells::{Corner, Most, Smooth, contours_of_grid};
+pub(crate) use cells::{DerivativeLimits, SmoothSurface, SurfaceCorner, contours_of_grid};
+pub use contours::Search;
 pub use contours::Search;
 pub(crate) use facets::contours_of_facets;
 pub(crate) use grid::{SeenGrid, meet_grid};
@@ -25,6 +26,7 @@ use crate::points::{APART, around};
 use crate::sheets::{Sheet, Sheets};
 use crate::surface::{Hit, Surface};
 use crate::{Camera, Projector, Visible};
+use contours::{ContourBox, Marks};
 use contours::{Marks, Turn};
 use trochoid_image::Format;
 
@@ -82,7 +84,7 @@ impl Certain {
         let search = Search::new(&visible, APART, stop);
         for (surface, layer) in surfaces.iter().zip(&visible.layers) {
             if !surface.contours(&search, &layer.mesh) {
-                search.mark(&Turn::everywhere(&visible.projector));
+                search.mark(&ContourBox::everywhere(&visible.projector));
             }
         }
         let marks = search.marks();

@@ -3,7 +3,7 @@
 
 mod ribbon;
 
-pub use ribbon::{Ribbon, Shape, Within};
+pub use ribbon::{Ribbon, RibbonPoint, Shape};
 
 use ribbon::STEPS;
 use trochoid_image::Window;
@@ -75,14 +75,14 @@ impl Claw {
     }
 
     /// Returns the position of a point within the claw, and the random number of the ribbon it lies in.
-    pub fn at(&self, place: [f64; 2]) -> Option<(Within, f64)> {
+    pub fn at(&self, place: [f64; 2]) -> Option<(RibbonPoint, f64)> {
         let parts = self.parts.iter().map(|(ribbon, random)| ribbon.at(place).map(|within| (within, *random)));
         parts.fold(None, united)
     }
 
     /// Returns the outputs at a position within a ribbon of this claw that has the given random number.
-    pub fn drawn(&self, within: Within, random: f64) -> Drawn {
-        let Within { along, across, half_width } = within;
+    pub fn drawn(&self, within: RibbonPoint, random: f64) -> Drawn {
+        let RibbonPoint { along, across, half_width } = within;
         // t = across·side: 1 at the inner edge, −1 at the outer one.
         let (inner, inset) = (across * self.side, within.inset());
         let eased = |[from, to]: [f64; 2]| {
@@ -104,7 +104,7 @@ impl Claw {
 }
 
 /// Returns whichever of two ribbons a point lies deeper in; the latter if both are equal.
-fn united(all: Option<(Within, f64)>, part: Option<(Within, f64)>) -> Option<(Within, f64)> {
+fn united(all: Option<(RibbonPoint, f64)>, part: Option<(RibbonPoint, f64)>) -> Option<(RibbonPoint, f64)> {
     match (all, part) {
         (Some((first, _)), Some((second, _))) if second.inset() < first.inset() => all,
         (_, None) => all,
@@ -116,14 +116,14 @@ fn united(all: Option<(Within, f64)>, part: Option<(Within, f64)>) -> Option<(Wi
 /// memory.
 #[derive(Default)]
 pub struct Places {
-    all: Vec<Option<(Within, f64)>>,
-    part: Vec<Option<Within>>,
+    all: Vec<Option<(RibbonPoint, f64)>>,
+    part: Vec<Option<RibbonPoint>>,
 }
 
 impl Places {
     /// Finds the samples of a window, at an offset within their pixels, row by row. The results are those of
     /// [`Claw::at`], but faster: each step of a spine visits only the pixels of its bounding box.
-    pub fn find(&mut self, claw: &Claw, window: Window, offset: [f64; 2]) -> &[Option<(Within, f64)>] {
+    pub fn find(&mut self, claw: &Claw, window: Window, offset: [f64; 2]) -> &[Option<(RibbonPoint, f64)>] {
         self.all.clear();
         self.all.resize(window.area(), None);
         for (ribbon, random) in &claw.parts {
@@ -137,7 +137,7 @@ impl Places {
                     for x in covered.x0..covered.x1 {
                         let part = &mut self.part[(y - around.y0) as usize * row + (x - around.x0) as usize];
                         let found = ribbon.at_step(step, [x as f64 + offset[0], y as f64 + offset[1]]);
-                        *part = Within::deeper(*part, found);
+                        *part = RibbonPoint::deeper(*part, found);
                     }
                 }
             }

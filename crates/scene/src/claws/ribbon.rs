@@ -15,7 +15,7 @@ pub struct Shape {
 
 /// Position of a point within a ribbon.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Within {
+pub struct RibbonPoint {
     /// 0 at the root, 1 at the tip.
     pub along: f64,
     /// −1 at the left edge, 1 at the right edge, seen from the root.
@@ -86,8 +86,8 @@ impl Ribbon {
 
     /// Returns the position of a point within the ribbon, if it lies in it. The segment with the smallest distance in
     /// half widths decides, so ends and bends are round.
-    pub fn at(&self, place: [f64; 2]) -> Option<Within> {
-        (0..STEPS).fold(None, |found, step| Within::deeper(found, self.at_step(step, place)))
+    pub fn at(&self, place: [f64; 2]) -> Option<RibbonPoint> {
+        (0..STEPS).fold(None, |found, step| RibbonPoint::deeper(found, self.at_step(step, place)))
     }
 
     /// Returns the bounding box of one segment: minimum and maximum of x, then of y.
@@ -98,7 +98,7 @@ impl Ribbon {
 
     /// Returns the position of a point within one segment, if it lies in it.
     #[inline]
-    pub(super) fn at_step(&self, step: usize, place: [f64; 2]) -> Option<Within> {
+    pub(super) fn at_step(&self, step: usize, place: [f64; 2]) -> Option<RibbonPoint> {
         let ([ax, ay], [bx, by]) = (self.points[step], self.points[step + 1]);
         let (dx, dy) = (bx - ax, by - ay);
         let (px, py) = (place[0] - ax, place[1] - ay);
@@ -111,11 +111,11 @@ impl Ribbon {
             return None;
         }
         let side = if dx * oy - dy * ox < 0.0 { -1.0 } else { 1.0 };
-        Some(Within { along: (step as f64 + t) / STEPS as f64, across: side * distance / half_width, half_width })
+        Some(RibbonPoint { along: (step as f64 + t) / STEPS as f64, across: side * distance / half_width, half_width })
     }
 }
 
-impl Within {
+impl RibbonPoint {
     /// Returns the distance to the edge, in pixels.
     pub fn inset(&self) -> f64 {
         (1.0 - self.across.abs()) * self.half_width

@@ -32,7 +32,7 @@ pub enum MeshFault {
 
 /// Elements that the faces of a Wavefront OBJ refer to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Indexed {
+pub enum ObjElement {
     /// Positions, lines of `v`.
     Vertices,
     /// Texture coordinates, lines of `vt`.
@@ -41,7 +41,7 @@ pub enum Indexed {
     Normals,
 }
 
-impl std::fmt::Display for Indexed {
+impl std::fmt::Display for ObjElement {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Vertices => "vertices",
@@ -73,7 +73,7 @@ pub enum ObjFault {
         /// Index.
         index: i128,
         /// Kind of element.
-        of: Indexed,
+        of: ObjElement,
         /// Number of such elements up to there.
         count: i64,
     },
@@ -254,7 +254,7 @@ pub enum PatchesFault {
     #[error("{at}: found {found:?}; expected coordinates within ±{FARTHEST:e}")]
     Point {
         /// Place of the point in the file.
-        at: Place,
+        at: PointPlace,
         /// Coordinates.
         found: [f64; 3],
     },
@@ -291,7 +291,7 @@ pub enum PatchesFault {
 
 /// Place of a point in a model of patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum PointPlace {
     /// In the list of points, by number.
     Points(usize),
     /// On a rail of a sheet.
@@ -305,7 +305,7 @@ pub enum Place {
     },
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for PointPlace {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Points(point) => write!(f, "point {point}"),

@@ -11,6 +11,8 @@ mod samples;
 #[cfg(test)]
 mod tests;
 
-pub use faults::{AccessorFault, BufferFault, GltfFault, Indexed, MeshFault, ObjFault, PartFault, PatchesFault, Place};
+pub use faults::{
+    AccessorFault, BufferFault, GltfFault, MeshFault, ObjElement, ObjFault, PartFault, PatchesFault, PointPlace,
+};
 pub use mesh::mesh;
 pub use patches::patches;

@@ -1,6 +1,6 @@
 //! Wavefront OBJ, parsed by the crate `tobj`.
 
-use super::{Indexed, ObjFault};
+use super::{ObjElement, ObjFault};
 use crate::{DVec3, Triangles};
 use std::cell::Cell;
 use std::io::{BufRead, Read};
@@ -87,8 +87,8 @@ impl BufRead for Lines<'_> {
 /// Refuses indices that are 0, beyond u32, or negative beyond the first element: the library's arithmetic on them would
 /// overflow.
 fn check_faces(bytes: &[u8]) -> Result<(), ObjFault> {
-    const KINDS: [(&str, Indexed); 3] =
-        [("v", Indexed::Vertices), ("vt", Indexed::TextureCoordinates), ("vn", Indexed::Normals)];
+    const KINDS: [(&str, ObjElement); 3] =
+        [("v", ObjElement::Vertices), ("vt", ObjElement::TextureCoordinates), ("vn", ObjElement::Normals)];
     let mut counts = [0i64; 3];
     for (index, line) in bytes.split(|byte| *byte == b'\n').enumerate() {
         // What is not UTF-8 is refused by the library, with its line.

@@ -3,7 +3,7 @@
 //! The JSON has `points`, `patches` that list 4 (bilinear) or 16 (bicubic) points by number, row by row, and `sheets`
 //! with rails that a surface passes through.
 
-use super::{PatchesFault, Place};
+use super::{PatchesFault, PointPlace};
 use crate::DVec3;
 use crate::bezier::{MAX_PATCHES, Patch, Rails};
 use serde::Deserialize;
@@ -48,11 +48,11 @@ pub fn patches(bytes: &[u8]) -> Result<Vec<Patch>, PatchesFault> {
     if model.trochoid_model != 1 {
         return Err(PatchesFault::Version(model.trochoid_model));
     }
-    let point = |at: Place, found: [f64; 3]| {
+    let point = |at: PointPlace, found: [f64; 3]| {
         let near = found.iter().all(|part| part.abs() <= FARTHEST);
         if near { Ok(DVec3::from(found)) } else { Err(PatchesFault::Point { at, found }) }
     };
-    let points = model.points.iter().enumerate().map(|(index, found)| point(Place::Points(index), *found));
+    let points = model.points.iter().enumerate().map(|(index, found)| point(PointPlace::Points(index), *found));
     let points: Vec<DVec3> = points.collect::<Result<_, _>>()?;
     let mut patches = Vec::new();
     for (index, numbers) in model.patches.iter().enumerate() {
@@ -64,7 +64,7 @@ pub fn patches(bytes: &[u8]) -> Result<Vec<Patch>, PatchesFault> {
         patches.push(Patch::of(&corners).map_err(|found| PatchesFault::Points { patch: index, found })?);
     }
     for (index, sheet) in model.sheets.iter().enumerate() {
-        let at = |rail: usize, point: usize| Place::Rail { sheet: index, rail, point };
+        let at = |rail: usize, point: usize| PointPlace::Rail { sheet: index, rail, point };
         let rails = sheet.rails.iter().enumerate();
         let rails = rails.map(|(r, rail)| rail.iter().enumerate().map(|(p, found)| point(at(r, p), *found)).collect());
         let rails: Vec<Vec<DVec3>> = rails.collect::<Result<_, PatchesFault>>()?;

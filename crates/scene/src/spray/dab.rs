@@ -32,7 +32,7 @@ impl Default for Brush {
 
 /// The spray that is visible at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sprayed {
+pub struct SpraySample {
     /// Combined coverage of all stamps, 1 − Π(1 − αᵢ).
     pub alpha: f64,
     /// Planar depth of the nearest drop, in meters; +∞ if there is none.
@@ -43,7 +43,7 @@ pub struct Sprayed {
     pub weight: f64,
 }
 
-impl Sprayed {
+impl SpraySample {
     /// No drop. Until [`done`](Self::done), `alpha` holds the share left uncovered, and `age` holds Σ αᵢ·ageᵢ.
     pub(super) const NONE: Self = Self { alpha: 1.0, depth: f64::INFINITY, age: 0.0, weight: 0.0 };
 

@@ -25,7 +25,7 @@
 mod dab;
 mod stamp;
 
-pub use dab::{Brush, Sprayed};
+pub use dab::{Brush, SpraySample};
 pub use stamp::Stamp;
 pub use trochoid_sea::spray::Droplet;
 
@@ -135,8 +135,8 @@ impl Dabs {
 
     /// Returns what a position in the picture shows in front of a surface at a planar depth, straight from the
     /// formula.
-    pub fn at(&self, place: [f64; 2], surface: f64) -> Sprayed {
-        let mut sum = Sprayed::NONE;
+    pub fn at(&self, place: [f64; 2], surface: f64) -> SpraySample {
+        let mut sum = SpraySample::NONE;
         for dab in &self.dabs {
             sum.add(dab, dab.alpha(place, surface, &self.brush));
         }
@@ -177,18 +177,18 @@ impl Dabs {
                 let bin = (row * columns + column) as usize;
                 let entries = &self.entries[self.starts[bin] as usize..self.starts[bin + 1] as usize];
                 sums.clear();
-                sums.resize(within.area(), Sprayed::NONE);
+                sums.resize(within.area(), SpraySample::NONE);
                 dispatch!(Level::new(), simd => simd.vectorize(
                     #[inline(always)]
                     || self.fill_bin(entries, [within, window], offset, surface, stop, &mut sums)
                 ));
                 for (sums, y) in sums.chunks_exact(within.width().max(1)).zip(within.y0..) {
                     let start = (y - window.y0) as usize * window.width() + (within.x0 - window.x0) as usize;
-                    let write = |plane: &mut Option<&mut [f32]>, value: fn(&Sprayed) -> f64| {
+                    let write = |plane: &mut Option<&mut [f32]>, value: fn(&SpraySample) -> f64| {
                         let Some(plane) = plane else { return };
                         let out = &mut plane[start..start + sums.len()];
                         if entries.is_empty() {
-                            out.fill(value(&Sprayed::NONE.done()) as f32);
+                            out.fill(value(&SpraySample::NONE.done()) as f32);
                         } else {
                             out.iter_mut().zip(sums).for_each(|(out, sum)| *out = value(&sum.done()) as f32);
                         }
@@ -219,7 +219,7 @@ impl Dabs {
             }
             let bin = (bin(y, rows) * columns + bin(x, columns)) as usize;
             let place = [x as f64 + offset[0], y as f64 + offset[1]];
-            let mut sum = Sprayed::NONE;
+            let mut sum = SpraySample::NONE;
             for &entry in &self.entries[self.starts[bin] as usize..self.starts[bin + 1] as usize] {
                 let dab = &self.dabs[entry as usize];
                 if dab.may_meet(place) {
@@ -248,7 +248,7 @@ impl Dabs {
         offset: [f64; 2],
         surface: &[f32],
         stop: &dyn Fn() -> bool,
-        sums: &mut [Sprayed],
+        sums: &mut [SpraySample],
     ) {
         for &entry in entries {
             if stop() {

@@ -8,7 +8,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use rustfft::num_traits::Zero;
 use rustfft::{Fft, FftPlannerScalar};
 
-use crate::fields::{Fields, Points, SUMS, Wanted};
+use crate::fields::{FieldSet, Fields, Points, SUMS};
 use crate::frame::{SeaFrame, Term};
 use crate::kernel::{LANES, exp_neg, sincos_turns};
 use crate::lanes;
@@ -86,7 +86,7 @@ impl<'s> Lines<'s> {
     }
 
     /// Computes the wanted quantities at all points of a line.
-    pub fn evaluate(&self, line: &Line, wanted: Wanted, scratch: &mut LineScratch, out: &mut Fields) {
+    pub fn evaluate(&self, line: &Line, wanted: FieldSet, scratch: &mut LineScratch, out: &mut Fields) {
         let waves = self.waves(line);
         let cells = self.spreader.cells() as f64;
         let direct = DIRECT * waves as f64 * self.count as f64;
@@ -102,7 +102,7 @@ impl<'s> Lines<'s> {
         self.frame.resolved(line.footprint)
     }
 
-    fn sum(&self, line: &Line, wanted: Wanted, scratch: &mut LineScratch, out: &mut Fields) {
+    fn sum(&self, line: &Line, wanted: FieldSet, scratch: &mut LineScratch, out: &mut Fields) {
         let [x, z, footprint] = &mut scratch.points;
         for (axis, values) in [&mut *x, &mut *z].into_iter().enumerate() {
             values.clear();
@@ -113,7 +113,7 @@ impl<'s> Lines<'s> {
         self.frame.direct(Points { x, z, footprint }, wanted, out);
     }
 
-    fn transform(&self, line: &Line, waves: usize, wanted: Wanted, scratch: &mut LineScratch, out: &mut Fields) {
+    fn transform(&self, line: &Line, waves: usize, wanted: FieldSet, scratch: &mut LineScratch, out: &mut Fields) {
         out.reset(wanted, self.count);
         if wanted.slope_variance {
             out.slope_variance.fill(self.lost_variance(line, waves));
@@ -268,7 +268,7 @@ mod tests {
     use crate::{GerstnerSpectrum, Sea};
 
     /// Returns the largest error of each sum along a line, relative to its root mean square.
-    fn error(sea: &Sea, time: f64, line: &Line, count: usize, wanted: Wanted) -> f64 {
+    fn error(sea: &Sea, time: f64, line: &Line, count: usize, wanted: FieldSet) -> f64 {
         let frame = sea.at(time);
         let (mut out, mut scratch) = (Fields::default(), LineScratch::default());
         let lines = Lines::new(&frame, count);
@@ -328,11 +328,11 @@ mod tests {
         ];
         for (spectrum, time, line, count) in cases {
             let sea = sea(spectrum);
-            for wanted in [Wanted::ALL, Wanted { displacement: true, ..Wanted::default() }] {
+            for wanted in [FieldSet::ALL, FieldSet { displacement: true, ..FieldSet::default() }] {
                 let error = error(&sea, time, &line, count, wanted);
                 assert!(error < 1e-5, "{line:?}, {count} points: {error}");
             }
-            let derivatives = Wanted { derivatives: true, ..Wanted::default() };
+            let derivatives = FieldSet { derivatives: true, ..FieldSet::default() };
             assert!(error(&sea, time, &line, count, derivatives) < 1e-5);
         }
     }
@@ -344,8 +344,8 @@ mod tests {
         let line = Line { origin: [10.0, 20.0], step: [0.2, -0.1], footprint: 0.3 };
         let lines = Lines::new(&frame, 300);
         let (mut scratch, mut fast, mut slow) = (LineScratch::default(), Fields::default(), Fields::default());
-        lines.transform(&line, lines.waves(&line), Wanted::ALL, &mut scratch, &mut fast);
-        lines.sum(&line, Wanted::ALL, &mut scratch, &mut slow);
+        lines.transform(&line, lines.waves(&line), FieldSet::ALL, &mut scratch, &mut fast);
+        lines.sum(&line, FieldSet::ALL, &mut scratch, &mut slow);
         let rms = sea.height_rms() as f32;
         for (fast, slow) in fast.displacement.iter().flatten().zip(slow.displacement.iter().flatten()) {
             assert!((fast - slow).abs() < 1e-5 * rms, "{fast} and {slow}");
@@ -357,7 +357,7 @@ mod tests {
         let frame = Sea::default().at(1.0);
         let line = Line { origin: [0.0; 2], step: [1.0, 0.0], footprint: 1.0 };
         let mut out = Fields::default();
-        Lines::new(&frame, 5).evaluate(&line, Wanted::ALL, &mut LineScratch::default(), &mut out);
+        Lines::new(&frame, 5).evaluate(&line, FieldSet::ALL, &mut LineScratch::default(), &mut out);
         assert_eq!(out.displacement, [vec![0.0; 5], vec![0.0; 5], vec![0.0; 5]]);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::birth::{Birth, Candidate, Water};
 use super::{MAX_DROPS, Spray, SprayError};
-use crate::{Fields, Grid, GridPlan, Points, Sea, SeaFrame, Wanted};
+use crate::{FieldSet, Fields, Grid, GridPlan, Points, Sea, SeaFrame};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -36,7 +36,7 @@ impl<'a> Breeder<'a> {
             rows: cells.rows,
             footprint: spray.cell,
         };
-        let wanted = Wanted { derivatives: true, ..Wanted::default() };
+        let wanted = FieldSet { derivatives: true, ..FieldSet::default() };
         let plan = match GridPlan::new(grid, wanted, sea.waves().len(), TOLERANCE) {
             Ok(plan) => plan,
             Err(error) => unreachable!("a checked spray has a grid: {error}"),
@@ -114,7 +114,7 @@ impl<'a> Breeder<'a> {
         let rests: Vec<[f64; 2]> = chosen.iter().map(|candidate| candidate.rest(self.spray)).collect();
         let [x, z]: [Vec<f64>; 2] = [0, 1].map(|axis| rests.iter().map(|rest| rest[axis]).collect());
         let footprint = vec![self.spray.cell; rests.len()];
-        let wanted = Wanted { displacement: true, velocity: true, ..Wanted::default() };
+        let wanted = FieldSet { displacement: true, velocity: true, ..FieldSet::default() };
         let mut fields = Fields::default();
         frame.direct(Points { x: &x, z: &z, footprint: &footprint }, wanted, &mut fields);
         let three = |planes: &[Vec<f32>; 3], index: usize| [0, 1, 2].map(|axis| f64::from(planes[axis][index]));

@@ -2,7 +2,7 @@
 
 use super::birth::{Birth, within};
 use super::draws::Draws;
-use super::{Spray, SprayError, SprayFigure};
+use super::{Spray, SprayError, SprayParameter};
 use trochoid_key::content_key;
 
 /// Drops thrown from one position in one direction.
@@ -34,7 +34,7 @@ impl Burst {
         let not_negative = [self.extent, self.duration, self.spread, self.speed];
         let bad = any.chain(&not_negative).find(|value| !value.is_finite());
         match bad.or_else(|| not_negative.iter().find(|value| **value < 0.0)) {
-            Some(found) => Err(SprayError::Figure(SprayFigure::Bursts, *found)),
+            Some(found) => Err(SprayError::Parameter(SprayParameter::Bursts, *found)),
             None => Ok(()),
         }
     }

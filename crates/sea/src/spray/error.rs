@@ -1,8 +1,8 @@
 use super::{MAX_CELLS, MAX_CROWD, MAX_DROPS, MAX_STEPS, MAX_WORK};
 
-figures! {
+parameters! {
     /// A parameter of a spray.
-    SprayFigure {
+    SprayParameter {
         Center = "center",
         Size = "size",
         Cell = "cell",
@@ -29,7 +29,7 @@ figures! {
 #[derive(Clone, Debug, PartialEq)]
 pub enum SprayError {
     /// A number is not finite, or outside of its meaningful range.
-    Figure(SprayFigure, f64),
+    Parameter(SprayParameter, f64),
     /// There are more cells than [`MAX_CELLS`].
     Cells(f64, f64),
     /// A lifetime has more steps than [`MAX_STEPS`].
@@ -46,12 +46,12 @@ pub enum SprayError {
 
 impl SprayError {
     /// Returns the parameter that is best changed.
-    pub fn figure(&self) -> SprayFigure {
+    pub fn parameter(&self) -> SprayParameter {
         match self {
-            Self::Figure(figure, _) => *figure,
-            Self::Cells(..) => SprayFigure::Cell,
-            Self::Steps(_) | Self::Work(_) => SprayFigure::Rate,
-            Self::Crowd(_) | Self::Drops | Self::Stopped => SprayFigure::Density,
+            Self::Parameter(parameter, _) => *parameter,
+            Self::Cells(..) => SprayParameter::Cell,
+            Self::Steps(_) | Self::Work(_) => SprayParameter::Rate,
+            Self::Crowd(_) | Self::Drops | Self::Stopped => SprayParameter::Density,
         }
     }
 }
@@ -59,8 +59,8 @@ impl SprayError {
 impl std::fmt::Display for SprayError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Figure(figure, found) => {
-                write!(f, "{figure} {found}: use a finite number that is not negative")
+            Self::Parameter(parameter, found) => {
+                write!(f, "{parameter} {found}: use a finite number that is not negative")
             }
             Self::Cells(columns, rows) => {
                 write!(f, "{columns} × {rows} cells, more than {MAX_CELLS}: make \"size\" smaller or \"cell\" larger")

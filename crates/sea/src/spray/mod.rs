@@ -41,7 +41,7 @@ mod run;
 
 pub use birth::{Birth, Droplet};
 pub use burst::Burst;
-pub use error::{SprayError, SprayFigure};
+pub use error::{SprayError, SprayParameter};
 pub use run::SprayRun;
 
 /// Most cells of a spray.
@@ -201,32 +201,34 @@ impl Spray {
         let any = self
             .center
             .iter()
-            .map(|&v| (SprayFigure::Center, v))
-            .chain(self.wind.iter().map(|&v| (SprayFigure::Wind, v)));
-        for (figure, value) in any.chain([(SprayFigure::Threshold, self.threshold), (SprayFigure::Follow, self.follow)])
+            .map(|&v| (SprayParameter::Center, v))
+            .chain(self.wind.iter().map(|&v| (SprayParameter::Wind, v)));
+        for (parameter, value) in
+            any.chain([(SprayParameter::Threshold, self.threshold), (SprayParameter::Follow, self.follow)])
         {
             if !value.is_finite() {
-                return Err(SprayError::Figure(figure, value));
+                return Err(SprayError::Parameter(parameter, value));
             }
         }
-        let positive = [(SprayFigure::Cell, self.cell), (SprayFigure::Rate, self.rate), (SprayFigure::Tuft, self.tuft)];
-        let figures = [
-            (SprayFigure::Size, self.size[0]),
-            (SprayFigure::Size, self.size[1]),
-            (SprayFigure::Width, self.width),
-            (SprayFigure::Density, self.density),
-            (SprayFigure::Speed, self.speed),
-            (SprayFigure::Cone, self.cone),
-            (SprayFigure::Drag, self.drag),
-            (SprayFigure::Lifetime, self.lifetime),
-            (SprayFigure::Radius, self.radius),
-            (SprayFigure::Growth, self.growth),
-            (SprayFigure::Vary, self.vary),
-            (SprayFigure::Torn, self.torn),
+        let positive =
+            [(SprayParameter::Cell, self.cell), (SprayParameter::Rate, self.rate), (SprayParameter::Tuft, self.tuft)];
+        let parameters = [
+            (SprayParameter::Size, self.size[0]),
+            (SprayParameter::Size, self.size[1]),
+            (SprayParameter::Width, self.width),
+            (SprayParameter::Density, self.density),
+            (SprayParameter::Speed, self.speed),
+            (SprayParameter::Cone, self.cone),
+            (SprayParameter::Drag, self.drag),
+            (SprayParameter::Lifetime, self.lifetime),
+            (SprayParameter::Radius, self.radius),
+            (SprayParameter::Growth, self.growth),
+            (SprayParameter::Vary, self.vary),
+            (SprayParameter::Torn, self.torn),
         ];
-        for (figure, value) in positive.into_iter().chain(figures) {
-            if !value.is_finite() || value < 0.0 || (value == 0.0 && positive.contains(&(figure, value))) {
-                return Err(SprayError::Figure(figure, value));
+        for (parameter, value) in positive.into_iter().chain(parameters) {
+            if !value.is_finite() || value < 0.0 || (value == 0.0 && positive.contains(&(parameter, value))) {
+                return Err(SprayError::Parameter(parameter, value));
             }
         }
         let [[_, columns], [_, rows]] = self.span();

@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 use trochoid_key::content_key;
 
 use super::error::within;
-use super::{ToonError, ToonFigure};
+use super::{ToonError, ToonParameter};
 
 /// Most cells of a basin.
 const MAX_CELLS: f64 = (1 << 26) as f64;
@@ -50,10 +50,10 @@ impl Basin {
 
     pub(crate) fn validate(&self) -> Result<(), ToonError> {
         let side = (2.0, 16_384.0);
-        within(ToonFigure::Columns, self.columns as f64, side, "2 to 16384 cells")?;
-        within(ToonFigure::Rows, self.rows as f64, side, "2 to 16384 cells")?;
-        within(ToonFigure::Cells, self.columns as f64 * self.rows as f64, (4.0, MAX_CELLS), "at most 2²⁶ cells")?;
-        within(ToonFigure::Spacing, self.spacing, (1e-6, 1e6), "1e-6 to 1e6 meters")
+        within(ToonParameter::Columns, self.columns as f64, side, "2 to 16384 cells")?;
+        within(ToonParameter::Rows, self.rows as f64, side, "2 to 16384 cells")?;
+        within(ToonParameter::Cells, self.columns as f64 * self.rows as f64, (4.0, MAX_CELLS), "at most 2²⁶ cells")?;
+        within(ToonParameter::Spacing, self.spacing, (1e-6, 1e6), "1e-6 to 1e6 meters")
     }
 
     /// Returns the angle of the kth basis function along an axis of n cells: the mean of a cell's two neighbors

@@ -1,5 +1,5 @@
 use super::spline::Spline;
-use super::{Burst, ToonError, ToonFigure};
+use super::{Burst, ToonError, ToonParameter};
 
 /// Height of the water in front of the bow, as a share of the body's draft.
 const BOW: f64 = 0.8;
@@ -27,9 +27,9 @@ impl Body {
     /// A length is out of range, or a burst would be invalid.
     pub fn bursts(&self) -> Result<Vec<Burst>, ToonError> {
         let size = (1e-3, 1e5);
-        super::error::within(ToonFigure::BodyLength, self.length, size, "0.001 to 1e5 meters")?;
-        super::error::within(ToonFigure::BodyBeam, self.beam, size, "0.001 to 1e5 meters")?;
-        super::error::within(ToonFigure::BodyDraught, self.draught, (-1e5, 1e5), "-1e5 to 1e5 meters")?;
+        super::error::within(ToonParameter::BodyLength, self.length, size, "0.001 to 1e5 meters")?;
+        super::error::within(ToonParameter::BodyBeam, self.beam, size, "0.001 to 1e5 meters")?;
+        super::error::within(ToonParameter::BodyDraught, self.draught, (-1e5, 1e5), "-1e5 to 1e5 meters")?;
         self.way.validate()?;
         let hull =
             Burst { height: -self.draught, peak: 1.0, influence: [0.6 * self.length, 0.8 * self.beam], ..self.way };

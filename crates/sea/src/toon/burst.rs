@@ -4,7 +4,7 @@ use trochoid_key::content_key;
 use super::error::within;
 use super::splat::{DriftStamp, Stamp};
 use super::spline::Spline;
-use super::{Basin, Drift, Rift, Shape, ToonError, ToonFigure};
+use super::{Basin, Drift, Rift, Shape, ToonError, ToonParameter};
 
 content_key!(
     enum Shape {
@@ -56,20 +56,20 @@ impl Burst {
 
     pub(crate) fn validate(&self) -> Result<(), ToonError> {
         for value in self.path.iter().flatten() {
-            within(ToonFigure::ControlPoint, *value, (-1e9, 1e9), "-1e9 to 1e9 meters")?;
+            within(ToonParameter::ControlPoint, *value, (-1e9, 1e9), "-1e9 to 1e9 meters")?;
         }
-        within(ToonFigure::Duration, self.duration, (1e-3, 1e9), "0.001 to 1e9 seconds")?;
-        within(ToonFigure::Offset, self.offset, (-1e9, 1e9), "-1e9 to 1e9 seconds")?;
-        within(ToonFigure::Height, self.height, (-1e6, 1e6), "-1e6 to 1e6 meters")?;
-        within(ToonFigure::Peak, self.peak, (1e-3, 1e3), "0.001 to 1000")?;
-        within(ToonFigure::Influence, self.influence[0], (1e-3, 1e6), "0.001 to 1e6 meters")?;
-        within(ToonFigure::Influence, self.influence[1], (1e-3, 1e6), "0.001 to 1e6 meters")?;
-        within(ToonFigure::Fade, self.fade, (0.0, 0.5), "0 to 0.5")?;
-        within(ToonFigure::Lane, self.lane, (-1e6, 1e6), "-1e6 to 1e6 meters")?;
+        within(ToonParameter::Duration, self.duration, (1e-3, 1e9), "0.001 to 1e9 seconds")?;
+        within(ToonParameter::Offset, self.offset, (-1e9, 1e9), "-1e9 to 1e9 seconds")?;
+        within(ToonParameter::Height, self.height, (-1e6, 1e6), "-1e6 to 1e6 meters")?;
+        within(ToonParameter::Peak, self.peak, (1e-3, 1e3), "0.001 to 1000")?;
+        within(ToonParameter::Influence, self.influence[0], (1e-3, 1e6), "0.001 to 1e6 meters")?;
+        within(ToonParameter::Influence, self.influence[1], (1e-3, 1e6), "0.001 to 1e6 meters")?;
+        within(ToonParameter::Fade, self.fade, (0.0, 0.5), "0 to 0.5")?;
+        within(ToonParameter::Lane, self.lane, (-1e6, 1e6), "-1e6 to 1e6 meters")?;
         let [start, end] = self.active;
         if start.is_nan() || end.is_nan() {
-            let (figure, expected) = (ToonFigure::Active, "two times in seconds");
-            return Err(ToonError::Range { figure, burst: None, found: f64::NAN, expected });
+            let (parameter, expected) = (ToonParameter::Active, "two times in seconds");
+            return Err(ToonError::Range { parameter, burst: None, found: f64::NAN, expected });
         }
         Ok(())
     }
@@ -100,7 +100,7 @@ impl Burst {
 
     /// Returns the effect of this burst on the cells of a basin at a time. `lengths` is its path's table of arc
     /// lengths, empty if no drift is wanted.
-    pub(crate) fn stamp(&self, time: f64, at: &Stamping<'_>, lengths: &[f64]) -> Stamp {
+    pub(crate) fn stamp(&self, time: f64, at: &StampParameters<'_>, lengths: &[f64]) -> Stamp {
         let spline = Spline(self.path);
         let (lap, progress) = self.progress(time);
         let place = spline.point(progress);
@@ -143,7 +143,7 @@ impl Burst {
 
 /// Parameters that all stamps of one step share.
 #[derive(Clone, Copy)]
-pub(crate) struct Stamping<'a> {
+pub(crate) struct StampParameters<'a> {
     pub(crate) basin: &'a Basin,
     pub(crate) shape: Shape,
     pub(crate) oriented: bool,

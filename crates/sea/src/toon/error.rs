@@ -1,6 +1,6 @@
-figures! {
+parameters! {
     /// A parameter of a toon sea.
-    ToonFigure {
+    ToonParameter {
         Columns = "columns",
         Rows = "rows",
         Cells = "columns × rows",
@@ -41,7 +41,7 @@ pub enum ToonError {
     /// A number is outside of its range.
     Range {
         /// Name of the parameter.
-        figure: ToonFigure,
+        parameter: ToonParameter,
         /// Index among all bursts of the sea, if it belongs to a burst.
         burst: Option<usize>,
         /// Its value.
@@ -73,7 +73,7 @@ impl ToonError {
     /// Returns what was found.
     pub fn found(&self) -> String {
         match self {
-            Self::Range { figure, found, .. } => format!("{figure} {found}"),
+            Self::Range { parameter, found, .. } => format!("{parameter} {found}"),
             Self::Unstable(instability) => instability.found(),
             Self::NotResampled { found: [c1, c2] } => format!(
                 "c1 {c1}, c2 {c2}, which cannot be resampled: some mode changes its sign at every step, so that half a \
@@ -94,7 +94,9 @@ impl ToonError {
     /// Returns the same error for a burst, by its index among all bursts.
     pub fn of_burst(self, index: usize) -> Self {
         match self {
-            Self::Range { figure, found, expected, .. } => Self::Range { figure, burst: Some(index), found, expected },
+            Self::Range { parameter, found, expected, .. } => {
+                Self::Range { parameter, burst: Some(index), found, expected }
+            }
             other => other,
         }
     }
@@ -104,7 +106,7 @@ impl std::error::Error for ToonError {}
 
 /// Accepts finite values within closed bounds; rejects anything else, including NaN, by name.
 pub(crate) fn within(
-    figure: ToonFigure,
+    parameter: ToonParameter,
     found: f64,
     (low, high): (f64, f64),
     expected: &'static str,
@@ -112,7 +114,7 @@ pub(crate) fn within(
     if found.is_finite() && found >= low && found <= high {
         Ok(())
     } else {
-        Err(ToonError::Range { figure, burst: None, found, expected })
+        Err(ToonError::Range { parameter, burst: None, found, expected })
     }
 }
 

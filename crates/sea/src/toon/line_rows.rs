@@ -123,7 +123,7 @@ impl Lines {
         let side = |lane: usize| if lanes[lane] < 0.0 { COUNT - 1 } else { 1 };
         let next: [usize; LANES] = std::array::from_fn(|lane| (own[lane] + side(lane)) % COUNT);
         let height = load(simd, row.height, start);
-        let at = At { height, shown, density };
+        let at = LineValues { height, shown, density };
         let beyond = f.simd_lt(zero).select(f + 1.0, f - 1.0);
         let mask = (covered(table, own, f, at) + covered(table, next, beyond, at)).min(one);
         let mask = shown.simd_gt(zero).select(mask, zero);
@@ -172,7 +172,7 @@ fn smooth<S: Simd>(t: f32x16<S>) -> f32x16<S> {
 
 /// Values that lines at some positions share.
 #[derive(Clone, Copy)]
-struct At<S: Simd> {
+struct LineValues<S: Simd> {
     height: f32x16<S>,
     shown: f32x16<S>,
     density: f32x16<S>,
@@ -180,7 +180,7 @@ struct At<S: Simd> {
 
 /// Returns the shares of pixels covered by lines whose middles are about `f` line distances away.
 #[inline(always)]
-fn covered<S: Simd>(table: &Table, lines: [usize; LANES], f: f32x16<S>, at: At<S>) -> f32x16<S> {
+fn covered<S: Simd>(table: &Table, lines: [usize; LANES], f: f32x16<S>, at: LineValues<S>) -> f32x16<S> {
     let of = |values: &[f32; COUNT]| f32x16::from_slice(f.simd, &lines.map(|line| values[line]));
     let (zero, one) = (f32x16::splat(f.simd, 0.0), f32x16::splat(f.simd, 1.0));
     let left = ((of(&table.end) - at.height) * of(&table.inverse)).max(zero).min(one);

@@ -38,7 +38,7 @@ impl Default for Lines {
 
 /// Values at a position of the surface that determine its lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Place {
+pub struct LinePoint {
     /// Weight, 1 in the middle of bursts.
     pub weight: f64,
     /// Weight × (cos, sin) of the angle that counts lines.
@@ -76,8 +76,8 @@ pub fn density(here: [f64; 2], beside: [[[f64; 2]; 2]; 2]) -> f64 {
 
 impl Lines {
     /// Returns the share of a pixel that lines cover.
-    pub fn mask(&self, place: &Place) -> f64 {
-        let Place { weight, phase, height, density } = *place;
+    pub fn mask(&self, place: &LinePoint) -> f64 {
+        let LinePoint { weight, phase, height, density } = *place;
         let shown = self.shown(weight, phase, density);
         if shown <= 0.0 {
             return 0.0;

@@ -4,13 +4,13 @@
 //! that decays. A [`ToonSea`] is the description, a [`Simulation`] steps it through time:
 //!
 //! ```
-//! use trochoid_sea::toon::{Basin, Behavior, Boundary, Burst, Motion, ToonSea, Wanted};
+//! use trochoid_sea::toon::{Basin, Behavior, Boundary, Burst, Motion, ToonSea, TrailFields};
 //!
 //! let basin = Basin { columns: 64, rows: 48, spacing: 0.25, boundary: Boundary::Replicate };
 //! let path = [[2.0, 6.0], [6.0, 4.0], [10.0, 8.0], [14.0, 6.0]];
 //! let burst = Burst { duration: 4.0, ..Burst::along(path) };
 //! let sea = ToonSea::new(basin, Motion::default(), Behavior::default(), vec![burst])?;
-//! let mut simulation = sea.simulate(Wanted { rift: true, drift: false });
+//! let mut simulation = sea.simulate(TrailFields { rift: true, drift: false });
 //! let frame = simulation.at(1.5);
 //! assert_eq!(frame.height.len(), 64 * 48);
 //! assert!(frame.height.iter().any(|&height| height > 0.1));
@@ -56,16 +56,16 @@ mod trial;
 pub use basin::{Basin, Boundary};
 pub use body::Body;
 pub use burst::Burst;
-pub use error::{Instability, ToonError, ToonFigure};
+pub use error::{Instability, ToonError, ToonParameter};
 pub use field::Field;
 pub use line_rows::Row as LineRow;
 pub use line_span::{NearPhase, NearPlace, density_span};
 pub use motion::{LITERAL_HZ, Mixing, Motion, Physics};
 pub use probe::Probe;
-pub use sea::{Behavior, MAX_BURSTS, Scratch, ToonSea, Wanted};
+pub use sea::{Behavior, MAX_BURSTS, Scratch, ToonSea, TrailFields};
 pub use shape::Shape;
-pub use simulation::{Drifted, Simulation, ToonFrame};
+pub use simulation::{DriftPhases, Simulation, ToonFrame};
 pub use stability::Forecast;
 pub use system::Guide;
 pub use trail::{Combine, Drift, Rift, spread};
-pub use trial::{Drifting, Transient, Trial};
+pub use trial::{LevelDrift, Transient, Trial};

@@ -1,5 +1,5 @@
 use super::error::within;
-use super::{Basin, Instability, ToonError, ToonFigure};
+use super::{Basin, Instability, ToonError, ToonParameter};
 use trochoid_key::{ContentKey, KeyHasher, content_key};
 
 /// Literal steps per second.
@@ -97,7 +97,7 @@ impl Motion {
     }
 
     pub(crate) fn validate(&self, basin: &Basin) -> Result<(), ToonError> {
-        within(ToonFigure::Rate, self.rate(), (1e-3, 1e4), "0.001 to 10,000 steps a second")?;
+        within(ToonParameter::Rate, self.rate(), (1e-3, 1e4), "0.001 to 10,000 steps a second")?;
         match *self {
             Self::Literal(mixing) => Instability::check(mixing, basin).map_err(ToonError::Unstable),
             Self::Resampled { mixing, .. } => {
@@ -110,11 +110,11 @@ impl Motion {
             }
             Self::Physical { physics, .. } => {
                 let range = (0.0, 1e6);
-                within(ToonFigure::Speed, physics.speed, range, "0 to 1e6 m/s")?;
-                within(ToonFigure::Damping, physics.damping, range, "0 to 1e6 per second")?;
-                within(ToonFigure::Frequency, physics.frequency, range, "0 to 1e6 rad/s")?;
+                within(ToonParameter::Speed, physics.speed, range, "0 to 1e6 m/s")?;
+                within(ToonParameter::Damping, physics.damping, range, "0 to 1e6 per second")?;
+                within(ToonParameter::Frequency, physics.frequency, range, "0 to 1e6 rad/s")?;
                 within(
-                    ToonFigure::Push,
+                    ToonParameter::Push,
                     physics.push.unwrap_or(0.0),
                     (-1e12, 1e12),
                     "a finite number per second squared",

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::propagator::{Transfer, transfer};
 use super::spline::Spline;
-use super::{Basin, Boundary, Burst, Combine, LITERAL_HZ, Mixing, Motion, Shape, ToonSea, Wanted};
+use super::{Basin, Boundary, Burst, Combine, LITERAL_HZ, Mixing, Motion, Shape, ToonSea, TrailFields};
 
 /// All fields of a sea at one time, row by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Reference {
 /// Returns the fields at a time, from rest, without any jump; fields that are not wanted are 0.
 ///
 /// Costs cells × (columns + rows) + cells × bursts for each step, so it suits only small seas.
-pub fn frame(sea: &ToonSea, time: f64, wanted: Wanted) -> Reference {
+pub fn frame(sea: &ToonSea, time: f64, wanted: TrailFields) -> Reference {
     let cells = sea.basin.cells();
     let zero = || vec![0.0; cells];
     let mut state = Reference { height: zero(), rift: zero(), drift: std::array::from_fn(|_| zero()) };
@@ -29,7 +29,7 @@ pub fn frame(sea: &ToonSea, time: f64, wanted: Wanted) -> Reference {
     let mut other = zero();
     let (last, part) = sea.step_at(time);
     let stretch =
-        |seconds: f64| Stretch { sea, seconds, wanted, advance: Advance::new(&sea.motion, &sea.basin, seconds) };
+        |seconds: f64| Interval { sea, seconds, wanted, advance: Advance::new(&sea.motion, &sea.basin, seconds) };
     let whole = stretch(1.0 / sea.motion.rate());
     for step in 1..=last {
         whole.pass(sea.time_of(step), &mut state, &mut other);
@@ -41,15 +41,15 @@ pub fn frame(sea: &ToonSea, time: f64, wanted: Wanted) -> Reference {
 }
 
 /// An interval of time, in seconds.
-struct Stretch<'a> {
+struct Interval<'a> {
     sea: &'a ToonSea,
     seconds: f64,
-    wanted: Wanted,
+    wanted: TrailFields,
     advance: Advance,
 }
 
 /// A burst at one time.
-struct Passing<'a> {
+struct ActiveBurst<'a> {
     burst: &'a Burst,
     center: [f64; 2],
     /// Cosine and sine of its heading.
@@ -62,7 +62,7 @@ struct Passing<'a> {
     reach: f64,
 }
 
-impl<'a> Passing<'a> {
+impl<'a> ActiveBurst<'a> {
     /// Returns the bursts that are active.
     fn all(sea: &'a ToonSea, time: f64) -> Vec<Self> {
         let passing = |burst: &'a Burst| {
@@ -96,12 +96,12 @@ impl<'a> Passing<'a> {
     }
 }
 
-impl Stretch<'_> {
+impl Interval<'_> {
     /// Lets the interval pass, under the bursts at its end.
     fn pass(&self, time: f64, state: &mut Reference, other: &mut Vec<f64>) {
         let Self { sea, seconds, wanted, .. } = *self;
         let Basin { columns, rows, spacing, .. } = sea.basin;
-        let bursts = Passing::all(sea, time);
+        let bursts = ActiveBurst::all(sea, time);
         let mut force = vec![0.0; columns * rows];
         for row in 0..rows {
             for column in 0..columns {
@@ -125,34 +125,34 @@ impl Stretch<'_> {
 /// The change of heights over an interval, without bursts: in cells if it is the literal step, else in modes.
 pub(crate) struct Advance {
     basin: Basin,
-    way: Way,
+    method: AdvanceMethod,
 }
 
-enum Way {
+enum AdvanceMethod {
     Cells(Mixing),
     Modes(Basis, Vec<Transfer>),
 }
 
 impl Advance {
     pub(crate) fn new(motion: &Motion, basin: &Basin, seconds: f64) -> Self {
-        let way = match motion {
-            Motion::Literal(mixing) => Way::Cells(*mixing),
+        let method = match motion {
+            Motion::Literal(mixing) => AdvanceMethod::Cells(*mixing),
             _ => {
                 let basis = Basis::new(basin);
                 let gap =
                     |cell: usize| (basis.gaps[0][cell % basin.columns] + basis.gaps[1][cell / basin.columns]) / 2.0;
                 let transfers = (0..basin.cells()).map(|cell| transfer(motion, basin.spacing, gap(cell), seconds));
                 let transfers = transfers.collect();
-                Way::Modes(basis, transfers)
+                AdvanceMethod::Modes(basis, transfers)
             }
         };
-        Self { basin: *basin, way }
+        Self { basin: *basin, method }
     }
 
     /// Advances heights, and h₋ or the velocity, over the interval under a constant force.
     pub(crate) fn step(&self, force: &[f64], height: &mut Vec<f64>, other: &mut Vec<f64>) {
-        match &self.way {
-            Way::Cells(mixing) => {
+        match &self.method {
+            AdvanceMethod::Cells(mixing) => {
                 let next = (0..self.basin.cells())
                     .map(|cell| {
                         let mean = mean(&self.basin, height, cell);
@@ -161,7 +161,7 @@ impl Advance {
                     .collect();
                 *other = std::mem::replace(height, next);
             }
-            Way::Modes(basis, transfers) => {
+            AdvanceMethod::Modes(basis, transfers) => {
                 let (mut a, mut b) = (basis.forward(height), basis.forward(other));
                 let f = basis.forward(force);
                 for (cell, m) in transfers.iter().enumerate() {
@@ -191,14 +191,14 @@ fn mean(basin: &Basin, h: &[f64], cell: usize) -> f64 {
 }
 
 /// Returns a position relative to a burst, along its heading and across it if it is oriented.
-fn local(passing: &Passing<'_>, [x, z]: [f64; 2], oriented: bool) -> [f64; 2] {
+fn local(passing: &ActiveBurst<'_>, [x, z]: [f64; 2], oriented: bool) -> [f64; 2] {
     let [cos, sin] = if oriented { passing.heading } else { [1.0, 0.0] };
     let (dx, dz) = (x - passing.center[0], z - passing.center[1]);
     [dx * cos + dz * sin, dz * cos - dx * sin]
 }
 
-fn profile(sea: &ToonSea, passing: &Passing<'_>, place: [f64; 2]) -> f64 {
-    let Passing { burst, left, .. } = passing;
+fn profile(sea: &ToonSea, passing: &ActiveBurst<'_>, place: [f64; 2]) -> f64 {
+    let ActiveBurst { burst, left, .. } = passing;
     let [along, across] = local(passing, place, sea.behavior.oriented);
     let distance = libm::hypot(along / burst.influence[0], across / burst.influence[1]);
     let (p, h) = (burst.peak, burst.height);
@@ -209,7 +209,14 @@ fn profile(sea: &ToonSea, passing: &Passing<'_>, place: [f64; 2]) -> f64 {
 }
 
 /// Adds to the rift and the drift of one cell.
-fn trails(sea: &ToonSea, bursts: &[Passing<'_>], seconds: f64, place: [f64; 2], cell: usize, state: &mut Reference) {
+fn trails(
+    sea: &ToonSea,
+    bursts: &[ActiveBurst<'_>],
+    seconds: f64,
+    place: [f64; 2],
+    cell: usize,
+    state: &mut Reference,
+) {
     let (rift, drift) = (sea.behavior.rift, sea.behavior.drift);
     let steps = seconds * LITERAL_HZ;
     // Σ (1+ε)⁻ʲ over j = 1…steps.
@@ -220,7 +227,7 @@ fn trails(sea: &ToonSea, bursts: &[Passing<'_>], seconds: f64, place: [f64; 2], 
     let mut near = 0.0;
     let mut sums = [0.0; 5];
     for passing in bursts.iter().filter(|burst| burst.reaches(place)) {
-        let Passing { burst, heading: [cos, sin], left, turns, .. } = passing;
+        let ActiveBurst { burst, heading: [cos, sin], left, turns, .. } = passing;
         let [along, across] = local(passing, place, false);
         let inside = (rift.distance - libm::hypot(along, across)).max(0.0);
         near = match rift.combine {

@@ -1,12 +1,12 @@
 use rayon::prelude::*;
 use trochoid_key::content_key;
 
-use super::burst::Stamping;
+use super::burst::StampParameters;
 use super::error::within;
 use super::splat::{DRIFTS, DriftStep, RiftStep, Splat, Stamp, Targets};
 use super::spline::Spline;
 use super::trail::decayed;
-use super::{Basin, Burst, Drift, Field, LITERAL_HZ, Motion, Rift, Shape, ToonError, ToonFigure};
+use super::{Basin, Burst, Drift, Field, LITERAL_HZ, Motion, Rift, Shape, ToonError, ToonParameter};
 
 /// Most bursts of a sea.
 pub const MAX_BURSTS: usize = 1_000_000;
@@ -33,14 +33,14 @@ content_key!(Behavior { shape, oriented, injection, preroll, rift, drift });
 
 /// Fields that a simulation keeps in addition to the height. Fields that are not requested are not simulated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Wanted {
+pub struct TrailFields {
     /// Trails of foam.
     pub rift: bool,
     /// Coordinates of drift lines.
     pub drift: bool,
 }
 
-content_key!(Wanted { rift, drift });
+content_key!(TrailFields { rift, drift });
 
 /// A toon sea: its complete description for all times.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,8 +78,8 @@ impl ToonSea {
         motion.validate(&basin)?;
         behavior.rift.validate()?;
         behavior.drift.validate()?;
-        within(ToonFigure::Injection, behavior.injection.unwrap_or(0.0), (-1e6, 1e6), "-1e6 to 1e6")?;
-        within(ToonFigure::Bursts, bursts.len() as f64, (0.0, MAX_BURSTS as f64), "at most a million")?;
+        within(ToonParameter::Injection, behavior.injection.unwrap_or(0.0), (-1e6, 1e6), "-1e6 to 1e6")?;
+        within(ToonParameter::Bursts, bursts.len() as f64, (0.0, MAX_BURSTS as f64), "at most a million")?;
         for (index, burst) in bursts.iter().enumerate() {
             burst.validate().map_err(|error| error.of_burst(index))?;
         }
@@ -106,7 +106,7 @@ impl ToonSea {
         &self.bursts
     }
 
-    pub(super) fn with_lengths(&self, wanted: Wanted) -> Self {
+    pub(super) fn with_lengths(&self, wanted: TrailFields) -> Self {
         let mut sea = self.clone();
         if wanted.drift {
             sea.lengths = sea.bursts.iter().map(|burst| Spline(burst.path).lengths()).collect();
@@ -121,7 +121,7 @@ impl ToonSea {
     /// The field does not have the basin's size.
     pub fn inject(&self, time: f64, field: &mut Field, rift: &mut [f32], scratch: &mut Scratch) {
         assert_eq!(field.height.len(), self.basin.cells(), "the field is of the basin's size");
-        let wanted = Wanted { rift: rift.len() == self.basin.cells(), drift: false };
+        let wanted = TrailFields { rift: rift.len() == self.basin.cells(), drift: false };
         self.splat(
             time,
             1.0 / LITERAL_HZ,
@@ -148,14 +148,14 @@ impl ToonSea {
         &self,
         time: f64,
         seconds: f64,
-        wanted: Wanted,
+        wanted: TrailFields,
         height: &mut [f32],
         rift: &mut [f32],
         drift: [&mut [f32]; DRIFTS],
         scratch: &mut Scratch,
     ) {
         let Behavior { shape, oriented, rift: trail, drift: lines, .. } = self.behavior;
-        let at = Stamping {
+        let at = StampParameters {
             basin: &self.basin,
             shape,
             oriented,

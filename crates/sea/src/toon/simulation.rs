@@ -2,7 +2,7 @@ use super::modes::Modes;
 use super::propagator::Propagator;
 use super::splat::DRIFTS;
 use super::trail::decayed;
-use super::{Field, LITERAL_HZ, Mixing, Motion, Scratch, ToonSea, Wanted};
+use super::{Field, LITERAL_HZ, Mixing, Motion, Scratch, ToonSea, TrailFields};
 
 /// Number of propagators kept, by their seconds: that of a step, and those of the parts in which frames end.
 const PROPAGATORS: usize = 4;
@@ -18,7 +18,7 @@ const WORTH_A_JUMP: u64 = 64;
 #[derive(Clone)]
 pub struct Simulation {
     sea: ToonSea,
-    wanted: Wanted,
+    wanted: TrailFields,
     /// Whether heights are kept; trails do not need them.
     heights: bool,
     /// Spans of steps with bursts.
@@ -62,12 +62,12 @@ pub struct ToonFrame<'a> {
     /// The rift; empty if not wanted.
     pub rift: &'a [f32],
     /// Coordinates of drift lines; empty if not wanted.
-    pub drift: Drifted<'a>,
+    pub drift: DriftPhases<'a>,
 }
 
 /// Phases of drift lines: see [`Drift`](super::Drift). Each component is a sum with the weight.
 #[derive(Clone, Copy, Debug)]
-pub struct Drifted<'a> {
+pub struct DriftPhases<'a> {
     /// Weight w: how recently and how closely bursts have passed.
     pub weight: &'a [f32],
     /// w·(cos, sin) of the angle along the paths.
@@ -78,19 +78,19 @@ pub struct Drifted<'a> {
 
 impl ToonSea {
     /// Returns the sea at rest, ready to be stepped through time.
-    pub fn simulate(&self, wanted: Wanted) -> Simulation {
+    pub fn simulate(&self, wanted: TrailFields) -> Simulation {
         Simulation::new(self.with_lengths(wanted), wanted, true)
     }
 
     /// Does the same without heights: trails depend only on bursts, and have the same bits. Trails can therefore be
     /// computed only when needed.
-    pub fn simulate_trails(&self, wanted: Wanted) -> Simulation {
+    pub fn simulate_trails(&self, wanted: TrailFields) -> Simulation {
         Simulation::new(self.with_lengths(wanted), wanted, false)
     }
 }
 
 impl Simulation {
-    pub(crate) fn new(sea: ToonSea, wanted: Wanted, heights: bool) -> Self {
+    pub(crate) fn new(sea: ToonSea, wanted: TrailFields, heights: bool) -> Self {
         let modes = match sea.motion {
             Motion::Literal(_) => None,
             _ => heights.then(|| Modes::new(&sea.basin)),
@@ -330,7 +330,7 @@ impl Simulation {
         ToonFrame {
             height: if self.modes.is_some() { &self.height } else { &state.a },
             rift: &state.rift,
-            drift: Drifted { weight, along: [along_cos, along_sin], across: [across_cos, across_sin] },
+            drift: DriftPhases { weight, along: [along_cos, along_sin], across: [across_cos, across_sin] },
         }
     }
 }

@@ -1,6 +1,6 @@
 use super::error::within;
 use super::spline::length_at;
-use super::{ToonError, ToonFigure};
+use super::{ToonError, ToonParameter};
 use trochoid_key::content_key;
 
 /// How several bursts near a cell contribute to its rift.
@@ -54,9 +54,9 @@ impl Rift {
     }
 
     pub(crate) fn validate(&self) -> Result<(), ToonError> {
-        within(ToonFigure::RiftDistance, self.distance, (1e-6, 1e6), "1e-6 to 1e6 meters")?;
-        within(ToonFigure::RiftGain, self.gain, (0.0, 1e6), "0 to 1e6 per meter")?;
-        within(ToonFigure::RiftDecay, self.decay, (0.0, 1e3), "0 to 1000")
+        within(ToonParameter::RiftDistance, self.distance, (1e-6, 1e6), "1e-6 to 1e6 meters")?;
+        within(ToonParameter::RiftGain, self.gain, (0.0, 1e6), "0 to 1e6 per meter")?;
+        within(ToonParameter::RiftDecay, self.decay, (0.0, 1e3), "0 to 1000")
     }
 }
 
@@ -108,12 +108,12 @@ impl Drift {
 
     pub(crate) fn validate(&self) -> Result<(), ToonError> {
         for reach in self.reach {
-            within(ToonFigure::DriftReach, reach, (1e-3, 1e3), "0.001 to 1000")?;
+            within(ToonParameter::DriftReach, reach, (1e-3, 1e3), "0.001 to 1000")?;
         }
-        within(ToonFigure::DriftLag, self.lag, (-1e3, 1e3), "-1000 to 1000")?;
-        within(ToonFigure::DriftDecay, self.decay, (0.0, 1e3), "0 to 1000")?;
-        within(ToonFigure::DriftRenewal, self.renewal, (0.0, 1e3), "0 to 1000")?;
-        within(ToonFigure::DriftPeriod, self.period, (1e-6, 1e6), "1e-6 to 1e6 meters")
+        within(ToonParameter::DriftLag, self.lag, (-1e3, 1e3), "-1000 to 1000")?;
+        within(ToonParameter::DriftDecay, self.decay, (0.0, 1e3), "0 to 1000")?;
+        within(ToonParameter::DriftRenewal, self.renewal, (0.0, 1e3), "0 to 1000")?;
+        within(ToonParameter::DriftPeriod, self.period, (1e-6, 1e6), "1e-6 to 1e6 meters")
     }
 
     /// Returns the factor that scales weights and phases to about 1 where bursts pass: their largest sum is 1/(ε +

@@ -34,7 +34,7 @@ pub struct Trial {
 
 /// A sea that a constant force finally holds level, after many steps in f32.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drifting {
+pub struct LevelDrift {
     /// Number of steps that were taken.
     pub steps: u64,
     /// Largest difference from powers of the f64 step, relative to their result.
@@ -208,14 +208,14 @@ fn half_life(sizes: &[f64]) -> f64 {
 }
 
 /// The recurrence as printed, in f32 and without flushing.
-struct Printed {
+struct PrintedRecurrence {
     mixing: Mixing,
     advance: Advance,
     height: Vec<f64>,
     before: Vec<f64>,
 }
 
-impl Printed {
+impl PrintedRecurrence {
     fn new(mixing: Mixing, basin: &Basin, start: &[f32]) -> Self {
         // Lm in f64 plain loops, everything of the recurrence rounded to f32 as printed.
         let advance = Advance::new(&Motion::Literal(Mixing { c1: 0.5, c2: 0.0 }), basin, 1.0);
@@ -239,7 +239,7 @@ fn printed_subnormals(mixing: Mixing, basin: &Basin, start: &[f32], steps: u64) 
     // A part of the grid is sufficient, since decay does not depend on its size.
     let part = Basin { columns: basin.columns.min(32), rows: basin.rows.min(32), ..*basin };
     let start: Vec<f32> = (0..part.cells()).map(|cell| start[cell % start.len()]).collect();
-    let mut printed = Printed::new(mixing, &part, &start);
+    let mut printed = PrintedRecurrence::new(mixing, &part, &start);
     let mut subnormal = 0;
     for _ in 0..steps {
         printed.step();
@@ -248,7 +248,7 @@ fn printed_subnormals(mixing: Mixing, basin: &Basin, start: &[f32], steps: u64) 
     subnormal as f64 / (part.cells() as f64 * steps as f64)
 }
 
-impl Drifting {
+impl LevelDrift {
     /// Holds a sea by a level force, or by none if nothing is lost, on the grid of a [`Probe`] of the same motion.
     pub fn new(motion: &Motion, probe: &Probe, steps: u64) -> Self {
         let (basin, motion) = (*probe.basin(), stepped(motion));

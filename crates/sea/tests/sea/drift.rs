@@ -1,8 +1,8 @@
 //! Tests of drift lines over time: they move, but never jump.
 
 use crate::random::Random;
-use trochoid_sea::toon::lines::{Lines, Place, density};
-use trochoid_sea::toon::{Basin, Behavior, Boundary, Burst, Drift, LineRow, Motion, ToonFrame, ToonSea, Wanted};
+use trochoid_sea::toon::lines::{LinePoint, Lines, density};
+use trochoid_sea::toon::{Basin, Behavior, Boundary, Burst, Drift, LineRow, Motion, ToonFrame, ToonSea, TrailFields};
 
 const BASIN: Basin = Basin { columns: 180, rows: 150, spacing: 0.2, boundary: Boundary::Replicate };
 /// Cells per side of the tiles in which changes are measured.
@@ -42,7 +42,7 @@ fn masks(lines: &Lines, frame: &ToonFrame<'_>, along: bool) -> Vec<f64> {
             let here = phase(cell);
             let beside = [[phase(cell - 1), phase(cell + 1)], [phase(cell - columns), phase(cell + columns)]];
             let density = density(here, beside);
-            lines.mask(&Place { weight, phase: here, height: f64::from(frame.height[cell]), density })
+            lines.mask(&LinePoint { weight, phase: here, height: f64::from(frame.height[cell]), density })
         })
         .collect()
 }
@@ -65,7 +65,7 @@ fn greatest(run: &[Vec<f64>], apart: usize) -> f64 {
 /// Returns the largest changes over 6 s at 1/120, 1/60 and 1/30 s.
 fn changes(bursts: Vec<Burst>, lines: &Lines, along: bool) -> [f64; 3] {
     let sea = ToonSea::new(BASIN, Motion::default(), behavior(), bursts).expect("valid");
-    let mut simulation = sea.simulate(Wanted { rift: false, drift: true });
+    let mut simulation = sea.simulate(TrailFields { rift: false, drift: true });
     let times = (2 * RATE..8 * RATE).map(|frame| frame as f64 / RATE as f64);
     let run: Vec<Vec<f64>> = times.map(|time| masks(lines, &simulation.at(time), along)).collect();
     let drawn = run.iter().map(|mask| mask.iter().sum::<f64>()).sum::<f64>() / run.len() as f64;
@@ -136,7 +136,7 @@ fn rows_are_places() {
             let here = phase(own[index + 1]);
             let density = density(here, beside);
             let (weight, height) = (f64::from(weight[index]), f64::from(height[index]));
-            let expected = lines.mask(&Place { weight, phase: here, height, density });
+            let expected = lines.mask(&LinePoint { weight, phase: here, height, density });
             // An edge may be off by a few millionths of a line distance, a root near its zero by more.
             let tolerance = 1e-4 + (2e-5 / density).min(1.0);
             let off = (f64::from(found[index]) - expected).abs();

@@ -2,7 +2,7 @@
 
 use crate::random::Random;
 use trochoid_sea::{
-    ExplicitWave, Fields, GerstnerSpectrum, Points, Precise, PreciseSea, Sample, Sea, SeaFrame, Wanted, Wave,
+    ExplicitWave, FieldSet, Fields, GerstnerSpectrum, Points, Precise, PreciseSea, Sample, Sea, SeaFrame, Wave,
     attenuation,
 };
 
@@ -47,9 +47,9 @@ fn around(sea: &Sea, time: f64, center: f64, step: f64, footprint: f64) -> f64 {
     let prints: Vec<f64> = (0..count).map(|_| footprint * random.unit()).collect();
     let mut fields = Fields::default();
     let points = Points { x: &x, z: &z, footprint: &prints };
-    frame.direct(points, Wanted::ALL, &mut fields);
+    frame.direct(points, FieldSet::ALL, &mut fields);
     let direct = error(&frame, &x, &z, &prints, &fields);
-    frame.scattered(points, Wanted::ALL, &mut fields);
+    frame.scattered(points, FieldSet::ALL, &mut fields);
     direct.max(error(&frame, &x, &z, &prints, &fields))
 }
 
@@ -87,7 +87,7 @@ fn footprints_that_hardly_vary_are_as_exact() {
     let x: Vec<f64> = (0..64).map(f64::from).collect();
     let prints: Vec<f64> = (0..64).map(|index| 6.0 * (1.0 + 1e-5 * f64::from(index))).collect();
     let mut fields = Fields::default();
-    frame.direct(Points { x: &x, z: &x, footprint: &prints }, Wanted::ALL, &mut fields);
+    frame.direct(Points { x: &x, z: &x, footprint: &prints }, FieldSet::ALL, &mut fields);
     assert!(error(&frame, &x, &x, &prints, &fields) < 2e-6);
 }
 
@@ -100,7 +100,7 @@ fn scattered_points_do_not_change_each_other() {
     let prints: Vec<f64> = (0..100).map(|index| [0.0, 0.5, 30.0, 1e300][index % 4] * random.unit()).collect();
     let bits = |x: &[f64], z: &[f64], footprint: &[f64]| {
         let mut fields = Fields::default();
-        frame.scattered(Points { x, z, footprint }, Wanted::ALL, &mut fields);
+        frame.scattered(Points { x, z, footprint }, FieldSet::ALL, &mut fields);
         (0..x.len()).map(|index| fast(&fields, index).map(f64::to_bits)).collect::<Vec<_>>()
     };
     let together = bits(&x, &z, &prints);
@@ -119,14 +119,14 @@ fn only_what_is_wanted_is_there_and_it_does_not_change() {
     let x: Vec<f64> = (0..40).map(f64::from).collect();
     let points = Points { x: &x, z: &x, footprint: &x };
     let (mut all, mut some) = (Fields::default(), Fields::default());
-    frame.direct(points, Wanted::ALL, &mut all);
-    frame.direct(points, Wanted { displacement: true, ..Wanted::default() }, &mut some);
+    frame.direct(points, FieldSet::ALL, &mut all);
+    frame.direct(points, FieldSet { displacement: true, ..FieldSet::default() }, &mut some);
     assert_eq!(all.displacement, some.displacement);
     assert!(some.slope[0].is_empty() && some.strain[2].is_empty() && some.slope_variance.is_empty());
-    frame.direct(points, Wanted { derivatives: true, ..Wanted::default() }, &mut some);
+    frame.direct(points, FieldSet { derivatives: true, ..FieldSet::default() }, &mut some);
     assert_eq!((&all.slope, &all.strain), (&some.slope, &some.strain));
     assert!(some.displacement[1].is_empty());
-    frame.direct(points, Wanted { velocity: true, ..Wanted::default() }, &mut some);
+    frame.direct(points, FieldSet { velocity: true, ..FieldSet::default() }, &mut some);
     assert_eq!(all.velocity, some.velocity);
     assert!(some.slope[1].is_empty());
 }
@@ -136,7 +136,7 @@ fn a_sea_without_waves_is_flat() {
     let frame = Sea::default().at(5.0);
     assert_eq!(frame.evaluate([3.0, 4.0], 0.0), Sample::default());
     let mut fields = Fields::default();
-    frame.direct(Points { x: &[1.0], z: &[2.0], footprint: &[0.0] }, Wanted::ALL, &mut fields);
+    frame.direct(Points { x: &[1.0], z: &[2.0], footprint: &[0.0] }, FieldSet::ALL, &mut fields);
     assert_eq!(fast(&fields, 0), [0.0; 12]);
 }
 

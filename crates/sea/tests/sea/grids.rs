@@ -2,7 +2,7 @@
 
 use crate::random::Random;
 use trochoid_sea::{
-    ExplicitWave, Fields, GerstnerSpectrum, Grid, GridError, GridPlan, Method, Sample, Sea, SeaFrame, Wanted, Wave,
+    ExplicitWave, FieldSet, Fields, GerstnerSpectrum, Grid, GridError, GridPlan, Method, Sample, Sea, SeaFrame, Wave,
     attenuation,
 };
 
@@ -83,7 +83,7 @@ fn holds(what: &str, sea: &Sea, time: f64, grid: Grid, slack: f64) {
     let frame = sea.at(time);
     let mut fields = Fields::default();
     for method in Method::ALL {
-        let mut plan = GridPlan::by(method, grid, Wanted::ALL).expect("a legal grid");
+        let mut plan = GridPlan::by(method, grid, FieldSet::ALL).expect("a legal grid");
         plan.evaluate(&frame, &mut fields);
         let error = error(sea, &frame, grid, &fields);
         println!("{what}, {method:?}: {error:e}");
@@ -141,7 +141,7 @@ fn waves_below_two_steps_are_exact_at_every_point_or_attenuated() {
         let frame = sea.at(1.0);
         let mut fields = Fields::default();
         for method in Method::ALL {
-            GridPlan::by(method, grid, Wanted::ALL).expect("legal").evaluate(&frame, &mut fields);
+            GridPlan::by(method, grid, FieldSet::ALL).expect("legal").evaluate(&frame, &mut fields);
             // Compared with the whole waves, since waves below 1e-6 of their size are left out.
             let whole = sizes(&sea, 0.0)[1];
             for index in [0, 500, 40 * 33 - 1] {
@@ -176,7 +176,7 @@ fn methods_agree_for_extreme_sharpness_and_few_waves() {
             let mut fields = Fields::default();
             for method in Method::ALL {
                 let grid = grid(20, 21, step);
-                GridPlan::by(method, grid, Wanted::ALL).expect("legal").evaluate(&frame, &mut fields);
+                GridPlan::by(method, grid, FieldSet::ALL).expect("legal").evaluate(&frame, &mut fields);
                 for index in [0, 19, 210, 419] {
                     let rest = [-7.0 + step * (index % 20) as f64, 3.0 + step * (index / 20) as f64];
                     let exact = frame.evaluate(rest, 0.0).displacement[1];
@@ -195,7 +195,7 @@ fn a_hundred_thousand_waves_agree() {
     let grid = grid(128, 96, 0.4);
     let mut fields = Fields::default();
     for method in [Method::Single, Method::Double] {
-        GridPlan::by(method, grid, Wanted::ALL).expect("legal").evaluate(&frame, &mut fields);
+        GridPlan::by(method, grid, FieldSet::ALL).expect("legal").evaluate(&frame, &mut fields);
         let error = error(&sea, &frame, grid, &fields);
         assert!(error <= method.error(), "{method:?}: {error:e}");
     }
@@ -205,17 +205,17 @@ fn a_hundred_thousand_waves_agree() {
 fn no_waves_are_flat_and_no_points_are_no_values() {
     let mut fields = Fields::default();
     for method in Method::ALL {
-        let mut plan = GridPlan::by(method, grid(3, 2, 1.0), Wanted::ALL).expect("legal");
+        let mut plan = GridPlan::by(method, grid(3, 2, 1.0), FieldSet::ALL).expect("legal");
         plan.evaluate(&Sea::default().at(1.0), &mut fields);
         assert_eq!(fields.velocity[2], [0.0; 6]);
         let sea = sea(GerstnerSpectrum { count: 5, ..GerstnerSpectrum::default() });
         for (columns, rows) in [(0, 3), (3, 0)] {
-            let mut plan = GridPlan::by(method, grid(columns, rows, 1.0), Wanted::ALL).expect("legal");
+            let mut plan = GridPlan::by(method, grid(columns, rows, 1.0), FieldSet::ALL).expect("legal");
             plan.evaluate(&sea.at(0.0), &mut fields);
             assert!(fields.displacement[0].is_empty());
         }
         // A plan still works after a sea without waves.
-        let mut plan = GridPlan::by(method, grid(8, 8, 1.0), Wanted::ALL).expect("legal");
+        let mut plan = GridPlan::by(method, grid(8, 8, 1.0), FieldSet::ALL).expect("legal");
         let mut first = Fields::default();
         plan.evaluate(&sea.at(2.0), &mut first);
         plan.evaluate(&Sea::default().at(1.0), &mut fields);
@@ -230,10 +230,10 @@ fn only_what_is_wanted_is_there_and_it_does_not_change() {
     let (frame, grid) = (sea.at(2.0), grid(35, 27, 0.6));
     let (mut all, mut some) = (Fields::default(), Fields::default());
     for method in Method::ALL {
-        GridPlan::by(method, grid, Wanted::ALL).expect("legal").evaluate(&frame, &mut all);
+        GridPlan::by(method, grid, FieldSet::ALL).expect("legal").evaluate(&frame, &mut all);
         for kinds in 0..8 {
             let [displacement, derivatives, velocity] = [1, 2, 4].map(|kind| kinds & kind != 0);
-            let wanted = Wanted { displacement, derivatives, velocity, slope_variance: false };
+            let wanted = FieldSet { displacement, derivatives, velocity, slope_variance: false };
             GridPlan::by(method, grid, wanted).expect("legal").evaluate(&frame, &mut some);
             let same = |wanted: bool, all: &[Vec<f32>], some: &[Vec<f32>]| {
                 if wanted { all == some } else { some.iter().all(Vec::is_empty) }
@@ -255,7 +255,7 @@ fn any_number_of_threads_gives_the_same_bits() {
         let results = [1, 2, 5].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
             let mut fields = Fields::default();
-            pool.install(|| GridPlan::by(method, grid, Wanted::ALL).expect("legal").evaluate(&frame, &mut fields));
+            pool.install(|| GridPlan::by(method, grid, FieldSet::ALL).expect("legal").evaluate(&frame, &mut fields));
             fields
         });
         assert!(results[0] == results[1] && results[0] == results[2], "{method:?}");
@@ -264,7 +264,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 
 #[test]
 fn the_cheapest_method_within_the_tolerance_is_chosen() {
-    let wanted = Wanted { displacement: true, ..Wanted::default() };
+    let wanted = FieldSet { displacement: true, ..FieldSet::default() };
     let method = |columns: usize, waves: usize, tolerance: f64| {
         GridPlan::new(grid(columns, columns, 1.0), wanted, waves, tolerance).expect("legal").method()
     };
@@ -283,7 +283,7 @@ fn the_cheapest_method_within_the_tolerance_is_chosen() {
 
 #[test]
 fn grids_that_cannot_be_are_refused() {
-    let refused = |grid: Grid| GridPlan::new(grid, Wanted::ALL, 10, 1e-4).map(|_| ()).expect_err("refused");
+    let refused = |grid: Grid| GridPlan::new(grid, FieldSet::ALL, 10, 1e-4).map(|_| ()).expect_err("refused");
     assert_eq!(refused(grid(usize::MAX, 2, 1.0)), GridError::Size(usize::MAX, 2));
     assert_eq!(refused(grid(1 << 21, 1, 1.0)), GridError::Size(1 << 21, 1));
     assert!(matches!(refused(grid(2, 2, f64::NAN)), GridError::Meters("step", _)));
@@ -295,7 +295,7 @@ fn grids_that_cannot_be_are_refused() {
 fn sums_stop_when_they_are_told_to() {
     use std::sync::atomic::{AtomicUsize, Ordering};
     let sea = sea(GerstnerSpectrum { count: 30, ..GerstnerSpectrum::default() });
-    let wanted = Wanted { displacement: true, ..Wanted::default() };
+    let wanted = FieldSet { displacement: true, ..FieldSet::default() };
     let grid = grid(20, 300, 0.9);
     for method in [Method::Direct, Method::Separable] {
         let mut plan = GridPlan::by(method, grid, wanted).expect("a legal grid");

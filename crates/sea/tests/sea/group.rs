@@ -1,7 +1,7 @@
 //! Tests of wave groups: one crest at its focus, and how it travels.
 
 use std::f64::consts::FRAC_PI_2;
-use trochoid_sea::{Sea, WaveError, WaveFigure, WaveGroup};
+use trochoid_sea::{Sea, WaveError, WaveGroup, WaveParameter};
 
 fn sea(group: WaveGroup) -> Sea {
     Sea::new(group.waves().expect("valid"))
@@ -88,13 +88,13 @@ fn a_seed_decides_and_groups_repeat() {
 #[test]
 fn what_cannot_be_is_refused_by_name() {
     let refused = |group: WaveGroup| -> WaveError { group.waves().expect_err("refused") };
-    assert_eq!(refused(WaveGroup { along: 9.0, ..group() }).figure, WaveFigure::Along);
-    assert_eq!(refused(WaveGroup { across: 0.0, ..group() }).figure, WaveFigure::Across);
-    assert_eq!(refused(WaveGroup { wavelength: f64::NAN, ..group() }).figure, WaveFigure::Wavelength);
-    assert_eq!(refused(WaveGroup { waves: [0, 3], ..group() }).figure, WaveFigure::Waves);
-    assert_eq!(refused(WaveGroup { waves: [usize::MAX, 3], ..group() }).figure, WaveFigure::Waves);
-    assert_eq!(refused(WaveGroup { waves: [200, 200], ..group() }).figure, WaveFigure::Waves);
-    assert_eq!(refused(WaveGroup { time: f64::INFINITY, ..group() }).figure, WaveFigure::Time);
+    assert_eq!(refused(WaveGroup { along: 9.0, ..group() }).parameter, WaveParameter::Along);
+    assert_eq!(refused(WaveGroup { across: 0.0, ..group() }).parameter, WaveParameter::Across);
+    assert_eq!(refused(WaveGroup { wavelength: f64::NAN, ..group() }).parameter, WaveParameter::Wavelength);
+    assert_eq!(refused(WaveGroup { waves: [0, 3], ..group() }).parameter, WaveParameter::Waves);
+    assert_eq!(refused(WaveGroup { waves: [usize::MAX, 3], ..group() }).parameter, WaveParameter::Waves);
+    assert_eq!(refused(WaveGroup { waves: [200, 200], ..group() }).parameter, WaveParameter::Waves);
+    assert_eq!(refused(WaveGroup { time: f64::INFINITY, ..group() }).parameter, WaveParameter::Time);
     // The shortest accepted packet still has waves of one direction only.
     for wave in (WaveGroup { along: 9.3, seed: 3, ..group() }).waves().expect("valid") {
         let [x, z] = wave.direction;

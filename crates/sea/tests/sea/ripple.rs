@@ -82,6 +82,6 @@ fn figures_out_of_range_are_refused_by_name() {
         (Ripple { phase: f64::NAN, ..ripple }, "phase"),
         (Ripple { frequency: Some(f64::INFINITY), ..ripple }, "frequency"),
     ] {
-        assert_eq!(wrong.waves().expect_err("refused").figure.to_string(), name);
+        assert_eq!(wrong.waves().expect_err("refused").parameter.to_string(), name);
     }
 }

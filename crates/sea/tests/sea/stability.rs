@@ -183,7 +183,7 @@ fn a_held_level_does_not_drift() {
         Motion::Physical { physics, rate: 60.0 },
     ] {
         let probe = Probe::new(&motion, &basin(6, 5, Boundary::Replicate));
-        let drifting = Drifting::new(&motion, &probe, 50_000);
+        let drifting = LevelDrift::new(&motion, &probe, 50_000);
         println!("{motion:?}: {drifting:?}");
         assert!(drifting.drift < 1e-5, "{motion:?}: {drifting:?}");
     }

@@ -2,11 +2,11 @@
 
 use crate::random::Random;
 use trochoid_sea::toon::{
-    Basin, Behavior, Body, Boundary, Burst, Combine, Drift, Drifted, Field, Guide, Mixing, Motion, Physics, Rift,
-    Scratch, Shape, Simulation, ToonError, ToonFrame, ToonSea, Wanted, reference,
+    Basin, Behavior, Body, Boundary, Burst, Combine, Drift, DriftPhases, Field, Guide, Mixing, Motion, Physics, Rift,
+    Scratch, Shape, Simulation, ToonError, ToonFrame, ToonSea, TrailFields, reference,
 };
 
-const ALL: Wanted = Wanted { rift: true, drift: true };
+const ALL: TrailFields = TrailFields { rift: true, drift: true };
 
 /// Returns bursts around a basin, some of them outside, some small, some as large as the basin.
 fn bursts(random: &mut Random, basin: &Basin, count: usize) -> Vec<Burst> {
@@ -53,7 +53,7 @@ fn error(found: &[f32], expected: &[f64]) -> f64 {
 
 /// Returns all fields of drift.
 fn drifts<'a>(frame: &ToonFrame<'a>) -> [&'a [f32]; 5] {
-    let Drifted { weight, along: [ac, as_], across: [lc, ls] } = frame.drift;
+    let DriftPhases { weight, along: [ac, as_], across: [lc, ls] } = frame.drift;
     [weight, ac, as_, lc, ls]
 }
 
@@ -155,7 +155,7 @@ fn what_is_not_asked_for_changes_nothing() {
     let basin = Basin { columns: 70, rows: 40, spacing: 0.3, boundary: Boundary::Replicate };
     let bursts = bursts(&mut Random(5), &basin, 12);
     let sea = ToonSea::new(basin, Motion::default(), Behavior::default(), bursts).expect("valid");
-    let (mut all, mut none) = (sea.simulate(ALL), sea.simulate(Wanted::default()));
+    let (mut all, mut none) = (sea.simulate(ALL), sea.simulate(TrailFields::default()));
     let (all, none) = (all.at(0.7), none.at(0.7));
     assert!(none.rift.is_empty() && none.drift.weight.is_empty());
     assert_eq!(all.height, none.height);
@@ -180,14 +180,14 @@ fn trails_alone_are_the_same_bits() {
             let sea = ToonSea::new(basin, motion, Behavior { rift, preroll: 60, ..Behavior::default() }, bursts);
             let sea = sea.expect("valid");
             let mut all = sea.simulate(ALL);
-            let mut rift = sea.simulate_trails(Wanted { rift: true, drift: false });
-            let mut drift = sea.simulate_trails(Wanted { rift: false, drift: true });
+            let mut rift = sea.simulate_trails(TrailFields { rift: true, drift: false });
+            let mut drift = sea.simulate_trails(TrailFields { rift: false, drift: true });
             for time in [0.0, 0.11, 2.125, 1.0, 3.0] {
                 let all = all.at(time);
                 let (rift, drift) = (rift.at(time), drift.at(time));
                 assert!(rift.height.is_empty() && rift.drift.weight.is_empty() && drift.rift.is_empty());
                 assert_eq!(all.rift, rift.rift, "{motion:?} at {time}");
-                let bits = |drift: Drifted<'_>| -> Vec<u32> {
+                let bits = |drift: DriftPhases<'_>| -> Vec<u32> {
                     let fields = [&[drift.weight][..], &drift.along, &drift.across].concat();
                     fields.concat().iter().map(|value| value.to_bits()).collect()
                 };
@@ -356,12 +356,12 @@ fn bytes_are_those_of_what_is_kept() {
         [(Motion::Literal(Mixing::default()), 2), (Motion::Physical { physics, rate: 60.0 }, 4 + 3 + 12)]
     {
         let sea = ToonSea::new(basin, motion, Behavior::default(), bursts.clone()).expect("valid");
-        let bytes = |wanted: Wanted| {
+        let bytes = |wanted: TrailFields| {
             let mut simulation = sea.simulate(wanted);
             simulation.at(0.71);
             simulation.bytes()
         };
-        let (none, all) = (bytes(Wanted::default()), bytes(ALL));
+        let (none, all) = (bytes(TrailFields::default()), bytes(ALL));
         let cells = basin.cells() * size_of::<f32>();
         assert!((fields * cells..(fields + 1) * cells).contains(&none), "{motion:?}: {none} of {cells}");
         let trails = if matches!(motion, Motion::Literal(_)) { 6 } else { 12 };

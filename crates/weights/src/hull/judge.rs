@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
 use super::nearness::Nearness;
-use super::screen::{BLOCK, Bounds, Groups, Pixels, TOGETHER, left};
+use super::screen::{BLOCK, Bounds, Groups, Pixels, TOGETHER, failing_pixels};
 use super::vector::{Point, along, length, sub};
 use super::{EVALUATION, Facet, Hull};
 
@@ -81,7 +81,7 @@ struct Sieve<'h> {
     margin: f64,
     /// For each plane, an excess up to which the distance is certainly within the margin. Made on first use, like the
     /// planes of each screen.
-    near: Vec<f64>,
+    allowed_excess: Vec<f64>,
     groups: Vec<Groups>,
     /// Pixels that wait for each stage: the screens, and f64 last.
     waiting: Vec<([[f32; BLOCK]; 3], usize)>,
@@ -94,25 +94,25 @@ impl<'h> Sieve<'h> {
     fn new(hull: &'h Hull, margin: f64) -> Self {
         let waiting = vec![([[0.0; BLOCK]; 3], 0); hull.screens.len() + 1];
         let groups = vec![Vec::new(); hull.screens.len()];
-        Self { hull, margin, near: Vec::new(), groups, waiting, planes: Vec::new(), count: 0, worst: 0.0 }
+        Self { hull, margin, allowed_excess: Vec::new(), groups, waiting, planes: Vec::new(), count: 0, worst: 0.0 }
     }
 
     /// Makes the planes or bounds of a stage.
     fn prepare(&mut self, stage: usize) {
         let Some(screen) = self.hull.screens.get(stage) else {
-            if self.near.is_empty() {
+            if self.allowed_excess.is_empty() {
                 // Without screens, the bounds on rounding do not hold either.
                 let known = !self.hull.screens.is_empty();
                 let near =
                     |nearness: &Nearness| if known { nearness.excess(self.margin, self.hull.largest) } else { 0.0 };
-                self.near = self.hull.nearness.iter().map(near).collect();
+                self.allowed_excess = self.hull.nearness.iter().map(near).collect();
             }
             return;
         };
         if self.groups[stage].is_empty() {
             // No plane of the hull is farther from a pixel than the inner polytope is.
             let whole = self.hull.screens.last().filter(|_| stage + 1 < self.hull.screens.len());
-            self.groups[stage] = screen.groups(whole.map_or(self.margin, |whole| whole.near(self.margin)));
+            self.groups[stage] = screen.groups(whole.map_or(self.margin, |whole| whole.safe_excess(self.margin)));
         }
     }
 
@@ -165,7 +165,7 @@ impl<'h> Sieve<'h> {
             }
             return self.block(simd, stage, filled(&mut covered, count), count);
         }
-        let beyond = left(simd, &self.groups[stage], block, &bounds, &mut self.planes);
+        let beyond = failing_pixels(simd, &self.groups[stage], block, &bounds, &mut self.planes);
         let mut left = beyond & all;
         if left == 0 {
             return;
@@ -190,7 +190,7 @@ impl<'h> Sieve<'h> {
 
     /// Judges some pixels of a block, given as bits, in f64.
     fn exactly<S: Simd>(&mut self, simd: S, block: Pixels<'_>, pixels: u128) {
-        let mut left = pixels & !near(simd, &self.hull.planes, &self.near, block);
+        let mut left = pixels & !passing_pixels(simd, &self.hull.planes, &self.allowed_excess, block);
         while left != 0 {
             let x = left.trailing_zeros() as usize;
             self.judge(&block.map(|channel| channel[x]));
@@ -225,11 +225,11 @@ fn filled(block: &mut [[f32; BLOCK]; 3], count: usize) -> Pixels<'_> {
     block.each_ref()
 }
 
-/// Returns the pixels of a block, as bits, that exceed no plane by more than `near`. Never includes pixels that are
-/// not finite.
+/// Returns the pixels of a block, as bits, that exceed no plane by more than `allowed_excess`. Never includes pixels
+/// that are not finite.
 ///
-/// The excess is computed like in [`Hull::exit`], so that a `near` of 0 is exact.
-fn near<S: Simd>(simd: S, planes: &[Facet], near: &[f64], block: Pixels<'_>) -> u128 {
+/// The excess is computed like in [`Hull::exit`], so that an allowed excess of 0 is exact.
+fn passing_pixels<S: Simd>(simd: S, planes: &[Facet], allowed_excess: &[f64], block: Pixels<'_>) -> u128 {
     simd.vectorize(
         #[inline(always)]
         || {
@@ -251,10 +251,10 @@ fn near<S: Simd>(simd: S, planes: &[Facet], near: &[f64], block: Pixels<'_>) -> 
                     blue[i] = S::f64s::from_slice(simd, &wide[2][lanes]);
                 }
                 let mut largest = [S::f64s::splat(simd, f64::NEG_INFINITY); TOGETHER];
-                for (&Facet { normal: [x, y, z], offset }, &near) in planes.iter().zip(near) {
+                for (&Facet { normal: [x, y, z], offset }, &allowed) in planes.iter().zip(allowed_excess) {
                     for i in 0..TOGETHER {
-                        // If `near` is 0, the same operations as in `Facet::excess`, in the same order.
-                        let excess = red[i] * x + green[i] * y + blue[i] * z - (offset + near);
+                        // If it is 0, the same operations as in `Facet::excess`, in the same order.
+                        let excess = red[i] * x + green[i] * y + blue[i] * z - (offset + allowed);
                         largest[i] = largest[i].max(excess);
                     }
                 }

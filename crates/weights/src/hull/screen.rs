@@ -55,7 +55,7 @@ impl Screen {
     }
 
     /// Returns an excess over any plane, or a distance, up to which pixels are certainly within the margin.
-    pub(super) fn near(&self, margin: f64) -> f64 {
+    pub(super) fn safe_excess(&self, margin: f64) -> f64 {
         self.worst.excess(margin, self.largest)
     }
 
@@ -101,7 +101,7 @@ impl Screen {
 /// Returns the pixels of a block that do not pass, as bits. `planes` is scratch space.
 ///
 /// `bounds` is the bounding box of the block, which the screen must cover.
-pub(super) fn left<S: Simd>(
+pub(super) fn failing_pixels<S: Simd>(
     simd: S,
     groups: &[[[f32; LANES]; 4]],
     block: Pixels<'_>,

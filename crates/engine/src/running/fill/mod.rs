@@ -164,9 +164,8 @@ impl<'p> Fills<'p> {
         self.keeper?.known.get(&node).map(|filled| &**filled)
     }
 
-    /// Fills every stage over the window that a tile needs, for a sample, and adds the
-    /// time of each stage to `seconds`. The first sample of a tile must come first, since the others may share its
-    /// results.
+    /// Fills every stage over the window that a tile needs, for a sample, and adds the time of each stage to
+    /// `seconds`. The first sample of a tile must come first, since the others may share its results.
     pub(crate) fn fill(&mut self, tile: Window, sample: Sample, seconds: &mut [f64]) -> Result<(), EvalError> {
         if sample.index == 0 || self.sharing {
             self.place_windows(tile, sample.index);

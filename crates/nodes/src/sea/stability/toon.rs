@@ -3,7 +3,7 @@
 use super::{duration, figure};
 use trochoid_graph::{Figure, Relation, Stability, StabilityMap, Verdict};
 use trochoid_sea::toon::{
-    Basin, Boundary, Drifting, Forecast, LITERAL_HZ, Mixing, Motion, Physics, Probe, ToonSea, Transient, Trial,
+    Basin, Boundary, Forecast, LITERAL_HZ, LevelDrift, Mixing, Motion, Physics, Probe, ToonSea, Transient, Trial,
 };
 
 /// Number of steps for which a level sea is held.
@@ -85,7 +85,7 @@ fn figures(sea: &ToonSea, forecast: &Forecast) -> Vec<Figure> {
     let probe = Probe::new(motion, basin);
     let small = Forecast::new(motion, probe.basin());
     let (trial, transient) = (Trial::new(motion, basin), Transient::new(motion, basin));
-    let drifting = Drifting::new(motion, &probe, DRIFT_STEPS);
+    let drifting = LevelDrift::new(motion, &probe, DRIFT_STEPS);
     let decides = forecast.half_life > 0.5 && forecast.half_life < 400.0;
     let mut figures = vec![
         Figure {

@@ -2,7 +2,7 @@
 
 use super::{duration, figure};
 use trochoid_graph::{Figure, Relation, Stability, Verdict};
-use trochoid_sea::{Fields, FoldOptions, Points, Sea, Wanted, Wave};
+use trochoid_sea::{FieldSet, Fields, FoldOptions, Points, Sea, Wave};
 
 /// Distance in meters, and time in seconds, at which phases are measured.
 const FAR: f64 = 1e7;
@@ -73,7 +73,7 @@ fn heights(sea: &Sea, figures: &mut Vec<Figure>) {
     let (x, z, footprint) = (along(0.754_877_666), along(0.569_840_291), vec![0.0; points]);
     let frame = sea.at(FAR);
     let mut fields = Fields::default();
-    let wanted = Wanted { displacement: true, ..Wanted::default() };
+    let wanted = FieldSet { displacement: true, ..FieldSet::default() };
     frame.direct(Points { x: &x, z: &z, footprint: &footprint }, wanted, &mut fields);
     let rms = sea.height_rms();
     let off = |index: usize| {

@@ -4,17 +4,17 @@ use crate::view::SurfaceHandle;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use trochoid_graph::{Handle, NodeError, Prepare, Prepared, Reference, References};
 use trochoid_scene::GridSurface;
-use trochoid_sea::toon::{Drifted, Simulation, ToonFrame, ToonSea, Wanted, reference};
+use trochoid_sea::toon::{DriftPhases, Simulation, ToonFrame, ToonSea, TrailFields, reference};
 
-const RIFT: Wanted = Wanted { rift: true, drift: false };
-const DRIFT: Wanted = Wanted { rift: false, drift: true };
+const RIFT: TrailFields = TrailFields { rift: true, drift: false };
+const DRIFT: TrailFields = TrailFields { rift: false, drift: true };
 /// Everything a view can request from the sea.
-const ALL: Wanted = Wanted { rift: true, drift: true };
+const ALL: TrailFields = TrailFields { rift: true, drift: true };
 
 /// Trails at a given time, computed on request.
 struct Trails {
     sea: ToonSea,
-    wanted: Wanted,
+    wanted: TrailFields,
     time: f64,
     /// The simulation shared by all frames, once any frame has requested it.
     shared: Arc<Mutex<Option<Simulation>>>,
@@ -37,7 +37,7 @@ impl Trails {
     fn drift(self) -> [Vec<f32>; 5] {
         let scale = self.sea.behavior().drift.scale() as f32;
         self.at(|frame| {
-            let Drifted { weight, along, across } = frame.drift;
+            let DriftPhases { weight, along, across } = frame.drift;
             [weight, along[0], along[1], across[0], across[1]]
                 .map(|values| values.iter().map(|value| value * scale).collect())
         })
@@ -107,9 +107,9 @@ impl PreparedToon {
     pub(crate) fn new(sea: ToonSea, place: Place, prepare: &Prepare<'_>) -> Result<Self, NodeError> {
         // Frames of one sea share its simulations, so that each takes only the steps since the previous frame. Trails
         // have separate simulations, which begin only when a view requests them.
-        let simulation = prepare.shared(&sea, || Ok(Mutex::new(sea.simulate(Wanted::default()))))?;
+        let simulation = prepare.shared(&sea, || Ok(Mutex::new(sea.simulate(TrailFields::default()))))?;
         let time = prepare.frame.time;
-        let trails = |wanted: Wanted| {
+        let trails = |wanted: TrailFields| {
             let shared = prepare.shared(&(wanted, &sea), || Ok(Mutex::new(None)))?;
             Ok::<_, NodeError>(Trails { sea: sea.clone(), wanted, time, shared })
         };
@@ -122,7 +122,7 @@ impl PreparedToon {
                 simulation.at(time).height.to_vec()
             }
             // A panic may have interrupted a step: start again.
-            Err(_) => sea.simulate(Wanted::default()).at(time).height.to_vec(),
+            Err(_) => sea.simulate(TrailFields::default()).at(time).height.to_vec(),
         };
         let simulations = Simulations { heights: simulation, trails: [rift.shared.clone(), drift.shared.clone()] };
         let surface: SurfaceHandle =

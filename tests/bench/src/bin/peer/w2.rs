@@ -3,7 +3,7 @@
 use super::{Result, serve};
 use std::f64::consts::TAU;
 use std::path::Path;
-use trochoid_sea::{Fields, Grid, GridPlan, Sea, Wanted, Wave};
+use trochoid_sea::{FieldSet, Fields, Grid, GridPlan, Sea, Wave};
 
 const SIZE: usize = 1024;
 const TIME: f64 = 12.5;
@@ -46,7 +46,7 @@ pub(crate) fn run(work: &Path, tolerance: &str) -> Result<()> {
     let sea = Sea::new((0..1000).map(wave).collect());
     let step = 500.0 / SIZE as f64;
     let grid = Grid { origin: [0.0; 2], step: [step; 2], columns: SIZE, rows: SIZE, footprint: 0.0 };
-    let wanted = Wanted { displacement: true, ..Wanted::default() };
+    let wanted = FieldSet { displacement: true, ..FieldSet::default() };
     let mut plan = GridPlan::new(grid, wanted, sea.waves().len(), tolerance.parse()?)?;
     let mut fields = Fields::default();
     plan.evaluate(&sea.at(TIME), &mut fields);
