@@ -9,7 +9,6 @@ use crate::followed::follow_sea;
 use crate::footprint::least_footprint;
 use crate::points::MeshHit;
 use crate::sea_point::Limits;
-use crate::sea_point::Limits;
 use crate::spacing::Spacing;
 use crate::surface::{Anchor, Hit, Mesh, Surface};
 use crate::{ChannelSet, Projector, Ray, Resting, reference, tessellate};

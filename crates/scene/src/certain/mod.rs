@@ -16,7 +16,6 @@ mod sea;
 
 pub(crate) use cells::{DerivativeLimits, SmoothSurface, SurfaceCorner, contours_of_grid};
 pub use contours::Search;
-pub use contours::Search;
 pub(crate) use facets::contours_of_facets;
 pub(crate) use grid::{SeenGrid, meet_grid};
 pub(crate) use sea::{SeenSea, meet_sea};
@@ -27,7 +26,6 @@ use crate::sheets::{Sheet, Sheets};
 use crate::surface::{Hit, Surface};
 use crate::{Camera, Projector, Visible};
 use contours::{ContourBox, Marks};
-use contours::{Marks, Turn};
 use trochoid_image::Format;
 
 /// What a sample of the continuous surfaces sees.
