@@ -17,6 +17,7 @@ mod diagram;
 mod doors;
 mod drift;
 mod explain;
+mod faults;
 mod filters;
 mod frames;
 mod hoisting;

@@ -1,7 +1,8 @@
 //! The chapters: copied from `docs/src`, with documents rendered, names of nodes linked, and the pages of nodes added.
 
+use crate::fault::{Fault, Faults};
 use crate::node_page::{node_page, row};
-use crate::{Faults, copy, documents, text, write};
+use crate::{copy, documents, text, write};
 use std::path::{Path, PathBuf};
 use trochoid::{End, registry};
 
@@ -11,7 +12,7 @@ const NODES: &str = "<!-- nodes -->";
 /// Writes the book's pages and pictures from `docs` into the folder `book`, and says what is wrong with them.
 pub(crate) fn write_all(docs: &Path, book: &Path) -> Faults {
     let mut faults = Faults::new();
-    let mut note = |result: Result<(), String>| faults.extend(result.err());
+    let mut note = |result: Result<(), Fault>| faults.extend(result.err());
     for file in ["book.toml", "book.css"] {
         note(copy(&docs.join(file), &book.join(file)));
     }
@@ -47,11 +48,11 @@ fn files(folder: &Path) -> Vec<(PathBuf, PathBuf)> {
 }
 
 /// The page of a node type, and its picture.
-fn node(docs: &Path, book: &Path, declaration: &trochoid::Declaration) -> Result<(), String> {
+fn node(docs: &Path, book: &Path, declaration: &trochoid::Declaration) -> Result<(), Fault> {
     let name = declaration.name;
     let folder = docs.join("nodes");
     let path = folder.join(format!("{name}.json"));
-    let document = text(&path).map_err(|error| format!("the node {name} has no document that shows it: {error}"))?;
+    let document = text(&path).map_err(|source| Fault::NoDocument { node: name, source: source.into() })?;
     let pages = book.join("src/nodes");
     documents::render(&path.display().to_string(), &document, &folder, &pages.join(format!("{name}.png")))?;
     write(&pages.join(format!("{name}.md")), &node_page(declaration, &document))
@@ -61,7 +62,7 @@ fn node(docs: &Path, book: &Path, declaration: &trochoid::Declaration) -> Result
 fn chapter(file: &Path, book: &Path, place: &Path) -> Faults {
     let page = match text(file) {
         Ok(page) => page,
-        Err(error) => return vec![error],
+        Err(error) => return vec![error.into()],
     };
     let mut faults = Faults::new();
     for (name, document) in named_documents(&page) {
@@ -77,7 +78,7 @@ fn chapter(file: &Path, book: &Path, place: &Path) -> Faults {
 }
 
 /// Renders a document that stands in a chapter, and holds the chapter's picture against it.
-fn guide_document(file: &Path, book: &Path, name: &str, document: &str) -> Result<(), String> {
+fn guide_document(file: &Path, book: &Path, name: &str, document: &str) -> Result<(), Fault> {
     let picture = name.replace(".json", ".png");
     // Copies of stored pictures come later, in the order of names; what is rendered lies elsewhere.
     let rendered = book.join("rendered").join(&picture);
@@ -87,8 +88,7 @@ fn guide_document(file: &Path, book: &Path, name: &str, document: &str) -> Resul
     if is_same {
         return Ok(());
     }
-    let (rendered, stored) = (rendered.display(), stored.display());
-    Err(format!("{stored}: is not what the document {name} makes\n  remedy: look at it, then `cp {rendered} {stored}`"))
+    Err(Fault::OtherPicture { stored, document: name.into(), rendered })
 }
 
 /// The documents of a chapter: blocks of code that begin with "```json NAME.json".
@@ -165,7 +165,7 @@ fn bring_files(page: &str, file: &Path, book: &Path) -> (String, Faults) {
         let Some(end) = rest.find(')') else { continue };
         let place = &rest[..end];
         if place.ends_with(".md") {
-            faults.push(format!("{}: {place} is no page of the book", file.display()));
+            faults.push(Fault::NoPage { page: file.into(), target: place.into() });
         } else {
             faults.extend(copy(Path::new(place), &book.join("src/files").join(place)).err());
         }
@@ -195,7 +195,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let mix = declarations(None).into_iter().find(|declaration| declaration.name == "Mix").expect("a node");
         let fault = node(folder.path(), folder.path(), mix).expect_err("no document");
-        assert!(fault.starts_with("the node Mix has no document that shows it"), "{fault}");
+        assert!(matches!(fault, Fault::NoDocument { node: "Mix", .. }), "{fault}");
     }
 
     #[test]
@@ -207,8 +207,13 @@ mod tests {
         write(&page, &format!("# A\n\n```json white.json\n{document}\n```\n")).expect("a page");
         let faults = chapter(&page, folder.path(), Path::new("a.md"));
         assert_eq!(faults.len(), 1, "{faults:?}");
-        assert!(faults[0].contains("is not what the document white.json makes"), "{}", faults[0]);
+        assert!(
+            matches!(&faults[0], Fault::OtherPicture { document, .. } if document == "white.json"),
+            "{}",
+            faults[0]
+        );
         copy(&folder.path().join("rendered/white.png"), &folder.path().join("src/pictures/white.png")).expect("a copy");
-        assert_eq!(chapter(&page, folder.path(), Path::new("a.md")), Faults::new());
+        let faults = chapter(&page, folder.path(), Path::new("a.md"));
+        assert!(faults.is_empty(), "{faults:?}");
     }
 }

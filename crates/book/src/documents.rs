@@ -1,5 +1,6 @@
 //! Documents that stand in the book: checked, and rendered.
 
+use crate::fault::Fault;
 use std::path::Path;
 use trochoid::io::{Limits, Selection, read};
 use trochoid::{Buffers, Cache, OutputFile, Plan, Settings, Silent, parse, write_output};
@@ -11,33 +12,34 @@ const SAME: f32 = 2.5 / 255.0;
 ///
 /// # Errors
 /// The document has a fault or a warning, cannot be rendered, or leaves the hull of its control colors.
-pub(crate) fn render(name: &str, document: &str, folder: &Path, to: &Path) -> Result<(), String> {
-    let loaded = parse(name, document, folder, &[]).map_err(|error| error.to_string())?;
-    if let Some(warning) = loaded.warnings.first() {
-        return Err(warning.to_string());
+pub(crate) fn render(name: &str, document: &str, folder: &Path, to: &Path) -> Result<(), Fault> {
+    let loaded = parse(name, document, folder, &[])?;
+    if let Some(warning) = loaded.warnings.into_iter().next() {
+        return Err(Fault::Warning(warning.into()));
     }
     let graph = &loaded.graph;
-    let output = graph.outputs().first().ok_or_else(|| format!("{name}: no output"))?;
-    let said = |error: &dyn std::fmt::Display| format!("{name}: {error}");
+    let document = || name.to_owned();
+    let output = graph.outputs().first().ok_or_else(|| Fault::NoOutput { document: document() })?;
     let plan = Plan::new(graph, &[output.name.as_str()], graph.frames().0, &[], &Settings::default())
-        .map_err(|error| said(&error))?;
-    let frame = plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).map_err(|error| said(&error))?;
+        .map_err(|source| Fault::Plan { document: document(), source: source.into() })?;
+    let frame = plan
+        .evaluate(&Buffers::new(), &mut Cache::new(), &Silent)
+        .map_err(|source| Fault::Evaluation { document: document(), source: source.into() })?;
     let picture = &frame.pictures[0];
     if picture.audit.hull_exits > 0 {
-        return Err(format!("{name}: {} pixels outside the hull of the control colors", picture.audit.hull_exits));
+        return Err(Fault::Outside { document: document(), pixels: picture.audit.hull_exits });
     }
     let file = OutputFile { path: to.into(), outputs: vec![picture.output] };
-    write_output(graph, &frame, &file, &[]).map_err(|error| said(&error))
+    write_output(graph, &frame, &file, &[])
+        .map_err(|source| Fault::Picture { document: document(), source: source.into() })
 }
 
 /// Whether two pictures are the same, but for rounding.
 ///
 /// # Errors
 /// One of them cannot be read.
-pub(crate) fn same_pictures(a: &Path, b: &Path) -> Result<bool, String> {
-    let picture = |path: &Path| {
-        read(path, &Selection::default(), &Limits::default()).map_err(|error| format!("{}: {error}", path.display()))
-    };
+pub(crate) fn same_pictures(a: &Path, b: &Path) -> Result<bool, trochoid::io::Error> {
+    let picture = |path: &Path| read(path, &Selection::default(), &Limits::default());
     let (a, b) = (picture(a)?, picture(b)?);
     let same_size = a.data == b.data && a.channels.len() == b.channels.len();
     let near = |(a, b): (&f32, &f32)| (a - b).abs() <= SAME;
@@ -66,8 +68,8 @@ mod tests {
             render(color, &document(color, ""), folder.path(), &to).expect("valid");
             to
         });
-        assert_eq!(same_pictures(&pictures[0], &pictures[1]), Ok(true), "rounding");
-        assert_eq!(same_pictures(&pictures[0], &pictures[2]), Ok(false));
+        assert!(same_pictures(&pictures[0], &pictures[1]).expect("readable"), "rounding");
+        assert!(!same_pictures(&pictures[0], &pictures[2]).expect("readable"));
         assert!(same_pictures(&pictures[0], &folder.path().join("none.png")).is_err());
     }
 
@@ -80,7 +82,7 @@ mod tests {
             (document("#000", r#", "x": { "type": "ScreenX" }"#), "no output needs"),
             (document("#000", "").replace(r#""color": "c""#, r#""field": "c""#), "error: a.json:3:"),
         ] {
-            let fault = render("a.json", &text, folder.path(), &to).expect_err(part);
+            let fault = render("a.json", &text, folder.path(), &to).expect_err(part).told();
             assert!(fault.contains(part), "{fault}: {part}");
             assert!(!to.exists());
         }

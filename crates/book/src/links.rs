@@ -1,6 +1,7 @@
 //! Every link of the book's pages, and whether it leads somewhere.
 
-use crate::{Faults, text};
+use crate::fault::{Fault, Faults, LinkFault};
+use crate::text;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -17,7 +18,7 @@ pub(crate) fn check(folder: &Path) -> Faults {
             } else if path.extension().is_some_and(|ending| ending == "md") {
                 match text(&path) {
                     Ok(page) => drop(pages.insert(path, page)),
-                    Err(error) => faults.push(error),
+                    Err(error) => faults.push(error.into()),
                 }
             }
         }
@@ -26,29 +27,30 @@ pub(crate) fn check(folder: &Path) -> Faults {
     for (path, page) in &pages {
         let place = path.strip_prefix(folder).unwrap_or(path).display().to_string();
         if place != "SUMMARY.md" && !summary.contains(&format!("]({})", place.replace('\\', "/"))) {
-            faults.push(format!("{place}: stands in no line of SUMMARY.md"));
+            faults.push(Fault::Unlisted { page: place.clone() });
         }
         for target in targets(page) {
-            faults.extend(fault(path, page, &target, &pages).map(|fault| format!("{place}: {fault}")));
+            let fault = fault(path, page, &target, &pages);
+            faults.extend(fault.map(|fault| Fault::Link { page: place.clone(), target, fault }));
         }
     }
     faults
 }
 
 /// What is wrong with one link of a page.
-fn fault(path: &Path, page: &str, target: &str, pages: &BTreeMap<PathBuf, String>) -> Option<String> {
+fn fault(path: &Path, page: &str, target: &str, pages: &BTreeMap<PathBuf, String>) -> Option<LinkFault> {
     if target.contains("://") || target.starts_with("mailto:") {
         return None;
     }
     let (file, heading) = target.split_once('#').map_or((target, None), |(file, heading)| (file, Some(heading)));
     let to = if file.is_empty() { path.to_path_buf() } else { path.parent().unwrap_or(path).join(file) };
     if !to.is_file() {
-        return Some(format!("found a link to {target}; expected one to a page or file of the book"));
+        return Some(LinkFault::Page);
     }
     let wanted = heading?;
     let linked = if file.is_empty() { Some(page) } else { pages.get(&to).map(String::as_str) };
     let found = linked.is_some_and(|page| headings(page).any(|heading| heading == wanted));
-    (!found).then(|| format!("found a link to {target}; expected a heading of that page"))
+    (!found).then_some(LinkFault::Heading)
 }
 
 /// The names of a page's headings in links, as mdBook and forges make them.
@@ -103,7 +105,7 @@ mod tests {
         let faults = check(folder.path());
         assert_eq!(faults.len(), 4, "{faults:#?}");
         for (fault, part) in faults.iter().zip(["b.md", "#c", "p.png", "left.md: stands in no line"]) {
-            assert!(fault.contains(part), "{fault}: {part}");
+            assert!(fault.to_string().contains(part), "{fault}: {part}");
         }
     }
 }

@@ -1,8 +1,8 @@
 //! The page of a node type, from its declaration.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::fmt::Write as _;
-use trochoid::{Accepts, Arity, Declaration, End, Item, Knob, KnobDefault, List, Port, expected};
+use trochoid::{Declaration, End, Item, Knob, List, Port, counted};
 
 /// The page of a node type: `document` is the one that shows it, whose picture lies beside the page.
 pub(crate) fn node_page(declaration: &Declaration, document: &str) -> String {
@@ -73,18 +73,17 @@ fn items(page: &mut String, items: &[Item]) {
 }
 
 fn port_row(page: &mut String, port: &Port, prefix: &str) {
-    let _ = writeln!(page, "| `{prefix}{}` | {} | {} |", port.name, takes_of(port), cell(port.help));
+    let _ = writeln!(page, "| `{prefix}{}` | {} | {} |", port.name, port.takes(), cell(port.help));
 }
 
 fn knob_row(page: &mut String, knob: &Knob, prefix: &str) {
-    let unit = if knob.unit.is_empty() { String::new() } else { format!(", in {}", knob.unit) };
-    let default = match default_of(knob) {
+    let default = match knob.default_value() {
         _ if knob.default.is_none() => "**required**".into(),
         Value::Null => "unset".into(),
         value => format!("`{value}`"),
     };
     let keyed = if knob.animated { " ◆" } else { "" };
-    let takes = cell(&format!("{}{unit}", expected(&knob.takes)));
+    let takes = cell(&knob.takes_in_words());
     let _ = writeln!(page, "| `{prefix}{}` | {takes} | {default}{keyed} | {} |", knob.name, cell(knob.help));
 }
 
@@ -92,59 +91,19 @@ fn knob_row(page: &mut String, knob: &Knob, prefix: &str) {
 fn list_rows(page: &mut String, list: &List, prefix: &str) {
     let required = if list.min > 0 { "**required**" } else { "none" };
     let name = format!("{prefix}{}", list.name);
-    let count = range(list.min, list.max);
+    let count = counted(list.min, list.max);
     let _ = writeln!(page, "| `{name}` | a list of {count} records, as below | {required} | {} |", cell(list.help));
     let within = format!("{name}[].");
     for item in list.items {
         match item {
             Item::Port(port) => {
-                let is_open = matches!(port.arity, Arity::Optional | Arity::Many { min: 0, .. });
-                let default = if is_open { "none" } else { "**required**" };
-                let (takes, help) = (takes_of(port), cell(port.help));
+                let default = if port.is_required() { "**required**" } else { "none" };
+                let (takes, help) = (port.takes(), cell(port.help));
                 let _ = writeln!(page, "| `{within}{}` | {takes} | {default} | {help} |", port.name);
             }
             Item::Knob(knob) => knob_row(page, knob, &within),
             Item::List(list) => list_rows(page, list, &within),
         }
-    }
-}
-
-fn takes_of(port: &Port) -> String {
-    let literal = match port.accepts {
-        Accepts::Color => ", or a literal color",
-        Accepts::Image => ", or a literal color or mask",
-        Accepts::Mask => ", or a literal number from 0 to 1",
-        Accepts::Scalar | Accepts::Field => ", or a literal number",
-        Accepts::Weights => ", or literal numbers that sum to 1",
-        _ => "",
-    };
-    let accepts = port.accepts;
-    match port.arity {
-        Arity::One => format!("{accepts}{literal}"),
-        Arity::Optional => format!("{accepts}{literal}; may be left open"),
-        Arity::Many { min, max } => {
-            let open = if min == 0 { "; may be left open" } else { "" };
-            format!("a list of {} × {accepts}{literal}{open}", range(min, max))
-        }
-    }
-}
-
-fn range(min: usize, max: usize) -> String {
-    match (min, max) {
-        (min, max) if min == max => min.to_string(),
-        (min, max) if max > 4096 => format!("{min} or more"),
-        (min, max) => format!("{min} to {max}"),
-    }
-}
-
-fn default_of(knob: &Knob) -> Value {
-    match knob.default {
-        Some(KnobDefault::Number(number)) if number.fract() == 0.0 && number.abs() < 1e15 => json!(number as i64),
-        Some(KnobDefault::Number(number)) => json!(number),
-        Some(KnobDefault::Bool(value)) => json!(value),
-        Some(KnobDefault::Text(text)) => json!(text),
-        Some(KnobDefault::Vector(values)) => json!(values),
-        Some(KnobDefault::Unset) | None => Value::Null,
     }
 }
 

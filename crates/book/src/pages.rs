@@ -1,6 +1,6 @@
 //! The book as HTML, by mdBook.
 
-use crate::Faults;
+use crate::fault::{Fault, Faults};
 use mdbook_driver::MDBook;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -14,8 +14,8 @@ use tracing::{Event, Level, Metadata, Subscriber, span};
 pub(crate) fn write(book: &Path) -> Result<PathBuf, Faults> {
     let warnings = Warnings::default();
     let built = tracing::subscriber::with_default(warnings.clone(), || MDBook::load(book)?.build());
-    let mut faults = warnings.0.lock().map(|found| found.clone()).unwrap_or_default();
-    faults.extend(built.err().map(|error| format!("{error:#}")));
+    let mut faults = warnings.0.lock().map(|mut found| std::mem::take(&mut *found)).unwrap_or_default();
+    faults.extend(built.err().map(Fault::Html));
     if faults.is_empty() { Ok(book.join("html/index.html")) } else { Err(faults) }
 }
 
@@ -40,7 +40,7 @@ impl Subscriber for Warnings {
         let mut text = Text(String::new());
         event.record(&mut text);
         if let Ok(mut warnings) = self.0.lock() {
-            warnings.push(text.0);
+            warnings.push(Fault::Warned(text.0));
         }
     }
 

@@ -1,7 +1,7 @@
 //! `trochoid check`: diagnostics, guarantees, what is left out, notes.
 
 use crate::explain::{self, Explained};
-use crate::failure::{Failure, INVALID, count, once};
+use crate::failure::{Failure, INVALID, Message, count, once};
 use crate::files::{self, Reach};
 use crate::outputs::choose;
 use crate::shell::{self, HEADING, printable, wrap};
@@ -306,7 +306,7 @@ fn memory_to_json(graph: &CheckedGraph, account: &MemoryAccount) -> Value {
 /// Why the frame cannot be rendered, a line or two each.
 fn not_planned(findings: &Findings) -> Option<String> {
     let messages = findings.faults.iter().flat_map(|fault| &fault.messages);
-    let texts: Vec<&str> = messages.map(|message| message.trim_start_matches("error: ")).collect();
+    let texts: Vec<&str> = messages.map(Message::text).collect();
     (!texts.is_empty()).then(|| texts.join("\n"))
 }
 

@@ -18,8 +18,8 @@ use crate::shell::{HEADING, printable, wrap};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use trochoid::{
-    Account, Cache, CheckedGraph, Cost, Costs, Evidence, Fate, Interval, LeftOut, Monitor, NodeId, Omission, Plan,
-    Proved, Settings, measure,
+    Account, Cache, CheckedGraph, Cost, Costs, EvalError, Evidence, Fate, Interval, LeftOut, MeasureError, Monitor,
+    NodeId, Omission, Plan, Proved, Settings, measure,
 };
 
 /// The longer side of the picture that is evaluated to measure.
@@ -31,9 +31,9 @@ pub(crate) struct Explained<'g> {
     output: usize,
     frame: i64,
     accounts: Vec<Account>,
-    omissions: Result<Vec<(NodeId, Vec<Omission>)>, String>,
+    omissions: Result<Vec<(NodeId, Vec<Omission>)>, EvalError>,
     /// Where measured.
-    costs: Option<Result<Costs, String>>,
+    costs: Option<Result<Costs, MeasureError>>,
 }
 
 /// Stops where the user asks to.
@@ -59,9 +59,8 @@ pub(crate) fn explain(
     let (plan, accounts) = Plan::explained(graph, &[name], frame, &[], &Settings::default())
         .map_err(|error| Failure::new(INVALID, error))?;
     // Missing files are warned of already; all else is known without them.
-    let omissions = plan.omissions(&mut Cache::new(), &Interruptible).map_err(|error| error.to_string());
-    let costs =
-        measured.then(|| measure(graph, name, frame, LARGEST, &Interruptible).map_err(|error| error.to_string()));
+    let omissions = plan.omissions(&mut Cache::new(), &Interruptible);
+    let costs = measured.then(|| measure(graph, name, frame, LARGEST, &Interruptible));
     Ok(Explained { graph, output, frame, accounts, omissions, costs })
 }
 
@@ -189,7 +188,7 @@ impl Explained<'_> {
                 text.push_str(
                     "\n  What footprint and frame leave out is not known, because the frame cannot be prepared\n",
                 );
-                text.push_str(&wrap(&printable(reason), 6));
+                text.push_str(&wrap(&printable(&reason.to_string()), 6));
             }
             Ok(omissions) if omissions.is_empty() => {}
             Ok(omissions) => {
@@ -224,7 +223,7 @@ impl Explained<'_> {
             None => {}
             Some(Err(reason)) => {
                 text.push_str("\n  Not measured\n");
-                text.push_str(&wrap(&printable(reason), 6));
+                text.push_str(&wrap(&printable(&reason.to_string()), 6));
             }
             Some(Ok(costs)) => {
                 let (format, runs) = (costs.format, costs.runs);
@@ -296,7 +295,7 @@ impl Explained<'_> {
         });
         let measured = match &self.costs {
             None => Value::Null,
-            Some(Err(error)) => json!({ "error": error }),
+            Some(Err(error)) => json!({ "error": error.to_string() }),
             Some(Ok(costs)) => json!({
                 "width": costs.format.width(), "height": costs.format.height(), "samples": costs.format.samples(),
                 "runs": costs.runs, "seconds": costs.seconds, "seconds_in_full": costs.seconds_in_full,
@@ -309,7 +308,7 @@ impl Explained<'_> {
             "frame": self.frame,
             "nodes": nodes,
             "omissions": omissions,
-            "not_prepared": self.omissions.as_ref().err(),
+            "not_prepared": self.omissions.as_ref().err().map(ToString::to_string),
             "measured": measured,
         })
     }

@@ -1,3 +1,4 @@
+use std::fmt;
 use trochoid::accuracy::PlanFileError;
 use trochoid::certificate::CertificateError;
 use trochoid::{Diagnostic, EvalError, LoadError, OutputError, ReferenceError, RunStatus, Severity, in_bytes};
@@ -17,13 +18,53 @@ pub(crate) const INTERRUPTION: &str = "interrupted; finished files are whole, ot
 pub(crate) struct Failure {
     /// The exit code.
     pub(crate) code: u8,
-    /// Each starts with `error:` or `warning:`; a line `  remedy:` may follow.
-    pub(crate) messages: Vec<String>,
+    /// What is told.
+    pub(crate) messages: Vec<Message>,
+}
+
+/// What is told of a failure, or beside one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Message {
+    /// The word that it begins with.
+    severity: Severity,
+    /// What comes behind it; a line `  remedy:` may follow.
+    text: String,
+}
+
+impl Message {
+    pub(crate) fn error(text: impl ToString) -> Self {
+        Self { severity: Severity::Error, text: text.to_string() }
+    }
+
+    /// The message without its first word.
+    pub(crate) fn text(&self) -> &str {
+        &self.text
+    }
+
+    fn with_remedy(mut self, remedy: &str) -> Self {
+        if !remedy.is_empty() {
+            self.text.push_str("\n  remedy: ");
+            self.text.push_str(remedy);
+        }
+        self
+    }
+}
+
+impl From<&Diagnostic> for Message {
+    fn from(diagnostic: &Diagnostic) -> Self {
+        Self { severity: diagnostic.severity, text: diagnostic.statement().to_string() }
+    }
+}
+
+impl fmt::Display for Message {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.severity, self.text)
+    }
 }
 
 impl Failure {
     pub(crate) fn new(code: u8, message: impl ToString) -> Self {
-        Self { code, messages: vec![format!("error: {}", message.to_string())] }
+        Self { code, messages: vec![Message::error(message)] }
     }
 
     /// A failure that has been told already.
@@ -38,12 +79,7 @@ impl Failure {
 
     /// Wrong usage: what was found and expected, and what to do.
     pub(crate) fn usage(message: impl ToString, remedy: impl ToString) -> Self {
-        let mut failure = Self::new(INVALID, message);
-        let remedy = remedy.to_string();
-        if !remedy.is_empty() {
-            failure.messages[0].push_str(&format!("\n  remedy: {remedy}"));
-        }
-        failure
+        Self { code: INVALID, messages: vec![Message::error(message).with_remedy(&remedy.to_string())] }
     }
 
     /// What stopped an evaluation, behind what says where, such as "frame 3: ".
@@ -83,9 +119,9 @@ impl Failure {
 impl From<LoadError> for Failure {
     fn from(error: LoadError) -> Self {
         match error {
-            LoadError::Io { .. } => Self::new(FAILED, error),
+            LoadError::Io(_) => Self::new(FAILED, error),
             LoadError::Invalid(diagnostics) => {
-                Self { code: INVALID, messages: diagnostics.iter().map(Diagnostic::to_string).collect() }
+                Self { code: INVALID, messages: diagnostics.iter().map(Message::from).collect() }
             }
         }
     }
@@ -93,9 +129,15 @@ impl From<LoadError> for Failure {
 
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
+        Self::from(&error)
+    }
+}
+
+impl From<&OutputError> for Failure {
+    fn from(error: &OutputError) -> Self {
         match error {
             OutputError::Pattern(faults) => {
-                Self { code: INVALID, messages: faults.iter().map(|fault| format!("error: {fault}")).collect() }
+                Self { code: INVALID, messages: faults.iter().map(Message::error).collect() }
             }
             OutputError::Refused(refused) => refused.diagnostic().into(),
             OutputError::Foreign { .. } => Self::new(INVALID, error),
@@ -107,7 +149,7 @@ impl From<OutputError> for Failure {
 impl From<PlanFileError> for Failure {
     fn from(error: PlanFileError) -> Self {
         match error {
-            PlanFileError::Read { .. } => Self::new(FAILED, error),
+            PlanFileError::Read(_) => Self::new(FAILED, error),
             PlanFileError::NoPlan { .. } => {
                 Self::usage(error, "make one: trochoid plan GRAPH --tolerance 1/64 --out FILE")
             }
@@ -159,7 +201,7 @@ mod tests {
         let failure = Failure::evaluated("frame 3: ", &error);
         let expected = "error: frame 3: a.json:1:2: found a frame that takes about 2.5 GB: pictures 2.5 GB; expected at most \
                         1.0 GB\n  remedy: lower it; or allow more: --memory 2800MB";
-        assert_eq!((failure.code, failure.messages), (FAILED, vec![expected.to_string()]));
+        assert_eq!((failure.code, failure.messages[0].to_string()), (FAILED, expected.to_string()));
     }
 
     #[test]
@@ -167,6 +209,7 @@ mod tests {
         assert_eq!(Failure::all([]), Ok(()));
         let all = Failure::all([Failure::usage("a", "b"), Failure::new(FAILED, "c")]).unwrap_err();
         assert_eq!(all.code, INVALID);
-        assert_eq!(all.messages, ["error: a\n  remedy: b", "error: c"]);
+        let messages: Vec<String> = all.messages.iter().map(ToString::to_string).collect();
+        assert_eq!(messages, ["error: a\n  remedy: b", "error: c"]);
     }
 }

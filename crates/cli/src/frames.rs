@@ -9,13 +9,39 @@ const MOST: usize = 1_000_000;
 /// Frames are numbered from −10⁷ to 10⁷.
 const RANGE: i64 = 10_000_000;
 
+/// What is wrong with a list of frames.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum FrameFault {
+    /// A piece names no frames.
+    #[error("--frames: found \"{0}\"; expected {1}")]
+    Piece(String, PieceFault),
+    /// There are too many up to a piece.
+    #[error("--frames: found more than {MOST} frames up to \"{0}\"; expected at most {MOST}")]
+    TooMany(String),
+}
+
+/// What a piece of a list is expected to be, and is not.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum PieceFault {
+    #[error("a frame, a range first-last, or first-lastxstep")]
+    Form,
+    #[error("a smaller step")]
+    LargeStep,
+    #[error("a step of 1 or more")]
+    NoStep,
+    #[error("frames from -{RANGE} to {RANGE}")]
+    Beyond,
+    #[error("first ≤ last, such as {last}-{first}")]
+    Backwards { first: i64, last: i64 },
+}
+
 /// The frames that a list names, each once, in the order of the list.
 ///
 /// A piece is a frame (`7`, `-3`), a range (`1-10`, `-5--1`), or every so manieth frame of one (`20-40x2`, `20-40:2`).
 ///
 /// # Errors
 /// Every piece that is none of these, or names too many frames.
-pub(crate) fn parse(list: &str) -> Result<Vec<i64>, Vec<String>> {
+pub(crate) fn parse(list: &str) -> Result<Vec<i64>, Vec<FrameFault>> {
     let mut faults = Vec::new();
     let mut seen = HashSet::new();
     let mut frames = Vec::new();
@@ -23,13 +49,13 @@ pub(crate) fn parse(list: &str) -> Result<Vec<i64>, Vec<String>> {
         let named = match range(piece) {
             Ok((first, last, step)) => (first..=last).step_by(step),
             Err(fault) => {
-                faults.push(format!("--frames: found \"{piece}\"; expected {fault}"));
+                faults.push(FrameFault::Piece(piece.into(), fault));
                 continue;
             }
         };
         frames.extend(named.filter(|frame| seen.insert(*frame)).take(MOST + 1));
         if frames.len() > MOST {
-            faults.push(format!("--frames: found more than {MOST} frames up to \"{piece}\"; expected at most {MOST}"));
+            faults.push(FrameFault::TooMany(piece.into()));
             break;
         }
     }
@@ -51,31 +77,30 @@ pub(crate) fn all(graph: &CheckedGraph, given: bool, faults: &mut Vec<Failure>) 
 }
 
 /// First and last frame of a piece, and the step; or what was expected.
-fn range(piece: &str) -> Result<(i64, i64, usize), String> {
-    let form = || "a frame, a range first-last, or first-lastxstep".to_string();
-    let (first, rest) = number(piece).ok_or_else(form)?;
+fn range(piece: &str) -> Result<(i64, i64, usize), PieceFault> {
+    let (first, rest) = number(piece).ok_or(PieceFault::Form)?;
     let (last, step) = match rest.strip_prefix('-') {
         None if rest.is_empty() => (first, 1),
-        None => return Err(form()),
+        None => return Err(PieceFault::Form),
         Some(rest) => {
-            let (last, rest) = number(rest).ok_or_else(form)?;
+            let (last, rest) = number(rest).ok_or(PieceFault::Form)?;
             match rest.strip_prefix(['x', ':']) {
                 None if rest.is_empty() => (last, 1),
                 Some(step) if step.bytes().all(|b| b.is_ascii_digit()) && !step.is_empty() => {
-                    (last, step.parse().map_err(|_| "a smaller step")?)
+                    (last, step.parse().map_err(|_| PieceFault::LargeStep)?)
                 }
-                _ => return Err(form()),
+                _ => return Err(PieceFault::Form),
             }
         }
     };
     if step == 0 {
-        return Err("a step of 1 or more".into());
+        return Err(PieceFault::NoStep);
     }
     if first.abs() > RANGE || last.abs() > RANGE {
-        return Err(format!("frames from -{RANGE} to {RANGE}"));
+        return Err(PieceFault::Beyond);
     }
     if last < first {
-        return Err(format!("first ≤ last, such as {last}-{first}"));
+        return Err(PieceFault::Backwards { first, last });
     }
     Ok((first, last, step))
 }
@@ -145,16 +170,16 @@ mod tests {
         ] {
             let faults = parse(&format!("1,{piece},2")).expect_err(piece);
             assert_eq!(faults.len(), 1);
-            assert!(faults[0].contains(&format!("\"{piece}\"")), "{}", faults[0]);
+            assert!(faults[0].to_string().contains(&format!("\"{piece}\"")), "{}", faults[0]);
         }
         assert_eq!(parse("a,1,b").unwrap_err().len(), 2);
-        assert!(parse("9-1").unwrap_err()[0].contains("1-9"));
+        assert!(parse("9-1").unwrap_err()[0].to_string().contains("1-9"));
     }
 
     #[test]
     fn there_are_at_most_a_million() {
         assert_eq!(parse("1-1000000,5-10").unwrap().len(), 1_000_000);
-        assert!(parse("1-1000001").unwrap_err()[0].contains("1-1000001"));
+        assert!(parse("1-1000001").unwrap_err()[0].to_string().contains("1-1000001"));
         assert!(parse("-10000000-10000000").is_err());
     }
 }

@@ -1,6 +1,6 @@
 //! `trochoid info`: what a picture file holds.
 
-use crate::failure::{FAILED, Failure};
+use crate::failure::{FAILED, Failure, Message};
 use crate::shell::{self, HEADING, printable};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
@@ -40,9 +40,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         shell::print(&to_text(&args.image, &info, &found))?;
     }
     // What this version does not read is described; what is damaged is a failure.
-    let mut messages: Vec<String> = Vec::new();
+    let mut messages: Vec<Message> = Vec::new();
     for error in found.into_iter().flatten().filter_map(Result::err) {
-        let message = format!("error: {error}");
+        let message = Message::error(&error);
         if !matches!(error, Error::Unsupported { .. }) && messages.last() != Some(&message) {
             messages.push(message);
         }

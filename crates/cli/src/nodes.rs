@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::shell::{self, HEADING, wrap};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
-use trochoid::{Accepts, Arity, Declaration, End, Item, Knob, KnobDefault, Port, Takes, expected, nearest, registry};
+use trochoid::{Arity, Declaration, End, Item, Knob, Port, Takes, counted, expected, nearest, registry};
 
 /// Options of `trochoid nodes`.
 #[derive(Debug, clap::Args)]
@@ -116,61 +116,26 @@ fn write_item(text: &mut String, item: &Item, indent: usize) {
         Item::Knob(knob) => write_entry(text, knob.name, &knob_text(knob), knob.help, indent),
         Item::List(list) => {
             let required = if list.min > 0 { "required: " } else { "" };
-            let what = format!("{required}{} records, each with", range(list.min, list.max));
+            let what = format!("{required}{} records, each with", counted(list.min, list.max));
             write_entry(text, list.name, &what, list.help, indent);
             list.items.iter().for_each(|item| write_item(text, item, indent + 4));
         }
     }
 }
 
-fn range(min: usize, max: usize) -> String {
-    match (min, max) {
-        (min, max) if min == max => min.to_string(),
-        (min, max) if max > 4096 => format!("{min} or more"),
-        (min, max) => format!("{min} to {max}"),
-    }
-}
-
 fn port_text(port: &Port) -> String {
-    let literal = match port.accepts {
-        Accepts::Color => ", or a literal color",
-        Accepts::Image => ", or a literal color or mask",
-        Accepts::Mask => ", or a literal number from 0 to 1",
-        Accepts::Scalar | Accepts::Field => ", or a literal number",
-        Accepts::Weights => ", or literal numbers that sum to 1",
-        _ => "",
-    };
-    let accepts = port.accepts;
-    match port.arity {
-        Arity::One => format!("{accepts}{literal}"),
-        Arity::Optional => format!("{accepts}{literal}; may be left open"),
-        Arity::Many { min, max } => {
-            let open = if min == 0 { "; may be left open" } else { "; required" };
-            format!("a list of {} × {accepts}{literal}{open}", range(min, max))
-        }
-    }
+    let required = if matches!(port.arity, Arity::Many { min: 1.., .. }) { "; required" } else { "" };
+    format!("{}{required}", port.takes())
 }
 
 fn knob_text(knob: &Knob) -> String {
-    let unit = if knob.unit.is_empty() { String::new() } else { format!(", in {}", knob.unit) };
-    let default = match default_of(knob) {
+    let default = match knob.default_value() {
         Value::Null if knob.default.is_none() => "required".into(),
         Value::Null => "unset by default".into(),
         value => format!("default {value}"),
     };
     let keyed = if knob.animated { "; may be keyed over frames" } else { "" };
-    format!("{}{unit}; {default}{keyed}", expected(&knob.takes))
-}
-
-fn default_of(knob: &Knob) -> Value {
-    match knob.default {
-        Some(KnobDefault::Number(number)) if number.fract() == 0.0 && number.abs() < 1e15 => json!(number as i64),
-        Some(KnobDefault::Number(number)) => json!(number),
-        Some(KnobDefault::Bool(value)) => json!(value),
-        Some(KnobDefault::Text(text)) => json!(text),
-        Some(KnobDefault::Vector(values)) => json!(values),
-        Some(KnobDefault::Unset) | None => Value::Null,
-    }
+    format!("{}; {default}{keyed}", knob.takes_in_words())
 }
 
 fn describe(declaration: &'static Declaration) -> Value {
@@ -214,7 +179,7 @@ fn describe_item(item: &Item) -> Value {
                 "takes": expected(&knob.takes),
                 "unit": knob.unit,
                 "required": knob.default.is_none(),
-                "default": default_of(knob),
+                "default": knob.default_value(),
                 "min": min,
                 "max": max,
                 "keyable": knob.animated,

@@ -55,9 +55,14 @@ pub(crate) struct Args {
     json: bool,
 }
 
+/// A text is no tolerance.
+#[derive(Debug, thiserror::Error)]
+#[error("expected {}", Tolerance::EXPECTED)]
+pub(crate) struct NoTolerance;
+
 /// A tolerance on the command line.
-pub(crate) fn tolerance(text: &str) -> Result<Tolerance, String> {
-    Tolerance::parse(text).ok_or_else(|| format!("expected {}", Tolerance::EXPECTED))
+pub(crate) fn tolerance(text: &str) -> Result<Tolerance, NoTolerance> {
+    Tolerance::parse(text).ok_or(NoTolerance)
 }
 
 /// Plans.
@@ -159,9 +164,7 @@ impl Target<'_> {
             Some(parts) => format!("ask for {} or more, or for \"reference\"", Tolerance::Error(0.5_f64.powi(parts))),
             None => "render with --error to see where it is so; ask for \"reference\"".into(),
         };
-        let mut failure = Failure::new(MISSED, format!("frame {}: {missed}", self.frame));
-        failure.messages[0].push_str(&format!("\n  remedy: {remedy}"));
-        failure
+        Failure { code: MISSED, ..Failure::usage(format!("frame {}: {missed}", self.frame), remedy) }
     }
 }
 

@@ -8,7 +8,7 @@ use crate::{frames, interrupt, outputs, webp};
 use std::path::PathBuf;
 use trochoid::io::{PngImage, Samples, write_png8};
 use trochoid::{
-    Buffers, Cache, CheckedGraph, Diagnostic, EvalError, Form, Kind, Picture, Pictures, Plan, Settings, marks,
+    Buffers, Cache, CheckedGraph, Diagnostic, EvalError, Form, Kind, Picture, Pictures, Plan, Settings, Taker, marks,
     quoted_path,
 };
 use webp_animation::{ColorMode, Encoder, EncoderOptions, EncodingConfig};
@@ -169,9 +169,10 @@ fn render(
     let name = graph.outputs()[output].name.as_str();
     let plan = Plan::new(graph, &[name], frame, &[], &Settings::default()).map_err(|error| failed(&error))?;
     // It is made small and encoded from there.
-    plan.check_memory(&plan.memory(Pictures::Files)).map_err(|mut error| {
+    let account = plan.memory(Pictures::Files);
+    plan.check_memory(&account).map_err(|mut error| {
         if let EvalError::TooMuchMemory { remedy, .. } = &mut error
-            && remedy.contains("EXR")
+            && let Some((Taker::Pictures | Taker::Writing, ..)) = account.takers.first()
         {
             // Previews are no EXR.
             *remedy = "lower the format's \"width\" and \"height\"";
@@ -301,7 +302,7 @@ mod tests {
             "nodes": { "picture": { "type": "Read", "as": "color", "file": "x.png" } }, "outputs": { "beauty": { "color": "picture" } } }"##;
         std::fs::write(&args.graph, reads).unwrap();
         let failure = run(&args).unwrap_err();
-        assert!(failure.messages[0].contains("is an input of the document"), "{:?}", failure.messages);
+        assert!(failure.messages[0].text().contains("is an input of the document"), "{:?}", failure.messages);
         assert_eq!(std::fs::read(&args.out).unwrap(), before);
     }
 
@@ -313,7 +314,7 @@ mod tests {
         let info = trochoid::io::info(&args.out, &trochoid::io::Limits::default()).unwrap();
         assert_eq!((info.parts[0].data.width(), info.parts[0].data.height()), (2, 1));
         let failure = run(&Args { frames: None, ..args }).unwrap_err();
-        assert!(failure.messages[0].contains("4 frames"), "{:?}", failure.messages);
+        assert!(failure.messages[0].text().contains("4 frames"), "{:?}", failure.messages);
     }
 
     #[test]

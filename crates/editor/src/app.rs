@@ -8,14 +8,25 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The document cannot be read.
-    #[error("{0}")]
-    Document(String),
+    #[error(transparent)]
+    Document(trochoid::io::Error),
     /// There is no display, or no way to draw on it.
     #[error(
         "no window can be opened: {0}\n  remedy: the editor needs a display and a graphics driver (Mesa will do); on a machine \
          without, use `trochoid render`, or a virtual display such as Xvfb"
     )]
-    Window(String),
+    Window(#[source] WindowError),
+}
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+pub enum WindowError {
+    /// Nothing says where the display is.
+    #[error("neither DISPLAY nor WAYLAND_DISPLAY is set")]
+    NoDisplay,
+    /// The display, or its driver, refused.
+    #[error(transparent)]
+    Refused(eframe::Error),
 }
 
 /// Under which key the panels are kept. The system's window has `window`.
@@ -76,7 +87,7 @@ pub fn open(document: Option<&Path>, allow: &[PathBuf]) -> Result<(), OpenError>
         None => Session::new(crate::document::session::NEW.into(), None),
     };
     if cfg!(target_os = "linux") && !has_display() {
-        return Err(OpenError::Window("neither DISPLAY nor WAYLAND_DISPLAY is set".into()));
+        return Err(OpenError::Window(WindowError::NoDisplay));
     }
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
@@ -92,7 +103,8 @@ pub fn open(document: Option<&Path>, allow: &[PathBuf]) -> Result<(), OpenError>
         let app: Box<dyn eframe::App> = Box::new(App::new(editor, creation.egui_ctx.clone(), creation.storage));
         Ok(app)
     };
-    eframe::run_native("trochoid", options, Box::new(create)).map_err(|error| OpenError::Window(error.to_string()))
+    eframe::run_native("trochoid", options, Box::new(create))
+        .map_err(|error| OpenError::Window(WindowError::Refused(error)))
 }
 
 fn has_display() -> bool {

@@ -3,10 +3,11 @@
 
 use crate::actions::Action;
 use crate::document::Edit;
-use crate::refusal::{self, refusal_ui};
+use crate::refusal::{self, NoNumber, quoted, refusal_ui};
 use egui::{DragValue, Id, Key, Pos2, Response, Slider, TextEdit, Ui};
 use serde_json::Value;
 use std::cell::Cell;
+use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 /// Proof that the user did something. Only this module makes one. It holds the field where a value was entered or dragged that
@@ -224,26 +225,21 @@ impl<'n> Number<'n> {
     ///
     /// # Errors
     /// It is none, or none that is legal: what was found and what is expected.
-    fn read(&self, text: &str) -> Result<f64, String> {
+    fn read(&self, text: &str) -> Result<f64, NoNumber> {
         let bare: String = text.chars().filter(|c| !c.is_whitespace()).collect();
         let bare = bare.replace('−', "-");
         let bare = bare.strip_suffix(self.suffix.trim()).unwrap_or(&bare);
-        let wanted = || format!("found {}; expected {}", quoted(text), self.expected());
+        let wanted = || NoNumber { found: text.into(), whole: self.whole, range: self.ends() };
         let number: f64 = bare.parse().map_err(|_| wanted())?;
         let fits = number.is_finite() && number >= self.range.0 && number <= self.range.1;
         let whole = !self.whole || number.fract() == 0.0;
         (fits && whole).then_some(number).ok_or_else(wanted)
     }
 
-    fn expected(&self) -> String {
-        let what = if self.whole { "a whole number" } else { "a number" };
-        let show = |value: f64| Number { value, ..self.clone() }.text();
-        match (self.range.0.is_finite(), self.range.1.is_finite()) {
-            (true, true) => format!("{what} from {} to {}", show(self.range.0), show(self.range.1)),
-            (true, false) => format!("{what} of at least {}", show(self.range.0)),
-            (false, true) => format!("{what} of at most {}", show(self.range.1)),
-            (false, false) => what.into(),
-        }
+    /// The ends of its range as it shows them.
+    fn ends(&self) -> [Option<String>; 2] {
+        let show = |end: f64| end.is_finite().then(|| Number { value: end, ..self.clone() }.text());
+        [show(self.range.0), show(self.range.1)]
     }
 
     /// What a drag gives: within the range, without digits that come from dragging alone.
@@ -279,7 +275,7 @@ impl<'n> Number<'n> {
         let whole = self.whole_text();
         let is_edited = ui.memory(|memory| memory.has_focus(ui.next_auto_id()));
         let shown = if is_edited { whole.clone() } else { self.text() };
-        let typed: Cell<Option<Result<f64, String>>> = Cell::new(None);
+        let typed: Cell<Option<Result<f64, NoNumber>>> = Cell::new(None);
         let parse = |text: &str| {
             // What nobody has touched stays what it is, with the digits that are not shown.
             let read = if text == whole { Ok(self.value) } else { self.read(text) };
@@ -309,7 +305,7 @@ impl<'n> Number<'n> {
         let given = match typed.into_inner() {
             _ if escaped(ui, &response) => None,
             Some(Err(why)) => {
-                refusal::refuse(ui.ctx(), response.id, why);
+                refusal::refuse(ui.ctx(), response.id, &why);
                 None
             }
             Some(Ok(number)) if gesture.is_some() => Some(number),
@@ -334,15 +330,6 @@ fn escaped(ui: &Ui, field: &Response) -> bool {
 /// Two fields of one value, as the one that is typed into: the other's focus says nothing of it.
 pub(crate) fn joined(a: Response, b: Response) -> Response {
     if b.has_focus() || b.lost_focus() { b | a } else { a | b }
-}
-
-/// A text as a message quotes it: not all of a long one.
-fn quoted(text: &str) -> String {
-    let text = text.trim();
-    match text.char_indices().nth(40) {
-        Some((end, _)) => format!("\"{} …\"", &text[..end]),
-        None => format!("\"{text}\""),
-    }
 }
 
 /// Without digits that come from dragging alone.
@@ -373,11 +360,12 @@ pub(crate) fn text_ui(ui: &mut Ui, text: &str, field: impl FnOnce(&mut String) -
 }
 
 /// A text that must be read before it counts, such as a color or a list: it does when it is entered or left. What is refused
-/// stays to be mended as long as it is said what is wrong; Esc gives back what was there.
-pub(crate) fn draft_ui<T>(
+/// stays to be mended as long as it is said what is wrong; Esc gives back what was there. The error of `read` says what is
+/// expected.
+pub(crate) fn draft_ui<T, E: Display>(
     ui: &mut Ui,
     (salt, written): (&str, &str),
-    read: impl FnOnce(&str) -> Result<T, String>,
+    read: impl FnOnce(&str) -> Result<T, E>,
     field: impl FnOnce(&mut String) -> TextEdit<'_>,
 ) -> Told<T> {
     let id = ui.id().with(("draft", salt));
@@ -394,8 +382,9 @@ pub(crate) fn draft_ui<T>(
     if response.lost_focus() && !escaped && typed != written {
         match read(&typed) {
             Ok(value) => given = Some((value, Gesture(None).tried(&response))),
-            Err(why) => {
-                refusal::refuse(ui.ctx(), response.id, format!("found {}; expected {why}", quoted(&typed)));
+            Err(expected) => {
+                let why = format_args!("found {}; expected {expected}", quoted(&typed));
+                refusal::refuse(ui.ctx(), response.id, &why);
             }
         }
     }
@@ -427,11 +416,11 @@ pub(crate) fn switch_ui(ui: &mut Ui, on: bool, text: &str) -> Told<bool> {
 }
 
 /// A JSON value that a field shows as it is written.
-pub(crate) fn value_ui(
+pub(crate) fn value_ui<E: Display>(
     ui: &mut Ui,
     (salt, value): (&str, &Value),
     width: f32,
-    read: impl FnOnce(&str) -> Result<Value, String>,
+    read: impl FnOnce(&str) -> Result<Value, E>,
 ) -> Told<Value> {
     let written = match value {
         Value::String(text) => text.clone(),
@@ -482,12 +471,13 @@ mod tests {
         assert_eq!(number.read("0.75 m"), Ok(0.75));
         assert_eq!(number.read("−0"), Ok(0.0));
         let wrong = "found \"1.5\"; expected a number from 0 to 1";
-        assert_eq!(number.read("1.5"), Err(wrong.into()));
+        assert_eq!(number.read("1.5").map_err(|why| why.to_string()), Err(wrong.into()));
         for text in ["", "abc", "inf", "nan", "1e999", "0,5", "--1"] {
             assert!(number.read(text).is_err(), "{text}");
         }
         let whole = Number::new(4.0).whole().range(1.0, f64::INFINITY);
-        assert_eq!(whole.read("2.5"), Err("found \"2.5\"; expected a whole number of at least 1".into()));
+        let wrong = "found \"2.5\"; expected a whole number of at least 1";
+        assert_eq!(whole.read("2.5").map_err(|why| why.to_string()), Err(wrong.into()));
         assert_eq!(whole.read("1e3"), Ok(1000.0));
     }
 }

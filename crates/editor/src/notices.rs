@@ -79,8 +79,8 @@ impl Notices {
     }
 
     /// Says that it did not, until that is closed.
-    pub(crate) fn error(&mut self, text: impl Into<String>) {
-        self.tell(Level::Error, text.into());
+    pub(crate) fn error(&mut self, why: impl ToString) {
+        self.tell(Level::Error, why.to_string());
     }
 
     fn tell(&mut self, level: Level, text: String) {

@@ -1,6 +1,7 @@
 //! Why a value that was given to a field does not count: said below the field, where it moves nothing. One at a time.
 
 use egui::{Area, Context, Id, Key, Order, Rect, Response, RichText, Ui, pos2, vec2};
+use std::fmt::Display;
 
 /// What is said, and of which field.
 #[derive(Clone)]
@@ -11,6 +12,28 @@ struct Refusal {
     pass: u64,
 }
 
+/// A text that is no number, or none that is legal.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("found {}; expected {}", quoted(found), self.expected())]
+pub(crate) struct NoNumber {
+    pub(crate) found: String,
+    pub(crate) whole: bool,
+    /// The ends of the range, as numbers are shown.
+    pub(crate) range: [Option<String>; 2],
+}
+
+impl NoNumber {
+    fn expected(&self) -> String {
+        let what = if self.whole { "a whole number" } else { "a number" };
+        match &self.range {
+            [Some(least), Some(most)] => format!("{what} from {least} to {most}"),
+            [Some(least), None] => format!("{what} of at least {least}"),
+            [None, Some(most)] => format!("{what} of at most {most}"),
+            [None, None] => what.into(),
+        }
+    }
+}
+
 /// Greatest width of what is said, points.
 const WIDTH: f32 = 280.0;
 
@@ -19,7 +42,8 @@ fn known(context: &Context) -> Option<Refusal> {
 }
 
 /// Says why a value does not count, in place of what was said before.
-pub(crate) fn refuse(context: &Context, field: Id, why: String) {
+pub(crate) fn refuse(context: &Context, field: Id, why: &dyn Display) {
+    let why = why.to_string();
     let pass = context.cumulative_pass_nr();
     context.data_mut(|data| data.insert_temp(Id::NULL, Refusal { field, why, pass }));
     context.request_repaint();
@@ -73,4 +97,13 @@ pub(crate) fn refusal_ui(ui: &Ui, field: &Response) {
             ui.add(egui::Label::new(text).wrap());
         });
     });
+}
+
+/// A text as a message quotes it: not all of a long one.
+pub(crate) fn quoted(text: &str) -> String {
+    let text = text.trim();
+    match text.char_indices().nth(40) {
+        Some((end, _)) => format!("\"{} …\"", &text[..end]),
+        None => format!("\"{text}\""),
+    }
 }

@@ -2,20 +2,21 @@
 
 use crate::document::edit::count;
 use crate::state::Render;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use trochoid::{
-    Buffers, Cache, CheckedGraph, EvalError, InputFiles, Monitor, OutputError, Plan, Refused, Settings,
-    check_destinations, check_replaced, misses, output_files, refused_files, write_output,
+    Buffers, Cache, CheckedGraph, EvalError, InputFiles, Miss, Monitor, OutputError, Plan, PlanError, Refused,
+    Settings, check_destinations, check_replaced, misses, output_files, refused_files, write_output,
 };
 
 /// A run.
 pub(crate) struct Renderer {
     shared: Arc<RunState>,
     total: usize,
-    thread: Option<JoinHandle<Result<String, String>>>,
+    thread: Option<JoinHandle<Result<Ended, RunError>>>,
 }
 
 /// Why a run does not start.
@@ -23,21 +24,76 @@ pub(crate) struct Renderer {
 pub(crate) enum Obstacle {
     /// Files that the document may not reach, to be read or to be written.
     Refused(Vec<Refused>),
-    /// Anything else, in a sentence.
-    Because(String),
+    /// Anything else.
+    Because(Hindrance),
 }
 
-impl From<String> for Obstacle {
-    fn from(why: String) -> Self {
+/// What else keeps a run from starting.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Hindrance {
+    #[error("no output has a \"file\": add one, for example \"beauty.####.png\"")]
+    NoFile,
+    #[error("{}: is the document, or a file that it reads; give the output another", .0.display())]
+    Input(PathBuf),
+    #[error(transparent)]
+    File(OutputError),
+    #[error(transparent)]
+    Thread(std::io::Error),
+}
+
+impl From<Hindrance> for Obstacle {
+    fn from(why: Hindrance) -> Self {
         Self::Because(why)
     }
+}
+
+/// How a run ended that nothing hindered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Ended {
+    /// How many frames are done.
+    frames: usize,
+    /// Whether there were to be more.
+    is_stopped: bool,
+    /// Where their files are.
+    folder: Option<PathBuf>,
+}
+
+impl fmt::Display for Ended {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = if self.is_stopped { "Stopped after" } else { "Rendered" };
+        write!(f, "{what} {}", count(self.frames, "frame"))?;
+        self.folder.as_ref().map_or(Ok(()), |folder| write!(f, " into {}", folder.display()))
+    }
+}
+
+/// Why a run did not make what was asked for.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum RunError {
+    #[error("Frame {frame}: {source}")]
+    Frame { frame: i64, source: FrameError },
+    /// All is written, and a picture misses what its output requires.
+    #[error("Rendered {}, but {miss}", count(*frames, "frame"))]
+    Missed { frames: usize, miss: Miss },
+    #[error("the run ended unexpectedly")]
+    Panicked,
+}
+
+/// Why a frame could not be made or written.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum FrameError {
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    #[error(transparent)]
+    Evaluate(#[from] EvalError),
+    #[error(transparent)]
+    Write(#[from] OutputError),
 }
 
 impl From<OutputError> for Obstacle {
     fn from(error: OutputError) -> Self {
         match error {
             OutputError::Refused(refused) => Self::Refused(vec![*refused]),
-            error => Self::Because(error.to_string()),
+            error => Self::Because(Hindrance::File(error)),
         }
     }
 }
@@ -78,7 +134,7 @@ impl Renderer {
         let outputs: Vec<usize> =
             (0..graph.outputs().len()).filter(|&index| graph.outputs()[index].file.is_some()).collect();
         if outputs.is_empty() {
-            return Err(Obstacle::Because("no output has a \"file\": add one, for example \"beauty.####.png\"".into()));
+            return Err(Hindrance::NoFile.into());
         }
         let frames: Vec<i64> = (range.0..=range.1).collect();
         let mut named: Vec<PathBuf> = Vec::new();
@@ -88,16 +144,15 @@ impl Renderer {
         }
         let inputs = InputFiles::new(&graph, &[Path::new(graph.name())]);
         if let Some(path) = named.iter().find(|path| inputs.contains(path)) {
-            let why = format!("{}: is the document, or a file that it reads; give the output another", path.display());
-            return Err(why.into());
+            return Err(Hindrance::Input(path.clone()).into());
         }
         let refused = refused_files(&graph, &outputs, &frames);
         if !refused.is_empty() {
             return Err(Obstacle::Refused(refused));
         }
-        named.iter().try_for_each(|path| check_replaced(path, false)).map_err(|fault| fault.to_string())?;
-        if let Some(fault) = check_destinations(named.iter().map(PathBuf::as_path)).first() {
-            return Err(fault.to_string().into());
+        named.iter().try_for_each(|path| check_replaced(path, false))?;
+        if let Some(fault) = check_destinations(named.iter().map(PathBuf::as_path)).into_iter().next() {
+            return Err(fault.into());
         }
         let shared = Arc::new(RunState { context: Mutex::new(Some(context)), ..RunState::default() });
         let (theirs, total) = (shared.clone(), frames.len());
@@ -106,7 +161,7 @@ impl Renderer {
             theirs.wake();
             outcome
         };
-        let thread = std::thread::Builder::new().name("render".into()).spawn(run).map_err(|error| error.to_string())?;
+        let thread = std::thread::Builder::new().name("render".into()).spawn(run).map_err(Hindrance::Thread)?;
         Ok(Self { shared, total, thread: Some(thread) })
     }
 
@@ -124,9 +179,9 @@ impl Renderer {
     }
 
     /// How it ended, once.
-    pub(crate) fn outcome(&mut self) -> Option<Result<String, String>> {
+    pub(crate) fn outcome(&mut self) -> Option<Result<Ended, RunError>> {
         let thread = self.thread.take_if(|thread| thread.is_finished())?;
-        Some(thread.join().unwrap_or_else(|_| Err("the run ended unexpectedly".into())))
+        Some(thread.join().unwrap_or_else(|_| Err(RunError::Panicked)))
     }
 }
 
@@ -139,43 +194,33 @@ impl Drop for Renderer {
     }
 }
 
-fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &RunState) -> Result<String, String> {
+fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &RunState) -> Result<Ended, RunError> {
     let names: Vec<&str> = outputs.iter().map(|&index| graph.outputs()[index].name.as_str()).collect();
     let mut cache = Cache::new();
-    let (mut missed, mut folder): (Vec<String>, Option<PathBuf>) = (Vec::new(), None);
+    let (mut missed, mut folder): (Option<Miss>, Option<PathBuf>) = (None, None);
     for (index, &frame) in frames.iter().enumerate() {
-        let at = |error: &dyn std::fmt::Display| format!("Frame {frame}: {error}");
-        let plan = Plan::new(graph, &names, frame, &[], &Settings::default()).map_err(|error| at(&error))?;
+        let at = |source: FrameError| RunError::Frame { frame, source };
+        let plan = Plan::new(graph, &names, frame, &[], &Settings::default()).map_err(|error| at(error.into()))?;
         let evaluated = match plan.evaluate(&Buffers::new(), &mut cache, shared) {
             Ok(evaluated) => evaluated,
-            Err(EvalError::Cancelled) => {
-                let to = folder.as_deref().map_or_else(String::new, into);
-                return Ok(format!("Stopped after {}{to}", count(index, "frame")));
-            }
-            Err(error) => return Err(at(&error)),
+            Err(EvalError::Cancelled) => return Ok(Ended { frames: index, is_stopped: true, folder }),
+            Err(error) => return Err(at(error.into())),
         };
-        let files = output_files(graph, outputs, frame, frames.len() > 1, None).map_err(|error| at(&error))?;
+        let files = output_files(graph, outputs, frame, frames.len() > 1, None).map_err(|error| at(error.into()))?;
         for file in &files {
-            write_output(graph, &evaluated, file, &[]).map_err(|error| at(&error))?;
+            write_output(graph, &evaluated, file, &[]).map_err(|error| at(error.into()))?;
         }
         folder = files.first().and_then(|file| std::path::absolute(&file.path).ok()?.parent().map(Path::to_path_buf));
-        missed.extend(misses(graph, &evaluated, None).iter().map(ToString::to_string));
+        missed = missed.or_else(|| misses(graph, &evaluated, None).into_iter().next());
         cache.forget_unused();
         shared.done.store(index + 1, Ordering::Relaxed);
         shared.share.store(0, Ordering::Relaxed);
         shared.wake();
     }
-    match missed.first() {
-        None => {
-            let to = folder.as_deref().map_or_else(String::new, into);
-            Ok(format!("Rendered {}{to}", count(frames.len(), "frame")))
-        }
-        Some(first) => Err(format!("Rendered {}, but {first}", count(frames.len(), "frame"))),
+    match missed {
+        None => Ok(Ended { frames: frames.len(), is_stopped: false, folder }),
+        Some(miss) => Err(RunError::Missed { frames: frames.len(), miss }),
     }
-}
-
-fn into(folder: &Path) -> String {
-    format!(" into {}", folder.display())
 }
 
 #[cfg(test)]
@@ -205,6 +250,9 @@ mod tests {
             }
         };
         let made = std::fs::read_dir(folder.path().join("made")).unwrap().count();
-        assert_eq!(outcome, format!("Stopped after {made} frames into {}", folder.path().join("made").display()));
+        assert_eq!(
+            outcome.to_string(),
+            format!("Stopped after {made} frames into {}", folder.path().join("made").display())
+        );
     }
 }

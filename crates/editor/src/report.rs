@@ -7,8 +7,8 @@ use crate::state::State;
 use egui::{Color32, Grid, Rect, RichText, ScrollArea, Sense, Ui, vec2};
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 use std::sync::mpsc::{Receiver, channel};
-use trochoid::accuracy::{LadderRequest, Request, climb};
-use trochoid::{Format, Loaded, NodeReport, Settings, Silent, State as Became, Tolerance};
+use trochoid::accuracy::{LadderRequest, Request, TargetError, climb};
+use trochoid::{Format, FormatError, Loaded, NodeReport, Settings, Silent, State as Became, Tolerance};
 
 /// What the panel holds besides what all see.
 #[derive(Default)]
@@ -20,7 +20,18 @@ pub(crate) struct Report {
 /// How accurate settings are, and how long they take.
 struct Measurement {
     revision: u64,
-    outcome: Result<Vec<Step>, String>,
+    outcome: Result<Vec<Step>, Unmeasured>,
+}
+
+/// Why the settings cannot be measured.
+#[derive(Debug, thiserror::Error)]
+enum Unmeasured {
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    #[error(transparent)]
+    Climb(#[from] TargetError),
+    #[error("no error of this picture can be certified: something that it depends on knows no bound")]
+    NoBound,
 }
 
 /// One setting.
@@ -168,7 +179,7 @@ fn accuracy_ui(report: &mut Report, ui: &mut Ui, state: &State) {
     }
     match &measured.outcome {
         Err(error) => {
-            ui.label(RichText::new(error).color(crate::theme::error(ui.visuals())));
+            ui.label(RichText::new(error.to_string()).color(crate::theme::error(ui.visuals())));
         }
         Ok(steps) => {
             let points: Vec<[f64; 2]> =
@@ -212,11 +223,11 @@ fn measure(result: &crate::evaluate::Result, revision: u64, context: egui::Conte
 const SHRINK: u32 = 4;
 
 /// Every setting of accuracy, the coarse ones first.
-fn ladder(result: &crate::evaluate::Result) -> Result<Vec<Step>, String> {
+fn ladder(result: &crate::evaluate::Result) -> Result<Vec<Step>, Unmeasured> {
     let (lens, subject) = (&result.lens, &result.subject);
     let whole = lens.graph.format();
     let side = |side: u32| side.div_ceil(SHRINK);
-    let format = Format::new(side(whole.width()), side(whole.height()), whole.samples()).map_err(|e| e.to_string())?;
+    let format = Format::new(side(whole.width()), side(whole.height()), whole.samples())?;
     let load = |set: &[String]| {
         let Loaded { graph, warnings } = trochoid::parse(&subject.name, &lens.text, &subject.folder, set)?;
         Ok(Loaded { graph: graph.with_access(subject.access.clone()), warnings })
@@ -234,7 +245,7 @@ fn ladder(result: &crate::evaluate::Result) -> Result<Vec<Step>, String> {
         whole: false,
         tolerances: &[],
     };
-    let ladder = climb(&load, &asked, &Silent).map_err(|error| error.to_string())?;
+    let ladder = climb(&load, &asked, &Silent)?;
     let steps = ladder.rungs.iter().filter(|rung| rung.is_method && rung.certified.max.is_finite()).map(|rung| Step {
         name: if rung.set.is_empty() { "as it is".into() } else { rung.set.join(", ") },
         seconds: rung.seconds,
@@ -242,7 +253,7 @@ fn ladder(result: &crate::evaluate::Result) -> Result<Vec<Step>, String> {
     });
     let steps: Vec<Step> = steps.collect();
     if steps.is_empty() {
-        return Err("no error of this picture can be certified: something that it depends on knows no bound".into());
+        return Err(Unmeasured::NoBound);
     }
     Ok(steps)
 }

@@ -21,10 +21,11 @@ mod tests;
 
 pub use planning::explain::{Account, Channels, Evidence, Fate, Proved};
 pub use planning::left_out::LeftOut;
-pub use planning::plan::{Plan, PlanError};
+pub use planning::plan::{BindingFault, Plan, PlanError};
 pub use rules::interval::Interval;
-pub use running::buffers::Buffers;
+pub use running::buffers::{BufferFault, Buffers};
 pub use running::certify::{Certified, Certifier, Distribution, Limiting};
+pub use running::foreign::ForeignError;
 pub use running::frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
 pub use running::inspect::{Blame, Inspected, Inspection};
 pub use running::memory::{MemoryAccount, Pictures, Taker};

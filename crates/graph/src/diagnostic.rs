@@ -50,7 +50,16 @@ impl Diagnostic {
             "remedy": self.remedy,
         })
     }
+
+    /// Its words without the first, which says how severe it is.
+    pub fn statement(&self) -> Statement<'_> {
+        Statement(self)
+    }
 }
+
+/// A [`Diagnostic`] without the word for its severity.
+#[derive(Clone, Copy, Debug)]
+pub struct Statement<'d>(&'d Diagnostic);
 
 impl fmt::Display for Severity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -63,19 +72,26 @@ impl fmt::Display for Severity {
 
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.severity, self.file)?;
-        if self.line > 0 {
-            write!(f, ":{}:{}", self.line, self.column)?;
+        write!(f, "{}: {}", self.severity, self.statement())
+    }
+}
+
+impl fmt::Display for Statement<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Diagnostic { file, line, column, node, port, found, expected, remedy, .. } = self.0;
+        f.write_str(file)?;
+        if *line > 0 {
+            write!(f, ":{line}:{column}")?;
         }
-        match (&self.node, &self.port) {
+        match (node, port) {
             (Some(node), Some(port)) => write!(f, ": node \"{node}\", {port}")?,
             (Some(node), None) => write!(f, ": node \"{node}\"")?,
             (None, Some(port)) => write!(f, ": {port}")?,
             (None, None) => {}
         }
-        write!(f, ": found {}; expected {}", self.found, self.expected)?;
-        if !self.remedy.is_empty() {
-            write!(f, "\n  remedy: {}", self.remedy)?;
+        write!(f, ": found {found}; expected {expected}")?;
+        if !remedy.is_empty() {
+            write!(f, "\n  remedy: {remedy}")?;
         }
         Ok(())
     }

@@ -63,14 +63,14 @@ impl Document {
             let near: String = text[floor(text, error.offset)..].chars().take(20).collect();
             let remedy = if near.starts_with("NaN") || near.starts_with("Inf") || near.starts_with("-Inf") {
                 "JSON has no NaN and no infinity: write a finite number"
-            } else if near.is_empty() || error.message.contains("EOF") {
+            } else if near.is_empty() || error.fault.is_end() {
                 "the text ends too early: close every bracket and quote"
-            } else if error.message.contains("deeper") || error.message.contains("more than") {
+            } else if error.fault.is_excess() {
                 "no document needs that (lists and objects are a few levels deep): check what wrote it"
             } else {
                 "correct the syntax there; JSON has no comments and no trailing commas"
             };
-            fault(line, column, error.message, "JSON".into(), remedy)
+            fault(line, column, error.fault.to_string(), "JSON".into(), remedy)
         })?;
         Ok(Self { name: name.into(), text: text.into(), places: OnceLock::new(), root, overrides: Vec::new() })
     }
@@ -122,7 +122,7 @@ impl Document {
                 Spanned { offset: 0, json: Json::String(value.into()) }
             }
             Err(error) => {
-                fault.found = error.message;
+                fault.found = error.fault.to_string();
                 return Err(Box::new(fault));
             }
         };

@@ -30,6 +30,7 @@ mod fields;
 mod frame;
 mod kind;
 mod lowering;
+mod manual;
 mod memory;
 mod node;
 mod node_error;
@@ -58,7 +59,7 @@ pub use build::{Builder, Mask, Value, Weights, load};
 pub use check::{FORMAT_VERSION, check, expected};
 pub use checked::{CheckedGraph, CheckedNode, FileState, Guarantee, OutputSpec, Precision, file_states};
 pub use declare::{Arity, Declaration, Default, End, Files, Item, Knob, List, Offer, Output, Port, Role, Takes};
-pub use diagnostic::{Diagnostic, Severity, nearest};
+pub use diagnostic::{Diagnostic, Severity, Statement, nearest};
 pub use document::{Document, MAX_BYTES, MAX_NODES};
 pub use faults::{Around, Check, Fault, Upstream, User, one_of};
 pub use fields::{
@@ -70,6 +71,7 @@ pub use fields::{count_items, join_items};
 pub use frame::{FrameContext, escape_frame, escape_remedy, expand_frame, one_frame_pattern};
 pub use kind::{Accepts, Kind};
 pub use lowering::Lowering;
+pub use manual::counted;
 pub use memory::{MemoryUse, Reckoning, in_bytes};
 pub use node::{
     Body, Declare, Dynamics, Found, Handle, Node, NodeType, Omission, Paths, Pointwise, Prepared, Rate, Stage, Variance,

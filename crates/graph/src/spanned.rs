@@ -91,7 +91,39 @@ pub(crate) struct SyntaxError {
     /// Byte offset of the fault.
     pub offset: usize,
     /// Description of the fault.
-    pub message: String,
+    pub fault: SyntaxFault,
+}
+
+/// What is wrong with a text.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum SyntaxFault {
+    /// It is no JSON.
+    #[error("a syntax error ({})", without_place(.0))]
+    NoJson(#[source] serde_json::Error),
+    /// A string has an escape that stands for nothing.
+    #[error("{}", without_place(.0))]
+    Escape(#[source] serde_json::Error),
+    /// A number is none that a computer holds.
+    #[error("\"{0}\", which is not a number")]
+    NoNumber(String),
+    /// Lists and objects are nested too deeply.
+    #[error("values nested deeper than {MAX_DEPTH} levels")]
+    TooDeep,
+    /// It holds too many values.
+    #[error("more than {MAX_VALUES} values")]
+    TooMany,
+}
+
+impl SyntaxFault {
+    /// Whether the text ends too early.
+    pub(crate) fn is_end(&self) -> bool {
+        matches!(self, Self::NoJson(error) | Self::Escape(error) if error.is_eof())
+    }
+
+    /// Whether the text holds more than any document needs.
+    pub(crate) fn is_excess(&self) -> bool {
+        matches!(self, Self::TooDeep | Self::TooMany)
+    }
 }
 
 /// Reads a JSON text.
@@ -102,7 +134,7 @@ pub(crate) fn parse(text: &str) -> Result<Spanned, SyntaxError> {
     // A raw value does not build the values inside of it, so this takes no memory for any text.
     let _: &RawValue = serde_json::from_str(text).map_err(|error| SyntaxError {
         offset: offset_of(text, error.line(), error.column()),
-        message: format!("a syntax error ({})", strip_place(&error.to_string())),
+        fault: SyntaxFault::NoJson(error),
     })?;
     Reader { text, at: 0, left: MAX_VALUES }.value(0)
 }
@@ -133,11 +165,11 @@ impl<'t> Reader<'t> {
     fn value(&mut self, depth: usize) -> Result<Spanned, SyntaxError> {
         self.separators();
         let offset = self.at;
-        let error = |message: String| SyntaxError { offset, message };
+        let error = |fault: SyntaxFault| SyntaxError { offset, fault };
         if depth > MAX_DEPTH {
-            return Err(error(format!("values nested deeper than {MAX_DEPTH} levels")));
+            return Err(error(SyntaxFault::TooDeep));
         }
-        self.left = self.left.checked_sub(1).ok_or_else(|| error(format!("more than {MAX_VALUES} values")))?;
+        self.left = self.left.checked_sub(1).ok_or_else(|| error(SyntaxFault::TooMany))?;
         let json = match self.peek() {
             b'"' => Json::String(self.string()?.into_owned()),
             b'[' => {
@@ -175,9 +207,7 @@ impl<'t> Reader<'t> {
                     b'n' => Json::Null,
                     b't' => Json::Bool(true),
                     b'f' => Json::Bool(false),
-                    _ => Json::Number(
-                        slice.parse().map_err(|_| error(format!("\"{}\", which is not a number", shorten(slice))))?,
-                    ),
+                    _ => Json::Number(slice.parse().map_err(|_| error(SyntaxFault::NoNumber(shorten(slice))))?),
                 }
             }
         };
@@ -203,9 +233,7 @@ impl<'t> Reader<'t> {
             return Ok(Cow::Borrowed(&slice[1..slice.len() - 1]));
         }
         let string: serde_json::Result<String> = serde_json::from_str(slice);
-        string
-            .map(Cow::Owned)
-            .map_err(|error| SyntaxError { offset: opening, message: strip_place(&error.to_string()) })
+        string.map(Cow::Owned).map_err(|error| SyntaxError { offset: opening, fault: SyntaxFault::Escape(error) })
     }
 }
 
@@ -215,9 +243,10 @@ fn offset_of(text: &str, line: usize, column: usize) -> usize {
     (start + column.saturating_sub(1)).min(text.len())
 }
 
-/// Removes the place at the end of a message of `serde_json`, which the diagnostic already states.
-fn strip_place(message: &str) -> String {
-    message.split(" at line ").next().unwrap_or(message).into()
+/// `serde_json` ends its messages with the place, and gives them no other way; the diagnostic states it already.
+fn without_place(error: &serde_json::Error) -> String {
+    let (message, place) = (error.to_string(), format!(" at line {} column {}", error.line(), error.column()));
+    message.strip_suffix(&place).map_or(message.clone(), String::from)
 }
 
 /// Returns line and column (in characters, both from 1) of a byte offset.
@@ -319,7 +348,7 @@ mod tests {
     #[test]
     fn limits_stop_deep_and_broken_texts() {
         let deep = "[".repeat(100_000) + &"]".repeat(100_000);
-        assert!(parse(&deep).expect_err("deep").message.contains("nested"));
+        assert!(parse(&deep).expect_err("deep").fault.is_excess());
         let error = parse("{\"a\": 1,\n \"b\": }").expect_err("syntax");
         assert_eq!(line_and_column("{\"a\": 1,\n \"b\": }", error.offset).0, 2);
         assert!(parse("NaN").is_err());

@@ -204,13 +204,6 @@ impl Error {
         }
     }
 
-    /// The message without the file's name.
-    pub fn reason(&self) -> String {
-        let message = self.to_string();
-        let name = format!("{}: ", self.path().display());
-        message.strip_prefix(&name).map(str::to_owned).unwrap_or(message)
-    }
-
     #[cfg(feature = "pictures")]
     pub(crate) fn invalid(
         path: &Path,

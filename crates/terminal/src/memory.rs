@@ -8,18 +8,31 @@ use trochoid::{Exhausted, Heap, discard_partial_files, exit_at_once, in_bytes, m
 /// The least that is any use.
 const LEAST: u64 = 64_000_000;
 
+const EXPECTED: &str = "expected a number with its unit, such as 8GB, 500MB or 2GiB";
+
 /// Given back at the end, so that there is memory to say why; large enough for the system to take it from the process.
 static RESERVE: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 const RESERVED: usize = 4 << 20;
 
 /// Reads a size such as 8GB, 500MB or 2GiB.
-fn parse(text: &str) -> Result<u64, String> {
-    let expected = "expected a number with its unit, such as 8GB, 500MB or 2GiB";
-    let size = text.parse::<ByteSize>().map_err(|_| expected.to_string())?.as_u64();
-    if size < LEAST {
-        return Err(format!("found {}; {expected}, of {} or more", in_bytes(size), in_bytes(LEAST)));
-    }
-    Ok(size)
+fn parse(text: &str) -> Result<u64, SizeError> {
+    // What the library says of it tells neither what is expected nor what to do.
+    let size = text.parse::<ByteSize>().map_err(|_| SizeError::None)?.as_u64();
+    if size < LEAST { Err(SizeError::Small { found: size }) } else { Ok(size) }
+}
+
+/// Why a text is no size.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+enum SizeError {
+    /// It is no number with a unit.
+    #[error("{EXPECTED}")]
+    None,
+    /// It is of no use.
+    #[error("found {}; {EXPECTED}, of {} or more", in_bytes(*found), in_bytes(LEAST))]
+    Small {
+        /// Bytes.
+        found: u64,
+    },
 }
 
 /// What to write for `--memory` where a frame is reckoned to take so many bytes: a tenth more, since reckoning is not all.
@@ -90,7 +103,7 @@ mod tests {
             assert_eq!(parse(text), Ok(bytes), "{text}");
         }
         for text in ["", "8", "1kB", "much", "-8GB", "8XB", "NaNGB"] {
-            assert!(parse(text).unwrap_err().contains("8GB"), "{text}");
+            assert!(parse(text).unwrap_err().to_string().contains("8GB"), "{text}");
         }
     }
 }

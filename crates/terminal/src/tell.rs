@@ -1,4 +1,5 @@
 use anstyle::{AnsiColor, Style};
+use std::fmt::Display;
 use std::io::Write;
 
 const ERROR: Style = AnsiColor::Red.on_default().bold();
@@ -7,10 +8,10 @@ const NOTE: Style = AnsiColor::Green.on_default().bold();
 const REMEDY: Style = AnsiColor::Cyan.on_default().bold();
 
 /// Prints messages on stderr, with colors on terminals alone. Where even that fails, nobody listens.
-pub fn tell<'m>(messages: impl IntoIterator<Item = &'m String>) {
+pub fn tell<'m, M: Display + 'm>(messages: impl IntoIterator<Item = &'m M>) {
     let mut err = anstream::stderr().lock();
     for message in messages {
-        let _ = writeln!(err, "{}", paint(message));
+        let _ = writeln!(err, "{}", paint(&message.to_string()));
     }
 }
 

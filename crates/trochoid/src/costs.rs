@@ -44,7 +44,7 @@ impl Cost {
 }
 
 /// Why costs cannot be measured.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeasureError {
     /// There is no plan.
     #[error(transparent)]

@@ -1,6 +1,6 @@
 //! Where files go: looked at before anything is evaluated, and written whole or not at all.
 
-use crate::output_file::OutputError;
+use crate::output_file::{NoDestination, OutputError};
 use crate::{Form, is_ours};
 use std::collections::HashSet;
 use std::fs;
@@ -17,8 +17,8 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-fn refuse(path: &Path, reason: impl ToString) -> OutputError {
-    OutputError::Destination { path: path.into(), reason: reason.to_string() }
+fn refuse(path: &Path, reason: NoDestination) -> OutputError {
+    OutputError::Destination { path: path.into(), reason }
 }
 
 /// Whether a file can be written there, as far as can be told beforehand; changes nothing.
@@ -49,10 +49,10 @@ pub fn check_destinations<'p>(paths: impl IntoIterator<Item = &'p Path>) -> Vec<
 /// The nearest folder above a file that exists, where a file can have that name.
 fn check_name(path: &Path, leads_to: &Path) -> Result<PathBuf, OutputError> {
     if path.is_dir() {
-        return Err(refuse(path, "is a folder; name a file"));
+        return Err(refuse(path, NoDestination::Folder));
     }
     if leads_to.is_symlink() {
-        return Err(refuse(path, "is a link that leads to itself; remove it, or give another name"));
+        return Err(refuse(path, NoDestination::Loop));
     }
     let mut folder: PathBuf = folder_of(leads_to).into();
     let mut names = vec![leads_to.file_name().unwrap_or_default().to_owned()];
@@ -68,7 +68,7 @@ fn check_name(path: &Path, leads_to: &Path) -> Result<PathBuf, OutputError> {
     let lookups = names.iter().map(|name| folder.join(name)).chain([leads_to.into()]);
     for error in lookups.filter_map(|path| fs::symlink_metadata(path).err()) {
         if matches!(error.kind(), ErrorKind::InvalidFilename | ErrorKind::InvalidInput) {
-            return Err(refuse(path, format!("cannot be the name of a file there: {error}; give a shorter one")));
+            return Err(refuse(path, NoDestination::Name(error)));
         }
     }
     Ok(folder)
@@ -76,9 +76,9 @@ fn check_name(path: &Path, leads_to: &Path) -> Result<PathBuf, OutputError> {
 
 fn check_folder(path: &Path, folder: &Path) -> Result<(), OutputError> {
     if !folder.is_dir() {
-        return Err(refuse(path, format!("{} is no folder", folder.display())));
+        return Err(refuse(path, NoDestination::NoFolder(folder.into())));
     }
-    let cannot = |error| refuse(path, format!("the folder {} takes no files: {error}", folder.display()));
+    let cannot = |source| refuse(path, NoDestination::Closed { folder: folder.into(), source });
     tempfile::tempfile_in(folder).map(drop).map_err(cannot)
 }
 
@@ -122,8 +122,7 @@ pub(crate) fn make_folder_of(path: &Path) -> std::io::Result<()> {
 
 /// The same, with an error that names it.
 pub(crate) fn folder_of_file(path: &Path) -> Result<(), OutputError> {
-    make_folder_of(path)
-        .map_err(|error| OutputError::Folder { path: path.parent().unwrap_or(path).into(), reason: error.to_string() })
+    make_folder_of(path).map_err(|source| OutputError::Folder { path: path.parent().unwrap_or(path).into(), source })
 }
 
 /// Writes a file that appears whole or not at all; folders are made. What is no regular file (a pipe, a device) is
@@ -136,7 +135,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
 }
 
 fn write(path: &Path, bytes: &[u8], target: Target) -> Result<(), OutputError> {
-    let cannot = |error: std::io::Error| refuse(path, format!("cannot be written: {error}"));
+    let cannot = |error: std::io::Error| refuse(path, NoDestination::Write(error));
     match fs::metadata(path) {
         Ok(found) if !found.is_file() => fs::write(path, bytes).map_err(cannot),
         found => {

@@ -94,7 +94,7 @@ pub use naming::{companion_files, output_files};
 #[cfg(feature = "io")]
 pub use output::write_output;
 #[cfg(feature = "io")]
-pub use output_file::{NameFault, OutputError, OutputFile};
+pub use output_file::{NameFault, NoDestination, OutputError, OutputFile};
 pub use report::{RunReport, RunStatus, frame_report};
 #[cfg(feature = "io")]
 pub use resume::Fingerprints;
@@ -102,20 +102,20 @@ pub use stability::{stability, stability_of};
 #[cfg(feature = "io")]
 pub use stream::FileSink;
 pub use trochoid_engine::{
-    Account, Audit, Blame, Buffers, Cache, Certified, Certifier, Channels, Distribution, EvalError, Evidence, Fate,
-    Frame, Hull, Inspected, Instructions, Interval, Judging, LeftOut, Limiting, MemoryAccount, Monitor, NodeReport,
-    Phases, Picture, Pictures, Plan, PlanError, Proved, ReferenceError, ReferenceFrame, ReferencePixel, Settings,
-    ShadingPlan, Silent, Sink, State, Switches, Taker,
+    Account, Audit, BindingFault, Blame, BufferFault, Buffers, Cache, Certified, Certifier, Channels, Distribution,
+    EvalError, Evidence, Fate, ForeignError, Frame, Hull, Inspected, Instructions, Interval, Judging, LeftOut,
+    Limiting, MemoryAccount, Monitor, NodeReport, Phases, Picture, Pictures, Plan, PlanError, Proved, ReferenceError,
+    ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches, Taker,
 };
 pub use trochoid_graph::{
     Accepts, Access, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, DataPlace, Declaration,
     Default as KnobDefault, Diagnostic, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files, Guarantee, Harmonic,
     Interpolation, Item, Key, Kind, Knob, List, MemoryUse, NodeError, NodeId, NodeType, Offer, Omission, OutputSpec,
     Outside, Paths, Port, Precision, REFUSALS, Refusal, Refused, Registry, Relation, Right, Role, Severity, Source,
-    Spectrum, Stability, StabilityMap, Takes, Term, Tolerance, Verdict, Work, allow_options, escape_frame,
+    Spectrum, Stability, StabilityMap, Takes, Term, Tolerance, Verdict, Work, allow_options, counted, escape_frame,
     expand_frame, expected, in_bytes, nearest, quoted, quoted_path, refusal, refusals, resolved, schema,
 };
-pub use trochoid_image::{Format, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
+pub use trochoid_image::{Format, FormatError, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]
 pub use trochoid_io as io;
 #[cfg(feature = "io")]

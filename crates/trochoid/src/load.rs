@@ -22,13 +22,8 @@ pub struct Loaded {
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// The file cannot be read.
-    #[error("{}: {reason}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// Why, and what to do.
-        reason: String,
-    },
+    #[error(transparent)]
+    Io(trochoid_io::Error),
     /// The document is invalid: every fault, and the warnings beside them.
     #[error("{}", list(.0))]
     Invalid(Vec<Diagnostic>),
@@ -57,7 +52,7 @@ pub fn load(path: &Path, set: &[String]) -> Result<Loaded, LoadError> {
             let found = format!("the byte {byte:#04x}, which is no UTF-8");
             invalid(name.clone(), (line, column), found, "a document in UTF-8".into(), "save the document as UTF-8")
         }
-        error => LoadError::Io { path: path.into(), reason: error.reason() },
+        error => LoadError::Io(error),
     })?;
     let folder = path.parent().unwrap_or(Path::new("."));
     parse(&name, &text, folder, set)

@@ -41,16 +41,45 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
         /// Why.
-        reason: String,
+        #[source]
+        reason: NoDestination,
     },
     /// The folder cannot be made.
-    #[error("{}: the folder cannot be made: {reason}", path.display())]
+    #[error("{}: the folder cannot be made: {source}", path.display())]
     Folder {
         /// The folder.
         path: PathBuf,
         /// Why.
-        reason: String,
+        source: std::io::Error,
     },
+}
+
+/// Why no file can be written at a place.
+#[derive(Debug, thiserror::Error)]
+pub enum NoDestination {
+    /// A folder stands there.
+    #[error("is a folder; name a file")]
+    Folder,
+    /// A link stands there, which leads to itself.
+    #[error("is a link that leads to itself; remove it, or give another name")]
+    Loop,
+    /// The system takes no such name.
+    #[error("cannot be the name of a file there: {0}; give a shorter one")]
+    Name(#[source] std::io::Error),
+    /// Something else stands where its folder should.
+    #[error("{} is no folder", .0.display())]
+    NoFolder(PathBuf),
+    /// The system lets no file into its folder.
+    #[error("the folder {} takes no files: {source}", folder.display())]
+    Closed {
+        /// The folder.
+        folder: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It could not be written.
+    #[error("cannot be written: {0}")]
+    Write(#[source] std::io::Error),
 }
 
 /// Why files cannot be named so.

@@ -149,7 +149,12 @@ fn metadata_of_whole(path: &Path) -> Vec<(String, String)> {
 /// The hash of a file's contents, or why there is none.
 fn hash_of(path: &Path) -> String {
     let mut hasher = blake3::Hasher::new();
-    let file = trochoid_io::open_file(path).map_err(|error| error.to_string());
-    let read = file.and_then(|file| std::io::copy(&mut file.reader(), &mut hasher).map_err(|error| error.to_string()));
-    read.map_or_else(|error| error, |_| hasher.finalize().to_hex().to_string())
+    let file = match trochoid_io::open_file(path) {
+        Ok(file) => file,
+        Err(error) => return error.to_string(),
+    };
+    match std::io::copy(&mut file.reader(), &mut hasher) {
+        Ok(_) => hasher.finalize().to_hex().to_string(),
+        Err(error) => error.to_string(),
+    }
 }

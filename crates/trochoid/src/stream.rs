@@ -5,7 +5,7 @@ use crate::exr_layer::{convert, file_channels, reserved};
 use crate::files::{folder_of_file, target};
 use crate::marks::with_mark;
 use crate::output_file::{OutputError, OutputFile};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use trochoid_engine::{EvalError, Plan, Sink};
 use trochoid_graph::{CheckedGraph, Kind};
 use trochoid_image::{Window, WorkingSpace};
@@ -35,7 +35,8 @@ pub struct FileSink<'g> {
     graph: &'g CheckedGraph,
     files: Vec<Open>,
     spare: Mutex<Vec<EncodeScratch>>,
-    failure: Mutex<Option<OutputError>>,
+    /// Why the evaluation fails: what came first, for what follows is its consequence.
+    failure: Mutex<Option<Arc<OutputError>>>,
 }
 
 /// A file being written.
@@ -81,11 +82,6 @@ impl<'g> FileSink<'g> {
             });
         }
         Ok(Some(Self { graph, files: open, spare: Mutex::new(Vec::new()), failure: Mutex::new(None) }))
-    }
-
-    /// Why the evaluation failed, if a file was the reason.
-    pub fn failure(&self) -> Option<OutputError> {
-        self.failure.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
     /// Completes the files; `metadata` gives what goes into each one, or `None` where it is not to appear.
@@ -152,9 +148,8 @@ impl Sink for FileSink<'_> {
         let encoded = self.files.iter().try_for_each(|open| self.encode(open, band, rows, &mut scratch));
         spare().push(scratch);
         encoded.map_err(|error| {
-            let text = error.to_string();
-            self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-            EvalError::Sink(text)
+            let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
+            EvalError::Sink(failure.get_or_insert_with(|| Arc::new(error)).clone().into())
         })
     }
 }

@@ -31,7 +31,7 @@ fn refusal(loaded: Result<Loaded, LoadError>) -> Result<String, String> {
         Ok(_) => Err("found a valid document; expected one that is refused".into()),
         Err(error) => match &error {
             LoadError::Invalid(faults) => faults.iter().find_map(form).map_or(Ok(error.to_string()), Err),
-            LoadError::Io { .. } => Ok(error.to_string()),
+            LoadError::Io(_) => Ok(error.to_string()),
         },
     }
 }

@@ -13,9 +13,9 @@ use std::collections::{BTreeSet, HashSet};
 use std::path::PathBuf;
 use std::time::Instant;
 use trochoid::{
-    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputFile, Pictures, Plan,
-    ReferenceError, RunReport, Settings, Sink, Switches, Work, clear_partial_files, expand_frame, frame_report, misses,
-    output_files, quoted, write_output,
+    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputError, OutputFile,
+    Pictures, Plan, ReferenceError, RunReport, Settings, Sink, Switches, Work, clear_partial_files, expand_frame,
+    frame_report, misses, output_files, quoted, write_output,
 };
 
 /// How a plan becomes a frame; tests put another in its place.
@@ -226,10 +226,10 @@ impl<'a> Job<'a> {
         } else {
             evaluate(&plan, into, cache, monitor)
         };
-        let frame = frame.map_err(|error| match (error, &sink) {
-            (EvalError::Cancelled, _) => Failure::interrupted(),
-            (EvalError::Sink(text), Some(sink)) => sink.failure().map_or_else(|| failed(&text), Failure::from),
-            (error, _) => Failure::evaluated(&format!("frame {number}: "), &error),
+        let frame = frame.map_err(|error| match error {
+            EvalError::Cancelled => Failure::interrupted(),
+            EvalError::Sink(error) => error.downcast_ref::<OutputError>().map_or_else(|| failed(&error), Failure::from),
+            error => Failure::evaluated(&format!("frame {number}: "), &error),
         })?;
         stop_if_asked()?;
         if made_from() != before {

@@ -86,7 +86,7 @@ fn a_failed_evaluation_stops_and_keeps_what_is_done() {
         };
     let failure = run_with(&arguments(folder.path()), &fails_at_two).unwrap_err();
     assert_eq!(failure.code, FAILED);
-    assert!(failure.messages[0].starts_with("error: frame 2: out of memory"), "{failure:?}");
+    assert!(failure.messages[0].to_string().starts_with("error: frame 2: out of memory"), "{failure:?}");
     assert!(folder.path().join("mask.1.exr").exists() && !folder.path().join("mask.3.exr").exists());
     assert_eq!(report(folder.path())["status"], "failed");
     assert_eq!(report(folder.path())["frames"].as_array().unwrap().len(), 1);

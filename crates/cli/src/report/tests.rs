@@ -167,7 +167,7 @@ fn faults_are_told_before_anything_is_measured() {
     let folder = tempfile::tempdir().unwrap();
     let fails = |args: Args, words: &[&str]| {
         let failure = run(&args).unwrap_err();
-        assert!(words.iter().all(|word| failure.messages[0].contains(word)), "{:?}", failure.messages);
+        assert!(words.iter().all(|word| failure.messages[0].text().contains(word)), "{:?}", failure.messages);
         assert!(!args.out.join("report.json").exists());
     };
     fails(Args { output: Some("beuaty".into()), ..arguments(folder.path()) }, &["beuaty", "beauty"]);

@@ -234,7 +234,7 @@ fn written(plan: &Plan, writing: &TextDraft) -> Vec<Action> {
         },
         Subject::Output(name) if text == *name => Vec::new(),
         Subject::Output(name) => match output::wrong_name(&plan.sheet, &text) {
-            Some(why) => vec![Action::Notice(why)],
+            Some(why) => vec![Action::Notice(why.to_string())],
             None => vec![Action::Edit(output::renamed(name, &text)), Action::Seal, Action::Output(Some(text))],
         },
     }

@@ -1,20 +1,39 @@
 //! Which ends of wires fit together, and what to do where they do not.
 
 use super::plan::End;
+use crate::document::json::Misplaced;
 use crate::document::meaning::Meaning;
 use crate::document::{Edit, Path, Point, Session, Sheet, decor, edit};
 use std::collections::HashSet;
 use trochoid::{Accepts, Declaration, Diagnostic, Item, Kind, Role, registry};
 
 /// Why a wire is not drawn.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub(super) struct Refusal {
     /// What was to be connected.
     pub(super) title: String,
-    /// Why it cannot be, and what to do, in sentences.
-    pub(super) why: String,
+    /// Why it cannot be, and what to do.
+    pub(super) why: NoWire,
     /// A node that makes it possible.
     pub(super) bridge: Option<Bridge>,
+}
+
+/// Why two ends cannot be connected, in sentences.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum NoWire {
+    #[error("A node cannot take what it makes.")]
+    Itself,
+    #[error("{above} depends on {below} already: a graph has no cycles.")]
+    Cycle { above: String, below: String },
+    #[error("\"{0}\" is no type of node, so nothing is known of what it makes.")]
+    UnknownType(String),
+    #[error("It makes a {kind}; the pin takes a {accepts}.\n{}.", sentence(&accepts.remedy(*kind)))]
+    Kind { kind: Kind, accepts: Accepts },
+    #[error(transparent)]
+    Misplaced(#[from] Misplaced),
+    /// The node below would have this fault.
+    #[error("Found {}; expected {}.\n{}", .0.found, .0.expected, sentence(&.0.remedy))]
+    Fault(Diagnostic),
 }
 
 /// A node between two others.
@@ -93,20 +112,19 @@ pub(super) fn connect(
     let pin = &below.pins[to.1];
     let source = sheet.reference(from.0, from.1);
     let title = format!("{source} cannot go to {}", decor::key(sheet, to));
-    let refuse = |why: String, bridge: Option<Bridge>| Err(Box::new(Refusal { title: title.clone(), why, bridge }));
+    let refuse = |why: NoWire, bridge: Option<Bridge>| Err(Box::new(Refusal { title: title.clone(), why, bridge }));
     if sheet.upstream([from.0]).contains(&to.0) {
         let why = match from.0 == to.0 {
-            true => "A node cannot take what it makes.".to_string(),
-            false => format!("{} depends on {} already: a graph has no cycles.", above.name, below.name),
+            true => NoWire::Itself,
+            false => NoWire::Cycle { above: above.name.clone(), below: below.name.clone() },
         };
         return refuse(why, None);
     }
     let Some(kind) = kind(sheet, from) else {
-        return refuse(format!("\"{}\" is no type of node, so nothing is known of what it makes.", above.ty), None);
+        return refuse(NoWire::UnknownType(above.ty.clone()), None);
     };
     if !takes(pin.accepts, kind) {
-        let why =
-            format!("It makes a {kind}; the pin takes a {}.\n{}.", pin.accepts, sentence(&pin.accepts.remedy(kind)));
+        let why = NoWire::Kind { kind, accepts: pin.accepts };
         return refuse(why, bridge(session, from, to, kind, at));
     }
     let mut edit = edit::connected(sheet, from, to);
@@ -135,10 +153,10 @@ fn errors<'m>(meaning: &'m Meaning, node: &str) -> Vec<&'m Diagnostic> {
 }
 
 /// What a change would make wrong about a node that is not wrong already.
-fn new_fault(session: &Session, change: &Edit, node: &str) -> Option<String> {
+fn new_fault(session: &Session, change: &Edit, node: &str) -> Option<NoWire> {
     let after = match session.after(change) {
         Ok(after) => after,
-        Err(error) => return Some(error.to_string()),
+        Err(error) => return Some(error.into()),
     };
     let (old, new) = (errors(session.meaning(), node), errors(&after, node));
     // What was hidden behind another fault is no new one.
@@ -146,8 +164,7 @@ fn new_fault(session: &Session, change: &Edit, node: &str) -> Option<String> {
         return None;
     }
     let known = |error: &&&Diagnostic| !old.iter().any(|old| (&old.port, &old.found) == (&error.port, &error.found));
-    let fault = new.iter().find(known)?;
-    Some(format!("Found {}; expected {}.\n{}", fault.found, fault.expected, sentence(&fault.remedy)))
+    new.into_iter().find(|error| known(&error)).cloned().map(NoWire::Fault)
 }
 
 /// Whether a node type could stand between what makes a kind and what takes something else.

@@ -16,7 +16,7 @@ impl Canvas {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width(300.0);
                 ui.label(RichText::new(&refusal.title).strong().color(theme::error(ui.visuals())));
-                ui.label(&refusal.why);
+                ui.label(refusal.why.to_string());
                 ui.add_space(4.0);
                 ui.horizontal(|ui| {
                     if let Some(bridge) = &refusal.bridge {

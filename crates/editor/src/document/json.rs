@@ -145,13 +145,17 @@ impl Splice {
 }
 
 /// Why a change cannot be made.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Misplaced(pub String);
-
-impl fmt::Display for Misplaced {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
+#[derive(Debug, thiserror::Error)]
+pub enum Misplaced {
+    /// The text is no JSON.
+    #[error("the document is no JSON: {0}")]
+    NoJson(#[from] jsonc_parser::errors::ParseError),
+    /// The text has no value.
+    #[error("the document is empty")]
+    Empty,
+    /// The text has no such place.
+    #[error("there is no {0}")]
+    Missing(Path),
 }
 
 /// Strict JSON.
@@ -197,11 +201,10 @@ pub fn place(text: &str, path: &Path) -> Option<[usize; 2]> {
 }
 
 fn in_lines(text: &str, op: &Op) -> Result<Splice, Misplaced> {
-    let parsed = parse_to_ast(text, &CollectOptions::default(), &STRICT)
-        .map_err(|error| Misplaced(format!("the document is no JSON: {error}")))?;
-    let root = parsed.value.ok_or_else(|| Misplaced("the document is empty".into()))?;
+    let parsed = parse_to_ast(text, &CollectOptions::default(), &STRICT)?;
+    let root = parsed.value.ok_or(Misplaced::Empty)?;
     let (Op::Set(path, _) | Op::Insert(path, _) | Op::Remove(path) | Op::Rename(path, _)) = op;
-    let missing = || Misplaced(format!("there is no {path}"));
+    let missing = || Misplaced::Missing(path.clone());
     match op {
         Op::Set(_, value) => set(text, &root, &path.0, value).ok_or_else(missing),
         Op::Insert(_, value) => {

@@ -24,7 +24,7 @@ impl Meaning {
         let (graph, mut diagnostics) = match parse(name, text, folder, &[]) {
             Ok(loaded) => (Some(loaded.graph.with_access(access.clone())), loaded.warnings),
             Err(LoadError::Invalid(diagnostics)) => (None, diagnostics),
-            Err(error @ LoadError::Io { .. }) => (None, vec![trouble(name, &error.to_string())]),
+            Err(error @ LoadError::Io(_)) => (None, vec![trouble(name, &error.to_string())]),
         };
         if let Some(graph) = &graph {
             diagnostics.extend(missing_files(graph));

@@ -124,13 +124,24 @@ pub fn set(sheet: &Sheet, name: &str, key: &str, value: Option<Value>) -> Option
     }
 }
 
+/// A name that an output cannot have.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum WrongName {
+    /// It has other characters.
+    #[error("found the output name \"{0}\"; expected a–z, A–Z, 0–9, _ and -: choose another name")]
+    Illegal(String),
+    /// Another output has it.
+    #[error("there is an output \"{0}\" already: choose another name")]
+    Taken(String),
+}
+
 /// Why an output cannot have this name.
-pub fn wrong_name(sheet: &Sheet, name: &str) -> Option<String> {
+pub fn wrong_name(sheet: &Sheet, name: &str) -> Option<WrongName> {
     let legal = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
     if !legal {
-        return Some(format!("found the output name \"{name}\"; expected a–z, A–Z, 0–9, _ and -: choose another name"));
+        return Some(WrongName::Illegal(name.into()));
     }
-    find(sheet, name).map(|_| format!("there is an output \"{name}\" already: choose another name"))
+    find(sheet, name).map(|_| WrongName::Taken(name.into()))
 }
 
 #[cfg(test)]
@@ -190,8 +201,8 @@ mod tests {
         assert_eq!(body(&session), r#"{ "color": "sky", "file": "out/beauty.####.exr" }"#);
         session.edit(renamed("beauty", "final")).unwrap();
         assert!(find(session.sheet(), "final").is_some() && find(session.sheet(), "beauty").is_none());
-        assert!(wrong_name(session.sheet(), "final").unwrap().contains("already"));
-        assert!(wrong_name(session.sheet(), "a b").unwrap().contains("a–z"));
+        assert!(wrong_name(session.sheet(), "final").unwrap().to_string().contains("already"));
+        assert!(wrong_name(session.sheet(), "a b").unwrap().to_string().contains("a–z"));
         assert_eq!(wrong_name(session.sheet(), "b-2"), None);
     }
 }

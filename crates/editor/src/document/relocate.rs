@@ -11,6 +11,18 @@ use trochoid::{Item, Takes, escape_frame, expand_frame};
 /// How many frames of a sequence are looked for at most.
 const FRAMES: usize = 1000;
 
+/// A folder on the way to a file, whose name is no text.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "found \"{}\" on the way to a file that the document names; expected folders whose names are text, because a document can \
+     name no others; rename the folder, or write the path in the document from the root",
+    path.display()
+)]
+pub struct NoText {
+    /// The path so far.
+    pub path: PathBuf,
+}
+
 /// Writes the relative paths of a document in one folder so that they lead to the same files from another; absolute ones
 /// stay. The edit has an operation for each path that changes.
 ///
@@ -19,7 +31,7 @@ const FRAMES: usize = 1000;
 ///
 /// # Errors
 /// A path would lead through a folder whose name is no text.
-pub fn relocated(sheet: &Sheet, from: &Path, to: &Path, stored: bool) -> Result<Edit, String> {
+pub fn relocated(sheet: &Sheet, from: &Path, to: &Path, stored: bool) -> Result<Edit, NoText> {
     let (from, to) = (real(from), real(to));
     let mut ops = Vec::new();
     if from != to {
@@ -100,7 +112,7 @@ fn escaped(folder: &Path) -> PathBuf {
 
 /// A path relative to one folder as it is relative to another; both without links. Signs that would stand for the frame are
 /// escaped in the names of these folders, as they are in the path.
-fn rewritten(path: &str, from: &Path, to: &Path) -> Result<String, String> {
+fn rewritten(path: &str, from: &Path, to: &Path) -> Result<String, NoText> {
     let mut target = escaped(from);
     for step in Path::new(path).components() {
         match step {
@@ -117,18 +129,12 @@ fn rewritten(path: &str, from: &Path, to: &Path) -> Result<String, String> {
     }
     // From one drive to another no path leads but the whole one.
     let Some(relative) = pathdiff::diff_paths(&target, escaped(to)) else { return text(&target) };
-    let steps: Result<Vec<String>, String> = relative.components().map(|step| text(step.as_ref())).collect();
+    let steps: Result<Vec<String>, NoText> = relative.components().map(|step| text(step.as_ref())).collect();
     Ok(steps?.join("/"))
 }
 
-fn text(path: &Path) -> Result<String, String> {
-    path.to_str().map(String::from).ok_or_else(|| {
-        format!(
-            "found \"{}\" on the way to a file that the document names; expected folders whose names are text, because a \
-             document can name no others; rename the folder, or write the path in the document from the root",
-            path.display()
-        )
-    })
+fn text(path: &Path) -> Result<String, NoText> {
+    path.to_str().map(String::from).ok_or_else(|| NoText { path: path.into() })
 }
 
 #[cfg(all(test, unix))]

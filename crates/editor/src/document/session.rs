@@ -5,16 +5,30 @@ use super::decor;
 use super::history::{Change, History};
 use super::json::{Misplaced, Splice};
 use super::meaning::Meaning;
-use super::relocate::relocated;
+use super::relocate::{NoText, relocated};
 use super::sheet::Sheet;
 use super::trial;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use trochoid::{Access, Diagnostic};
+use trochoid::{Access, Diagnostic, OutputError};
 
 /// Counts the texts of all documents: no two have one number.
 static REVISIONS: AtomicU64 = AtomicU64::new(1);
+
+/// Why a document is not saved.
+#[derive(Debug, thiserror::Error)]
+pub enum SaveError {
+    /// One of its paths leads nowhere from there.
+    #[error(transparent)]
+    Path(#[from] NoText),
+    /// Its paths cannot be written anew.
+    #[error(transparent)]
+    Misplaced(#[from] Misplaced),
+    /// The file cannot be written.
+    #[error(transparent)]
+    Write(#[from] OutputError),
+}
 
 /// An open document. Its text is the document; everything else here is read from it.
 #[derive(Debug)]
@@ -69,7 +83,7 @@ impl Session {
     ///
     /// # Errors
     /// It cannot be read, or is no text, or far too large.
-    pub fn open(file: &Path) -> Result<Self, String> {
+    pub fn open(file: &Path) -> Result<Self, trochoid::io::Error> {
         Ok(Self::new(read(file)?, Some(file.into())))
     }
 
@@ -234,14 +248,14 @@ impl Session {
     ///
     /// # Errors
     /// The file cannot be written, or a path cannot lead on from there; all stays as it was.
-    pub fn save(&mut self, file: &Path) -> Result<usize, String> {
+    pub fn save(&mut self, file: &Path) -> Result<usize, SaveError> {
         let moves = self.file.as_deref() != Some(file) && self.meaning.readable;
         let edit = match file.parent().filter(|_| moves) {
             Some(folder) => relocated(self.sheet(), &self.folder(), folder, self.file.is_some())?,
             None => Edit::new("Save", Vec::new()),
         };
-        let (text, splices) = edit.applied(&self.text).map_err(|error| error.to_string())?;
-        trochoid::write_whole(file, text.as_bytes()).map_err(|error| error.to_string())?;
+        let (text, splices) = edit.applied(&self.text)?;
+        trochoid::write_whole(file, text.as_bytes())?;
         self.stored = Some(text.clone());
         self.text = text;
         if !splices.is_empty() {
@@ -267,7 +281,7 @@ impl Session {
     ///
     /// # Errors
     /// It cannot be read.
-    pub fn reload(&mut self) -> Result<(), String> {
+    pub fn reload(&mut self) -> Result<(), trochoid::io::Error> {
         let Some(file) = &self.file else { return Ok(()) };
         let text = read(file)?;
         self.replace(&text, "Reload the file");
@@ -302,6 +316,6 @@ fn folder_of(file: Option<&Path>) -> PathBuf {
 /// Most bytes of a document.
 const MOST_BYTES: u64 = 64 << 20;
 
-fn read(file: &Path) -> Result<String, String> {
-    trochoid::io::read_text(file, MOST_BYTES).map_err(|error| error.to_string())
+fn read(file: &Path) -> Result<String, trochoid::io::Error> {
+    trochoid::io::read_text(file, MOST_BYTES)
 }

@@ -13,9 +13,8 @@ impl Editor {
     /// Changes a value, unless the document does not bear it: then the field says why.
     pub(super) fn give(&mut self, edit: Edit, field: Id, context: &Context) {
         if let Some(fault) = self.make(edit, Session::give).flatten() {
-            let why = format!("found {}; expected {}", fault.found, fault.expected);
             self.forgive(context);
-            refusal::refuse(context, field, why);
+            refusal::refuse(context, field, &format_args!("found {}; expected {}", fault.found, fault.expected));
         }
     }
 

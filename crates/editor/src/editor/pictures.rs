@@ -253,9 +253,9 @@ impl Editor {
                 {
                     seen.progress = Some(share);
                 }
-                News::Failed { generation, message, node, begun, refused } if generation == self.asked.generation => {
-                    (seen.failed, seen.refused) = (Some(message), refused);
-                    (seen.culprit, seen.broken) = (node, begun);
+                News::Failed { generation, why, begun, refused } if generation == self.asked.generation => {
+                    (seen.failed, seen.refused) = (Some(crate::prose::here(&why.to_string())), refused);
+                    (seen.culprit, seen.broken) = (why.node().map(String::from), begun);
                     seen.progress = None;
                     // It stays in sight until there is another.
                     seen.last = seen.result.take().or(seen.last.take());

@@ -45,11 +45,11 @@ impl Editor {
         self.renderer = None;
         self.state.render = None;
         match outcome {
-            Ok(message) => {
-                self.notices.success(message);
+            Ok(ended) => {
+                self.notices.success(ended.to_string());
             }
-            Err(message) => {
-                self.notices.error(message);
+            Err(error) => {
+                self.notices.error(error);
             }
         }
     }

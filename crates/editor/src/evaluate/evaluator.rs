@@ -1,7 +1,7 @@
 //! The thread that evaluates: what it holds, and how it does its tasks.
 
 use super::blame;
-use super::lens::{Lens, lens, of_every_node};
+use super::lens::{Lens, LensError, lens, of_every_node};
 use super::picture::{Failure, evaluate};
 use super::queue::{Cancellation, Progress, Queue, Task, Yields};
 use super::shown::{self, Display};
@@ -77,7 +77,7 @@ impl<'o> Evaluator<'o> {
         let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Short, progress: None };
         let made = match self.lens(&job.subject) {
             Ok(lens) => evaluate(&job, &lens, job.proxy, true, &mut self.cache, &monitor),
-            Err(message) => Err(Failure::Because(message, None)),
+            Err(error) => Err(error.into()),
         };
         match made {
             Ok(result) => self.tell(News::Ahead(Box::new(result))),
@@ -93,7 +93,7 @@ impl<'o> Evaluator<'o> {
     }
 
     /// The graph that shows a subject, made once.
-    fn lens(&mut self, subject: &Subject) -> Result<Arc<Lens>, String> {
+    fn lens(&mut self, subject: &Subject) -> Result<Arc<Lens>, LensError> {
         if let Some((_, lens)) = self.lens.as_ref().filter(|(known, _)| known.is(subject)) {
             return Ok(lens.clone());
         }
@@ -115,10 +115,9 @@ impl<'o> Evaluator<'o> {
     fn picture(&mut self, job: &Job, stamp: u64) {
         let lens = match self.lens(&job.subject) {
             Ok(lens) => lens,
-            Err(message) => {
-                let generation = job.generation;
-                let (node, begun, refused) = (None, false, Vec::new());
-                return self.tell(News::Failed { generation, message, node, begun, refused });
+            Err(error) => {
+                let (generation, why) = (job.generation, Arc::new(error.into()));
+                return self.tell(News::Failed { generation, why, begun: false, refused: Vec::new() });
             }
         };
         let format = lens.graph.format();
@@ -154,9 +153,9 @@ impl<'o> Evaluator<'o> {
                     self.tell(News::Picture(Box::new(result)));
                 }
                 Err(Failure::Cancelled) => return,
-                Err(Failure::Because(message, node)) => {
-                    let (generation, begun, refused) = (job.generation, true, lens.refused(job.frame));
-                    return self.tell(News::Failed { generation, message, node, begun, refused });
+                Err(Failure::Because(error)) => {
+                    let (generation, why, refused) = (job.generation, Arc::new(error), lens.refused(job.frame));
+                    return self.tell(News::Failed { generation, why, begun: true, refused });
                 }
             }
         }

@@ -6,7 +6,10 @@ use crate::document::{Path, Sheet, json as text};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use std::path;
-use trochoid::{CheckedGraph, Format, Kind, LoadError, NodeId, Refused, Role, Severity, parse, registry};
+use trochoid::{
+    CheckedGraph, Diagnostic, EvalError, Format, FormatError, Kind, LoadError, NodeId, Refused, Role, Severity, parse,
+    registry,
+};
 
 /// The name of the output that a lens looks through.
 pub const OUTPUT: &str = "look";
@@ -39,7 +42,7 @@ impl Lens {
     }
 
     /// Its graph for pictures that are so many times smaller.
-    pub(super) fn drawn(&self, shrink: u32, finished: bool) -> Result<Cow<'_, CheckedGraph>, String> {
+    pub(super) fn drawn(&self, shrink: u32, finished: bool) -> Result<Cow<'_, CheckedGraph>, FormatError> {
         if shrink == 1 {
             return Ok(Cow::Borrowed(&self.graph));
         }
@@ -47,13 +50,22 @@ impl Lens {
         let side = |side: u32| side.div_ceil(shrink).max(1);
         // A coarse picture is seen for a moment only: one sample a pixel.
         let samples = if finished { whole.samples() } else { 1 };
-        let format =
-            Format::new(side(whole.width()), side(whole.height()), samples).map_err(|error| error.to_string())?;
+        let format = Format::new(side(whole.width()), side(whole.height()), samples)?;
         Ok(Cow::Owned(self.graph.clone().drawn_at(format.with_shading(whole.shading()))))
     }
 
-    /// A message with places of the user's document where it has those of the lens, which has all of it on one line.
-    pub(super) fn in_document(&self, message: &str, subject: &Subject) -> String {
+    /// An error with the place of the user's document where it has one of the lens, which has all of it on one line.
+    pub(super) fn in_document(&self, mut error: EvalError, subject: &Subject) -> EvalError {
+        if let EvalError::Node { place, .. } | EvalError::TooMuchMemory { place, .. } = &mut error
+            && let Some(there) = self.place_in_document(place, subject)
+        {
+            *place = there;
+        }
+        error
+    }
+
+    /// The place of the user's document that a place of the lens stands for.
+    fn place_in_document(&self, sought: &str, subject: &Subject) -> Option<String> {
         let graph = &self.graph;
         let sheet = &subject.sheet;
         let mut places = vec![(graph.place_of_format(), Path::default().to("format"))];
@@ -65,20 +77,34 @@ impl Lens {
             places.push((graph.place_of(NodeId(index), None), own.clone()));
             places.extend(items);
         }
-        let known = places.into_iter().find(|(place, _)| message.starts_with(&format!("{place}:")));
-        let place = known.and_then(|(old, path)| Some((old, text::place(&sheet.text, &path)?)));
-        match place {
-            Some((old, [line, column])) => message.replacen(&old, &format!("{}:{line}:{column}", subject.name), 1),
-            None => message.into(),
-        }
+        let (_, path) = places.into_iter().find(|(place, _)| place == sought)?;
+        let [line, column] = text::place(&sheet.text, &path)?;
+        Some(format!("{}:{line}:{column}", subject.name))
     }
+}
+
+/// Why an output of a node cannot be looked at.
+#[derive(Debug, thiserror::Error)]
+pub enum LensError {
+    /// It makes something else than pictures.
+    #[error("a {0} is no picture: connect it to a Render or a pass, and look at that")]
+    NoPicture(Kind),
+    /// The node has a type that there is not.
+    #[error("nobody knows what \"{0}\" makes: its type is unknown")]
+    Unknown(String),
+    /// It, or something that it depends on, has a fault.
+    #[error("{}found {}; expected {}", .0.node.as_deref().map_or(String::new(), |node| format!("{node}: ")), .0.found, .0.expected)]
+    Fault(Box<Diagnostic>),
+    /// Its document cannot be read.
+    #[error(transparent)]
+    Load(LoadError),
 }
 
 /// A graph that shows an output of a node.
 ///
 /// # Errors
-/// The node makes nothing that can be seen, or it or something that it depends on has a fault; in a sentence.
-pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path::Path) -> Result<Lens, String> {
+/// The node makes nothing that can be seen, or it or something that it depends on has a fault.
+pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path::Path) -> Result<Lens, LensError> {
     let mut nodes = Map::new();
     let mut closure: Vec<usize> = sheet.upstream([node]).into_iter().collect();
     closure.sort_unstable();
@@ -104,9 +130,9 @@ pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path
             clay(sheet, VIEW.into(), &mut nodes)
         }
         Some(kind @ (Kind::Camera | Kind::Light)) => {
-            return Err(format!("a {kind} is no picture: connect it to a Render or a pass, and look at that"));
+            return Err(LensError::NoPicture(kind));
         }
-        None => return Err(format!("nobody knows what \"{}\" makes: its type is unknown", shown.name)),
+        None => return Err(LensError::Unknown(shown.name.clone())),
     };
     let clay = matches!(kind, Some(Kind::View | Kind::Surface));
     let mut document = Map::new();
@@ -121,15 +147,13 @@ pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path
     match parse(name, &text, folder, &[]) {
         Ok(loaded) => Ok(Lens { graph: loaded.graph, text, clay }),
         Err(LoadError::Invalid(diagnostics)) => {
-            let errors = diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
+            let errors = diagnostics.into_iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
             // The node's own fault before those above it.
             let worst = errors.min_by_key(|diagnostic| diagnostic.node.as_deref() != Some(shown.name.as_str()));
-            Err(worst.map_or_else(String::new, |fault| {
-                let node = fault.node.as_deref().map_or(String::new(), |node| format!("{node}: "));
-                format!("{node}found {}; expected {}", fault.found, fault.expected)
-            }))
+            let none = || LensError::Load(LoadError::Invalid(Vec::new()));
+            Err(worst.map_or_else(none, |fault| LensError::Fault(Box::new(fault))))
         }
-        Err(error) => Err(error.to_string()),
+        Err(error) => Err(LensError::Load(error)),
     }
 }
 

@@ -1,6 +1,6 @@
 //! One picture, made.
 
-use super::lens::{Lens, OUTPUT};
+use super::lens::{Lens, LensError, OUTPUT};
 use super::queue::Cancellation;
 use super::shown;
 use super::wish::{Job, Result};
@@ -8,14 +8,50 @@ use std::sync::Arc;
 use std::time::Instant;
 #[cfg(test)]
 use trochoid::Monitor;
-use trochoid::{Buffers, Cache, EvalError, Format, Plan, Settings, Window};
+use trochoid::{Buffers, Cache, EvalError, Format, FormatError, Plan, PlanError, Settings, Window};
 
 /// Why there is no picture.
 pub(super) enum Failure {
     /// It is out of date.
     Cancelled,
-    /// Why, and the node that it was.
-    Because(String, Option<String>),
+    /// Why.
+    Because(PictureError),
+}
+
+impl<E: Into<PictureError>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self::Because(error.into())
+    }
+}
+
+/// Why a picture cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// The node cannot be looked at.
+    #[error(transparent)]
+    Lens(#[from] LensError),
+    /// There is no such format.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// There is no plan.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// It cannot be evaluated.
+    #[error(transparent)]
+    Evaluate(#[from] EvalError),
+    /// No picture came of it.
+    #[error("nothing was evaluated")]
+    Nothing,
+}
+
+impl PictureError {
+    /// The node that failed, where one did.
+    pub fn node(&self) -> Option<&str> {
+        match self {
+            Self::Evaluate(EvalError::Node { node, .. }) => Some(node),
+            _ => None,
+        }
+    }
 }
 
 /// Evaluates a job through its lens, so many times smaller; `finished` says whether that is what was asked for.
@@ -27,30 +63,23 @@ pub(super) fn evaluate(
     cache: &mut Cache,
     monitor: &Cancellation<'_>,
 ) -> std::result::Result<Result, Failure> {
-    let because = |error: &dyn std::fmt::Display| {
-        Failure::Because(crate::prose::here(&lens.in_document(&error.to_string(), &job.subject)), None)
-    };
     let started = Instant::now();
     #[cfg(test)]
     monitor.queue.pace(|| monitor.cancelled());
-    let graph = lens.drawn(shrink, finished).map_err(|error| because(&error))?;
+    let graph = lens.drawn(shrink, finished)?;
     let graph = graph.as_ref();
     let format = graph.format();
     let mut settings = Settings::default();
     settings.region = job.region.map(|region| part(region, format));
     // What an edit leaves alone is there at once in coarse pictures.
     settings.keep = !finished;
-    let plan = Plan::new(graph, &[OUTPUT], job.frame, &[], &settings).map_err(|error| because(&error))?;
+    let plan = Plan::new(graph, &[OUTPUT], job.frame, &[], &settings)?;
     let mut frame = match plan.evaluate(&Buffers::new(), cache, monitor) {
         Ok(frame) => frame,
         Err(EvalError::Cancelled) => return Err(Failure::Cancelled),
-        Err(error) => {
-            let Failure::Because(message, _) = because(&error) else { return Err(Failure::Cancelled) };
-            let node = if let EvalError::Node { node, .. } = error { Some(node) } else { None };
-            return Err(Failure::Because(message, node));
-        }
+        Err(error) => return Err(lens.in_document(error, &job.subject).into()),
     };
-    let picture = frame.pictures.pop().ok_or_else(|| because(&"nothing was evaluated"))?;
+    let picture = frame.pictures.pop().ok_or(PictureError::Nothing)?;
     let screen = shown::screen(&picture, graph.space(), &job.display);
     Ok(Result {
         generation: job.generation,

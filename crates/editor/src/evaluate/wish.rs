@@ -2,6 +2,7 @@
 
 use super::blame::Blamed;
 use super::lens::Lens;
+use super::picture::PictureError;
 use super::shown::{Display, Screen};
 use super::subject::Subject;
 use std::sync::Arc;
@@ -107,10 +108,8 @@ pub enum News {
     Failed {
         /// What.
         generation: u64,
-        /// Why, in a sentence.
-        message: String,
-        /// The node that failed, where one did.
-        node: Option<String>,
+        /// Why.
+        why: Arc<PictureError>,
         /// Whether it was begun: what has no picture is not.
         begun: bool,
         /// Files that it may not read, of each node the first one.

@@ -53,16 +53,20 @@ pub(super) fn color_ui(ui: &mut Ui, value: &Value, place: &Place<'_>, actions: &
     Told { response: field::joined(swatch.response, text.response), given: swatch.given.or(text.given) }
 }
 
+/// What is expected where a text is no color.
+#[derive(Debug, thiserror::Error)]
+#[error("a color as #rrggbb, or [r, g, b] in the working space")]
+struct NoColor;
+
 /// A typed color.
-fn read_color(text: &str) -> Result<Value, String> {
+fn read_color(text: &str) -> Result<Value, NoColor> {
     let text = text.trim();
     let bare = if text.starts_with('#') { text.into() } else { format!("#{text}") };
     if rgb(&bare).is_some() {
         return Ok(bare.into());
     }
     let numbers = serde_json::from_str::<[f64; 3]>(text).ok().filter(|all| all.iter().all(|value| value.is_finite()));
-    let wanted = "a color as #rrggbb, or [r, g, b] in the working space";
-    numbers.map(|numbers| json!(numbers)).ok_or_else(|| wanted.into())
+    numbers.map(|numbers| json!(numbers)).ok_or(NoColor)
 }
 
 /// The painting: opened from a file, and clicked for its colors.
@@ -138,15 +142,23 @@ fn picture_at(picture: &Screen, share: egui::Vec2) -> [f32; 3] {
 /// Most pixels of a painting that is shown; larger ones are made smaller.
 const MOST: u32 = 2048;
 
-fn read(file: &std::path::Path) -> Result<Screen, String> {
-    let mut reader =
-        image::ImageReader::open(file).and_then(|reader| reader.with_guessed_format()).map_err(|e| e.to_string())?;
+/// Why a painting cannot be shown.
+#[derive(Debug, thiserror::Error)]
+enum Unreadable {
+    #[error(transparent)]
+    File(#[from] std::io::Error),
+    #[error(transparent)]
+    Picture(#[from] image::ImageError),
+}
+
+fn read(file: &std::path::Path) -> Result<Screen, Unreadable> {
+    let mut reader = image::ImageReader::open(file)?.with_guessed_format()?;
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(32_768);
     limits.max_image_height = Some(32_768);
     limits.max_alloc = Some(1 << 30);
     reader.limits(limits);
-    let mut picture = reader.decode().map_err(|error| error.to_string())?;
+    let mut picture = reader.decode()?;
     if picture.width().max(picture.height()) > MOST {
         picture = picture.thumbnail(MOST, MOST);
     }

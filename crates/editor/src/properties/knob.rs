@@ -48,13 +48,12 @@ pub(super) fn knob_ui(
 
 /// What is to be known of a knob: meaning, range, unit, default.
 fn help(knob: &Knob, default: &Value) -> String {
-    let unit = if knob.unit.is_empty() { String::new() } else { format!(", in {}", knob.unit) };
     let default = match knob.default {
         None => "required".into(),
         Some(trochoid::KnobDefault::Unset) => "unset by default".into(),
         Some(_) => format!("{} by default", crate::document::change::style(default)),
     };
-    format!("{}\n\n{}{unit}; {default}.", knob.help, expected(&knob.takes))
+    format!("{}\n\n{}; {default}.", knob.help, knob.takes_in_words())
 }
 
 fn menu_ui(ui: &mut Ui, knob: &'static Knob, place: &Place<'_>, shown: &Value, actions: &mut Vec<Action>) {
@@ -105,9 +104,14 @@ fn widget_ui(
     }
 }
 
+/// What is expected where a text is nothing that a knob takes.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", expected(.0))]
+struct Unfit<'t>(&'t Takes);
+
 /// What was typed, as a value that a knob takes.
-fn read(text: &str, takes: &Takes) -> Result<Value, String> {
-    let wanted = || expected(takes);
+fn read<'t>(text: &str, takes: &'t Takes) -> Result<Value, Unfit<'t>> {
+    let wanted = || Unfit(takes);
     match takes {
         Takes::Text | Takes::Path | Takes::Choice(_) => Ok(text.into()),
         _ => {

@@ -140,13 +140,21 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
 }
 
 /// What is expected in place of a name that a node cannot have.
-fn wrong_name(name: &str, sheet: &crate::document::Sheet) -> Option<String> {
+#[derive(Debug, thiserror::Error)]
+enum WrongName {
+    #[error("a name of a–z, A–Z, 0–9 and _ that does not start with a digit")]
+    Illegal,
+    #[error("another name: there is such a node already")]
+    Taken,
+}
+
+fn wrong_name(name: &str, sheet: &crate::document::Sheet) -> Option<WrongName> {
     let legal = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if !legal {
-        return Some("a name of a–z, A–Z, 0–9 and _ that does not start with a digit".into());
+        return Some(WrongName::Illegal);
     }
-    sheet.find(name).map(|_| "another name: there is such a node already".into())
+    sheet.find(name).map(|_| WrongName::Taken)
 }
 
 /// What belongs to the whole document: its format, frames and working space.

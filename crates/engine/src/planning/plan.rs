@@ -34,7 +34,7 @@ pub enum PlanError {
         /// Name as given.
         name: String,
         /// Reason why it cannot be bound.
-        reason: String,
+        reason: BindingFault,
     },
     /// A front-end node is not bound; shading samples need all of them bound.
     #[error("shading samples cannot be evaluated from \"{name}\" (a {ty}): bind it to a buffer")]
@@ -44,6 +44,17 @@ pub enum PlanError {
         /// Its type.
         ty: String,
     },
+}
+
+/// Why a buffer cannot be bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BindingFault {
+    /// There is no such node.
+    #[error("no node has that name")]
+    NoNode,
+    /// The node makes nothing that buffers hold.
+    #[error("only Colors, masks, Weights and Fields can be bound; bind the passes instead")]
+    NoImage,
 }
 
 /// Stage to fill in one pass: which planes, and from which inputs.
@@ -133,7 +144,7 @@ pub struct Plan<'g> {
     pub(crate) keys: Vec<Key>,
     pub(crate) bound: Vec<bool>,
     /// Thread pool, made when first needed.
-    pub(crate) pool: OnceLock<Result<rayon::ThreadPool, String>>,
+    pub(crate) pool: OnceLock<Result<rayon::ThreadPool, Arc<rayon::ThreadPoolBuildError>>>,
     /// Stages whose results samples share.
     pub(crate) shared: Shared,
     /// Why each node is left out; `None` where it is evaluated.
@@ -252,11 +263,11 @@ fn choose_outputs(graph: &CheckedGraph, names: &[&str]) -> Result<Vec<usize>, Pl
 fn bind(graph: &CheckedGraph, names: &[&str]) -> Result<Vec<bool>, PlanError> {
     let mut bound = vec![false; graph.nodes().len()];
     for name in names {
-        let fault = |reason: &str| PlanError::Binding { name: (*name).into(), reason: reason.into() };
-        let id = graph.find(name).ok_or_else(|| fault("no node has that name"))?;
+        let fault = |reason| PlanError::Binding { name: (*name).into(), reason };
+        let id = graph.find(name).ok_or_else(|| fault(BindingFault::NoNode))?;
         let kind = graph.node(id).kinds.first().copied();
         if !matches!(kind, Some(Kind::Color | Kind::Weights(_) | Kind::Field(_))) {
-            return Err(fault("only Colors, masks, Weights and Fields can be bound; bind the passes instead"));
+            return Err(fault(BindingFault::NoImage));
         }
         bound[id.0] = true;
     }

@@ -14,6 +14,62 @@ pub struct Buffers<'b> {
     planes: HashMap<String, Vec<&'b [f32]>>,
 }
 
+/// Why a buffer does not fit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BufferFault {
+    /// The node is bound, and has none.
+    #[error("no buffer is given: add it with Buffers::with")]
+    None,
+    /// It has too many channels, or too few.
+    #[error("found {found} channels; a {kind} has {}", kind.channels())]
+    Channels {
+        /// Those given.
+        found: usize,
+        /// What the node makes.
+        kind: Kind,
+    },
+    /// A channel is too long, or too short.
+    #[error("channel {channel} has {found} samples; expected {expected}")]
+    Length {
+        /// The channel.
+        channel: usize,
+        /// Its samples.
+        found: usize,
+        /// Samples of the picture or batch.
+        expected: usize,
+    },
+    /// A sample is not legal for what the node makes.
+    #[error("found {found} at sample {sample} of channel {channel}; expected {} in a {kind}", rule(*kind).1)]
+    Value {
+        /// The channel.
+        channel: usize,
+        /// The sample.
+        sample: usize,
+        /// What it holds.
+        found: f32,
+        /// What the node makes.
+        kind: Kind,
+    },
+    /// The weights of a sample do not sum to 1.
+    #[error("the weights of sample {sample} sum to {sum}; expected 1")]
+    Sum {
+        /// The sample.
+        sample: usize,
+        /// Their sum.
+        sum: f64,
+    },
+    /// The slices to be filled are of another number or length.
+    #[error("found {found} output slices; expected {expected} of {samples} samples")]
+    Outputs {
+        /// Those given.
+        found: usize,
+        /// Channels of the output.
+        expected: usize,
+        /// Samples of the batch.
+        samples: usize,
+    },
+}
+
 impl<'b> Buffers<'b> {
     /// Returns an empty set of buffers.
     pub fn new() -> Self {
@@ -41,14 +97,14 @@ impl<'b> Buffers<'b> {
 
     /// Checks the number and length of one node's buffers against its kind.
     pub(crate) fn validate(&self, node: &str, kind: Kind, length: usize) -> Result<(), EvalError> {
-        let fault = |reason: String| EvalError::Buffer { node: node.into(), reason };
-        let planes = self.get(node).ok_or_else(|| fault("no buffer is given: add it with Buffers::with".into()))?;
+        let fault = |reason: BufferFault| EvalError::Buffer { node: node.into(), reason };
+        let planes = self.get(node).ok_or_else(|| fault(BufferFault::None))?;
         if planes.len() != kind.channels() {
-            return Err(fault(format!("found {} channels; a {kind} has {}", planes.len(), kind.channels())));
+            return Err(fault(BufferFault::Channels { found: planes.len(), kind }));
         }
         for (channel, plane) in planes.iter().enumerate() {
             if plane.len() != length {
-                return Err(fault(format!("channel {channel} has {} samples; expected {length}", plane.len())));
+                return Err(fault(BufferFault::Length { channel, found: plane.len(), expected: length }));
             }
         }
         Ok(())
@@ -67,7 +123,7 @@ impl<'b> Buffers<'b> {
         {
             let sum = |at: usize| planes.iter().map(|plane| f64::from(plane[at])).sum::<f64>();
             if let Some(at) = (0..length).find(|&at| (sum(at) - 1.0).abs() > 1e-3) {
-                let reason = format!("the weights of sample {at} sum to {}; expected 1", sum(at));
+                let reason = BufferFault::Sum { sample: at, sum: sum(at) };
                 return Err(EvalError::Buffer { node: node.into(), reason });
             }
         }
@@ -98,17 +154,22 @@ impl<'b> Buffers<'b> {
     }
 }
 
-/// Checks samples of a buffer against its kind. `start` is the index of the first of them in the buffer.
-fn check(node: &str, kind: Kind, channel: usize, samples: &[f32], start: usize) -> Result<(), EvalError> {
-    let (legal, rule): (fn(&f32) -> bool, _) = match kind {
+/// Which samples a buffer of a kind may hold, and that in words.
+fn rule(kind: Kind) -> (fn(&f32) -> bool, &'static str) {
+    match kind {
         Kind::Color => (|v| v.is_finite() && *v >= 0.0, "finite numbers ≥ 0"),
         Kind::Weights(_) => (|v| (0.0..=1.0).contains(v), "numbers in [0, 1]"),
         _ => (|v| !v.is_nan(), "no NaN"),
-    };
+    }
+}
+
+/// Checks samples of a buffer against its kind. `start` is the index of the first of them in the buffer.
+fn check(node: &str, kind: Kind, channel: usize, samples: &[f32], start: usize) -> Result<(), EvalError> {
+    let (legal, _) = rule(kind);
     match samples.iter().position(|v| !legal(v)) {
         Some(at) => {
             let (found, at) = (samples[at], start + at);
-            let reason = format!("found {found} at sample {at} of channel {channel}; expected {rule} in a {kind}");
+            let reason = BufferFault::Value { channel, sample: at, found, kind };
             Err(EvalError::Buffer { node: node.into(), reason })
         }
         None => Ok(()),

@@ -1,5 +1,7 @@
 //! Results of an evaluation: pictures, what was counted on them, and where the time went.
 
+use super::buffers::BufferFault;
+use super::foreign::ForeignError;
 use crate::LeftOut;
 use std::sync::Arc;
 use trochoid_graph::{CheckedGraph, Guarantee, Kind, NodeError, NodeId, in_bytes};
@@ -7,7 +9,7 @@ use trochoid_image::{Plane, Rgb, Window};
 use trochoid_weights::{Audit, Hull};
 
 /// Why a plan could not be evaluated.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EvalError {
     /// A node could not read its files, or its input data are illegal.
     #[error("{place}: node \"{node}\" ({ty}): {}", error.of_node(node))]
@@ -27,7 +29,7 @@ pub enum EvalError {
         /// The node's name.
         node: String,
         /// Reason why it does not fit.
-        reason: String,
+        reason: BufferFault,
     },
     /// The frame takes more memory than allowed, according to the estimate or to what a node then really held.
     #[error(
@@ -53,11 +55,11 @@ pub enum EvalError {
         bytes: usize,
     },
     /// The sink could not store the rows.
-    #[error("{0}")]
-    Sink(String),
+    #[error(transparent)]
+    Sink(ForeignError),
     /// The threads could not be started.
     #[error("threads could not be started: {0}")]
-    Threads(String),
+    Threads(#[source] ForeignError),
     /// The monitor asked to stop.
     #[error("cancelled")]
     Cancelled,

@@ -11,6 +11,7 @@ pub(crate) mod buffers;
 pub(crate) mod certify;
 mod examine;
 pub(crate) mod fill;
+pub(crate) mod foreign;
 pub(crate) mod frame;
 pub(crate) mod inspect;
 pub(crate) mod keep;

@@ -1,5 +1,6 @@
 //! Evaluates batches of shading samples, for renderers that shade points instead of images.
 
+use super::buffers::BufferFault;
 use crate::kernel::{Chunks, Machine, Plane};
 use crate::{Buffers, EvalError, Plan, PlanError, Settings};
 use trochoid_graph::{CheckedGraph, Kind};
@@ -49,8 +50,7 @@ impl<'g> ShadingPlan<'g> {
         let graph = self.plan.graph;
         let name = &graph.outputs()[self.plan.outputs[0].index].name;
         if outputs.len() != self.channels() || outputs.iter().any(|output| output.len() != count) {
-            let reason =
-                format!("found {} output slices; expected {} of {count} samples", outputs.len(), self.channels());
+            let reason = BufferFault::Outputs { found: outputs.len(), expected: self.channels(), samples: count };
             return Err(EvalError::Buffer { node: name.clone(), reason });
         }
         let pass = &self.plan.passes[0];

@@ -195,12 +195,11 @@ impl Plan<'_> {
             return run();
         }
         // Made once, since starting threads costs as much as a small picture.
-        let pool = self.pool.get_or_init(|| {
-            rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())
-        });
+        let pool =
+            self.pool.get_or_init(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(Arc::new));
         match pool {
             Ok(pool) => pool.install(run),
-            Err(error) => Err(EvalError::Threads(error.clone())),
+            Err(error) => Err(EvalError::Threads(error.clone().into())),
         }
     }
 

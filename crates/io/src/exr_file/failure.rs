@@ -7,7 +7,7 @@ pub(super) enum Failure {
         found: String,
         expected: String,
     },
-    Unsupported(String),
+    Unsupported(&'static str),
     /// So many bytes of memory are not available.
     Memory(u64),
 }
@@ -24,7 +24,7 @@ pub(super) const WHOLE: &str = "a chunk that decodes to its pixels";
 impl From<exr::error::Error> for Failure {
     fn from(error: exr::error::Error) -> Self {
         match error {
-            exr::error::Error::NotSupported(_) => Self::Unsupported("a chunk of a kind that is not known".into()),
+            exr::error::Error::NotSupported(_) => Self::Unsupported("a chunk of a kind that is not known"),
             // Not in the library's words, which say nothing of what to do.
             _ => Self::invalid("bytes that do not decode", WHOLE),
         }

@@ -311,7 +311,9 @@ impl ExrReader {
         let (path, place) = (&self.chunks.path, self.chunks.place(at));
         match failure {
             Failure::Invalid { found, expected } => Error::invalid(path, place, found, expected),
-            Failure::Unsupported(found) => Error::Unsupported { path: path.clone(), place, found, remedy: REMEDY },
+            Failure::Unsupported(found) => {
+                Error::Unsupported { path: path.clone(), place, found: found.into(), remedy: REMEDY }
+            }
             Failure::Memory(bytes) => Error::OutOfMemory { path: path.clone(), place, bytes },
         }
     }

@@ -216,7 +216,8 @@ impl Layout {
         let (path, length) = (source.path.clone(), source.length);
         let mut tags = Tags { source, directory };
         let (width, height) = (tags.side(tag::WIDTH)?, tags.side(tag::HEIGHT)?);
-        let packing = packing(tags.number(tag::COMPRESSION)?.unwrap_or(1)).map_err(|found| tags.refused(found))?;
+        let packing =
+            packing(tags.number(tag::COMPRESSION)?.unwrap_or(1)).map_err(|found| tags.refused(found.to_string()))?;
         let samples = tags.number(tag::SAMPLES)?.unwrap_or(1) as usize;
         if !(1..=64).contains(&samples) {
             return Err(tags.refused(format!("a TIFF with {samples} samples a pixel")));
@@ -343,7 +344,16 @@ pub(super) fn to_bytes(map: &[u16]) -> Option<u16> {
     [257, 256, 1].into_iter().find(|by| map.iter().all(|entry| entry % by == 0 && entry / by <= 255))
 }
 
-fn packing(number: u64) -> Result<Packing, String> {
+/// A compression that is not read.
+#[derive(Debug, thiserror::Error)]
+enum Unread {
+    #[error("a TIFF with {0} compression")]
+    Named(&'static str),
+    #[error("a TIFF with compression method {0}")]
+    Numbered(u64),
+}
+
+fn packing(number: u64) -> Result<Packing, Unread> {
     let name = match number {
         1 => return Ok(Packing::None),
         5 => return Ok(Packing::Lzw),
@@ -366,9 +376,9 @@ fn packing(number: u64) -> Result<Packing, String> {
         50000 => "Zstandard",
         50001 => "WebP",
         50002 | 52546 => "JPEG XL",
-        _ => return Err(format!("a TIFF with compression method {number}")),
+        _ => return Err(Unread::Numbered(number)),
     };
-    Err(format!("a TIFF with {name} compression"))
+    Err(Unread::Named(name))
 }
 
 fn photometry(number: u64) -> String {

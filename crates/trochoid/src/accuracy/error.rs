@@ -27,12 +27,30 @@ pub enum TargetError {
     Unknown {
         /// The output.
         output: String,
-        /// The pass that knows no bound, and why.
-        why: String,
+        /// Why.
+        why: Uncertain,
     },
     /// No output has errors that a tolerance speaks of.
     #[error("found no output of colors or weights; expected one: a tolerance speaks of what is displayed")]
     NothingDisplayed,
+}
+
+/// Why nothing is known of the errors of an output.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Uncertain {
+    /// Nowhere is it certain what is seen.
+    #[error("what is seen is certain nowhere")]
+    Unseen,
+    /// A pass knows no bound.
+    #[error("\"{node}\" ({ty}) knows no bound: {why}")]
+    NoBound {
+        /// The pass.
+        node: String,
+        /// Its type.
+        ty: &'static str,
+        /// Why it knows none.
+        why: &'static str,
+    },
 }
 
 /// By how much the most accurate settings miss a tolerance, and why.

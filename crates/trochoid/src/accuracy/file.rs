@@ -15,7 +15,7 @@ use trochoid_graph::{CheckedGraph, MAX_BYTES, Tolerance};
 /// let text = r#"{"trochoid_plan": 1, "document_hash": "", "frame": 1, "tolerance": "1/64", "set": {"view.points": "surface"},
 ///                "predicted_seconds": 2.5, "certified": {}}"#;
 /// assert_eq!(PlanFile::parse(text)?.assignments(), ["view.points=surface"]);
-/// # Ok::<(), String>(())
+/// # Ok::<(), trochoid::accuracy::NoPlan>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -52,24 +52,49 @@ pub struct CertifiedText {
 #[derive(Debug, thiserror::Error)]
 pub enum PlanFileError {
     /// The file cannot be read.
-    #[error("{}: {reason}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
+    #[error(transparent)]
+    Read(trochoid_io::Error),
     /// The file holds something else.
-    #[error("{}: {reason}", path.display())]
+    #[error("{}: {source}", path.display())]
     NoPlan {
         /// The file.
         path: PathBuf,
         /// What was found, and what was expected.
-        reason: String,
+        source: NoPlan,
+    },
+}
+
+/// Why a text is no plan.
+#[derive(Debug, thiserror::Error)]
+pub enum NoPlan {
+    /// It is no text.
+    #[error("found bytes that are no UTF-8; expected a plan")]
+    NotText(#[source] Box<trochoid_io::Error>),
+    /// It is no JSON.
+    #[error("found no JSON ({0}); {EXPECTED}")]
+    NotJson(#[source] serde_json::Error),
+    /// It is a document.
+    #[error("found a document; {EXPECTED}")]
+    Document,
+    /// It is other JSON.
+    #[error("found JSON without \"trochoid_plan\"; {EXPECTED}")]
+    OtherJson,
+    /// It is a plan of another version.
+    #[error("found a plan of version {0}; expected version {VERSION}")]
+    Version(Value),
+    /// It has other fields than a plan.
+    #[error("found a plan with faults ({0}); {EXPECTED}")]
+    Fields(#[source] serde_json::Error),
+    /// Its tolerance is none.
+    #[error("found the tolerance \"{found}\"; expected {}", Tolerance::EXPECTED)]
+    Tolerance {
+        /// What it is.
+        found: String,
     },
 }
 
 const VERSION: u32 = 1;
+const EXPECTED: &str = "expected a plan as `trochoid plan --out` writes it";
 
 impl PlanFile {
     /// What was planned for a document.
@@ -100,25 +125,20 @@ impl PlanFile {
     ///
     /// # Errors
     /// It is no plan; what was found, and what was expected.
-    pub fn parse(text: &str) -> Result<Self, String> {
-        const EXPECTED: &str = "expected a plan as `trochoid plan --out` writes it";
-        let value: Value =
-            serde_json::from_str(text).map_err(|error| format!("found no JSON ({error}); {EXPECTED}"))?;
+    pub fn parse(text: &str) -> Result<Self, NoPlan> {
+        let value: Value = serde_json::from_str(text).map_err(NoPlan::NotJson)?;
         // What it is says more than which of a plan's fields it lacks.
         match value.get("trochoid_plan") {
             None if value.get("trochoid").is_some() && value.get("nodes").is_some() => {
-                return Err(format!("found a document; {EXPECTED}"));
+                return Err(NoPlan::Document);
             }
-            None => return Err(format!("found JSON without \"trochoid_plan\"; {EXPECTED}")),
-            Some(version) if version.as_u64() != Some(VERSION.into()) => {
-                return Err(format!("found a plan of version {version}; expected version {VERSION}"));
-            }
+            None => return Err(NoPlan::OtherJson),
+            Some(version) if version.as_u64() != Some(VERSION.into()) => return Err(NoPlan::Version(version.clone())),
             Some(_) => {}
         }
-        let plan: Self =
-            serde_json::from_str(text).map_err(|error| format!("found a plan with faults ({error}); {EXPECTED}"))?;
+        let plan: Self = serde_json::from_str(text).map_err(NoPlan::Fields)?;
         if Tolerance::parse(&plan.tolerance).is_none() {
-            return Err(format!("found the tolerance \"{}\"; expected {}", plan.tolerance, Tolerance::EXPECTED));
+            return Err(NoPlan::Tolerance { found: plan.tolerance });
         }
         Ok(plan)
     }
@@ -128,10 +148,10 @@ impl PlanFile {
     /// # Errors
     /// It cannot be read, or is no plan.
     pub fn read(path: &Path) -> Result<Self, PlanFileError> {
-        let none = |reason: String| PlanFileError::NoPlan { path: path.into(), reason };
+        let none = |source: NoPlan| PlanFileError::NoPlan { path: path.into(), source };
         let text = trochoid_io::read_text(path, MAX_BYTES as u64).map_err(|error| match error {
-            trochoid_io::Error::NotText { .. } => none("found bytes that are no UTF-8; expected a plan".into()),
-            error => PlanFileError::Read { path: path.into(), reason: error.reason() },
+            error @ trochoid_io::Error::NotText { .. } => none(NoPlan::NotText(error.into())),
+            error => PlanFileError::Read(error),
         })?;
         Self::parse(&text).map_err(none)
     }

@@ -11,9 +11,9 @@ mod knobs;
 mod ladder;
 mod pilot;
 
-pub use error::{Missed, TargetError};
+pub use error::{Missed, TargetError, Uncertain};
 #[cfg(feature = "io")]
-pub use file::{PlanFile, PlanFileError};
+pub use file::{NoPlan, PlanFile, PlanFileError};
 pub use knobs::AccuracyKnob;
 pub use ladder::{Attempt, Errors, Ladder, LadderRequest, Limit, PassError, Rung, Saving, Scaling, climb};
 pub use pilot::predict;
@@ -218,13 +218,11 @@ impl Trial<'_> {
 
     fn unknown(&self, certified: &Certified) -> TargetError {
         let output = self.graph.outputs()[certified.output].name.clone();
-        let why = unbounded(self.graph, std::slice::from_ref(certified)).map_or_else(
-            || "what is seen is certain nowhere".to_owned(),
-            |(id, why)| {
-                let node = self.graph.node(id);
-                format!("\"{}\" ({}) knows no bound: {why}", node.name, node.ty.declaration().name)
-            },
-        );
+        let unbounded = unbounded(self.graph, std::slice::from_ref(certified));
+        let why = unbounded.map_or(Uncertain::Unseen, |(id, why)| {
+            let node = self.graph.node(id);
+            Uncertain::NoBound { node: node.name.clone(), ty: node.ty.declaration().name, why }
+        });
         TargetError::Unknown { output, why }
     }
 

@@ -123,7 +123,7 @@ pub fn verify(request: &Request<'_>, monitor: &dyn Monitor) -> Result<Verificati
     let mut found = Verification::default();
     let certificate = match Certificate::read(request.certificate)? {
         Ok(certificate) => certificate,
-        Err([digest, expected]) => {
+        Err(OtherDigest { found: digest, expected }) => {
             let place = format!("{}: digest", request.certificate.display());
             found.fail(place, digest, format!("{expected}: the certificate has been changed"));
             return Ok(found);

@@ -13,10 +13,10 @@ pub(super) fn files(graph: &CheckedGraph, outputs: &[usize], frame: i64) -> Vec<
 /// A file, hashed, as a folder sees it.
 pub(super) fn hashed(path: &Path, folder: &Path) -> Result<InputHash, CertificateError> {
     let mut hasher = blake3::Hasher::new();
-    let fault = |reason: String| CertificateError::Read { path: path.into(), reason };
-    let file = trochoid_io::open_file(path).map_err(|error| fault(error.reason()))?;
+    let file = trochoid_io::open_file(path).map_err(CertificateError::Read)?;
+    let cannot = |source| trochoid_io::Error::Io { path: path.into(), action: "be read", source };
     let bytes =
-        std::io::copy(&mut file.reader(), &mut hasher).map_err(|error| fault(format!("cannot be read: {error}")))?;
+        std::io::copy(&mut file.reader(), &mut hasher).map_err(|error| CertificateError::Read(cannot(error)))?;
     Ok(InputHash { bytes, hash: hasher.finalize().to_hex().to_string(), path: seen_from(folder, path) })
 }
 

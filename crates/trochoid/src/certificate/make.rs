@@ -45,7 +45,7 @@ pub fn certify(made: &Made<'_>, path: &Path) -> Result<Certificate, CertificateE
     let canonical = RawValue::from_string(graph.canonical().into());
     let canonical = canonical.map_err(|error| CertificateError::NoCertificate {
         path: path.into(),
-        found: format!("a document that is no JSON ({error})"),
+        found: NoCertificate::Document(error),
     })?;
     let image = StoredImage::read(&file.path)?;
     let outputs = frame.pictures.iter().filter(|picture| file.outputs.contains(&picture.output));

@@ -2,7 +2,24 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use libdeflater::{CompressionLvl, Compressor, Decompressor};
+use libdeflater::{CompressionLvl, Compressor, DecompressionError, Decompressor};
+
+/// Why a text is no map of a picture's pixels.
+#[derive(Debug, PartialEq, thiserror::Error)]
+pub(super) enum MapError {
+    /// It is no base64.
+    #[error(transparent)]
+    Text(#[from] base64::DecodeError),
+    /// Its bytes are not deflated bits.
+    #[error(transparent)]
+    Packed(#[from] DecompressionError),
+    /// It has other bits than the picture has pixels.
+    #[error("{bytes} bytes of bits for {pixels} pixels")]
+    Length { bytes: usize, pixels: usize },
+    /// It marks what is no pixel.
+    #[error("bits beyond the last pixel")]
+    Spare,
+}
 
 /// Which pixels of a picture, row by row.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,16 +54,16 @@ impl PixelMap {
     }
 
     /// The map of so many pixels; or what is wrong with it.
-    pub(super) fn decode(text: &str, pixels: usize) -> Result<Self, String> {
-        let packed = STANDARD.decode(text).map_err(|error| error.to_string())?;
+    pub(super) fn decode(text: &str, pixels: usize) -> Result<Self, MapError> {
+        let packed = STANDARD.decode(text)?;
         let mut bits = vec![0; pixels.div_ceil(8)];
-        let length = Decompressor::new().deflate_decompress(&packed, &mut bits).map_err(|error| error.to_string())?;
+        let length = Decompressor::new().deflate_decompress(&packed, &mut bits)?;
         if length != bits.len() {
-            return Err(format!("{length} bytes of bits for {pixels} pixels"));
+            return Err(MapError::Length { bytes: length, pixels });
         }
         let spare = bits.len() * 8 - pixels;
         if spare > 0 && bits.last().is_some_and(|last| last >> (8 - spare) != 0) {
-            return Err("bits beyond the last pixel".into());
+            return Err(MapError::Spare);
         }
         Ok(Self { bits, pixels })
     }

@@ -55,5 +55,5 @@ pub use check::{Choice, Findings, Request, Verification, verify};
 pub use failed::Failed;
 pub use image::error_image;
 pub use make::{Made, certify};
-pub use seal::CertificateError;
+pub use seal::{CertificateError, NoCertificate, OtherDigest};
 pub use types::*;

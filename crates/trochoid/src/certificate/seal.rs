@@ -17,16 +17,11 @@ pub enum CertificateError {
         /// The file.
         path: PathBuf,
         /// What it is.
-        found: String,
+        found: NoCertificate,
     },
     /// A file cannot be read.
-    #[error("{}: {reason}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
+    #[error(transparent)]
+    Read(trochoid_io::Error),
     /// A file that its document reads is not where the certificate's folder says.
     #[error(
         "{}: cannot open the file: there is none; it is an input of the certificate, and sought from the certificate's folder, \
@@ -51,6 +46,38 @@ pub enum CertificateError {
     /// The references cannot be had.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
+}
+
+/// A digest that is not the one of the text around it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OtherDigest {
+    /// The digest in the certificate.
+    pub found: String,
+    /// The digest of its text.
+    pub expected: String,
+}
+
+/// What a file is that is no certificate.
+#[derive(Debug, thiserror::Error)]
+pub enum NoCertificate {
+    /// No text.
+    #[error("bytes that are no UTF-8")]
+    NotText(#[source] Box<trochoid_io::Error>),
+    /// No JSON.
+    #[error("no JSON ({0})")]
+    NotJson(#[source] serde_json::Error),
+    /// One whose document is no JSON.
+    #[error("a document that is no JSON ({0})")]
+    Document(#[source] serde_json::Error),
+    /// Other JSON.
+    #[error("JSON that does not begin with a digest")]
+    NoDigest,
+    /// JSON with other fields than a certificate.
+    #[error("other fields ({0})")]
+    Fields(#[source] serde_json::Error),
+    /// A certificate of another version.
+    #[error("version {0}")]
+    Version(u32),
 }
 
 impl From<PlanError> for CertificateError {
@@ -99,26 +126,26 @@ impl Certificate {
     ///
     /// # Errors
     /// The file cannot be read, or is no certificate.
-    pub fn read(path: &Path) -> Result<Result<Self, [String; 2]>, CertificateError> {
-        let none = |found: String| CertificateError::NoCertificate { path: path.into(), found };
+    pub fn read(path: &Path) -> Result<Result<Self, OtherDigest>, CertificateError> {
+        let none = |found: NoCertificate| CertificateError::NoCertificate { path: path.into(), found };
         let text = trochoid_io::read_text(path, MAX_BYTES).map_err(|error| match error {
-            trochoid_io::Error::NotText { .. } => none("bytes that are no UTF-8".into()),
-            error => CertificateError::Read { path: path.into(), reason: error.reason() },
+            error @ trochoid_io::Error::NotText { .. } => none(NoCertificate::NotText(error.into())),
+            error => CertificateError::Read(error),
         })?;
         if let Err(error) = serde_json::from_str::<serde::de::IgnoredAny>(&text) {
-            return Err(none(format!("no JSON ({error})")));
+            return Err(none(NoCertificate::NotJson(error)));
         }
         let compact = compact(&text);
         let rest = compact.strip_prefix(BEGINNING).filter(|rest| rest.get(..DIGITS).is_some_and(is_digest));
-        let Some(rest) = rest else { return Err(none("JSON that does not begin with a digest".into())) };
+        let Some(rest) = rest else { return Err(none(NoCertificate::NoDigest)) };
         let (found, rest) = rest.split_at(DIGITS);
         let expected = digest_of(&[BEGINNING, &"0".repeat(DIGITS), rest].concat());
         if found != expected {
-            return Ok(Err([found.into(), expected]));
+            return Ok(Err(OtherDigest { found: found.into(), expected }));
         }
-        let certificate: Self = serde_json::from_str(&text).map_err(|error| none(format!("other fields ({error})")))?;
+        let certificate: Self = serde_json::from_str(&text).map_err(|error| none(NoCertificate::Fields(error)))?;
         if certificate.version != VERSION {
-            return Err(none(format!("version {}", certificate.version)));
+            return Err(none(NoCertificate::Version(certificate.version)));
         }
         Ok(Ok(certificate))
     }

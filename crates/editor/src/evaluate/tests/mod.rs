@@ -68,8 +68,8 @@ fn every_kind_of_node_is_seen_and_faults_elsewhere_do_not_matter() {
         let clay = look(solid).unwrap();
         assert!(clay.clay, "{solid} is lit like clay");
     }
-    assert!(look("eye").unwrap_err().contains("a Camera is no picture"));
-    let fault = look("broken").unwrap_err();
+    assert!(look("eye").unwrap_err().to_string().contains("a Camera is no picture"));
+    let fault = look("broken").unwrap_err().to_string();
     assert!(fault.starts_with("broken: found") && fault.contains("nothing"), "{fault}");
 }
 
@@ -104,7 +104,7 @@ fn only_the_newest_wish_counts_in_the_end() {
     let last = loop {
         match next(&worker) {
             News::Picture(result) if result.finished && result.generation == 30 => break result,
-            News::Failed { message, .. } => panic!("{message}"),
+            News::Failed { why, .. } => panic!("{why}"),
             _ => {}
         }
     };
@@ -185,7 +185,7 @@ fn every_channel_of_a_gray_is_as_bright_as_the_gray() {
         let result = loop {
             match next(&worker) {
                 News::Picture(result) => break result,
-                News::Failed { message, .. } => panic!("{message}"),
+                News::Failed { why, .. } => panic!("{why}"),
                 _ => {}
             }
         };

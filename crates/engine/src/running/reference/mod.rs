@@ -27,7 +27,7 @@ pub struct ReferenceFrame<'g> {
 }
 
 /// Why a reference frame or pixel cannot be computed.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReferenceError {
     /// The plan cannot be made.
     #[error(transparent)]

@@ -1,0 +1,58 @@
+//! Declarations in words, the same in every manual.
+
+use crate::{Accepts, Arity, Default, Knob, Port, expected};
+use serde_json::{Value, json};
+
+/// How many, in words: "2", "1 to 4", "1 or more".
+pub fn counted(min: usize, max: usize) -> String {
+    match (min, max) {
+        (min, max) if min == max => min.to_string(),
+        (min, max) if max > 4096 => format!("{min} or more"),
+        (min, max) => format!("{min} to {max}"),
+    }
+}
+
+impl Port {
+    /// What it takes, in words, and whether it may be left open.
+    pub fn takes(&self) -> String {
+        let literal = match self.accepts {
+            Accepts::Color => ", or a literal color",
+            Accepts::Image => ", or a literal color or mask",
+            Accepts::Mask => ", or a literal number from 0 to 1",
+            Accepts::Scalar | Accepts::Field => ", or a literal number",
+            Accepts::Weights => ", or literal numbers that sum to 1",
+            _ => "",
+        };
+        let accepts = self.accepts;
+        let open = if self.is_required() { "" } else { "; may be left open" };
+        match self.arity {
+            Arity::One | Arity::Optional => format!("{accepts}{literal}{open}"),
+            Arity::Many { min, max } => format!("a list of {} × {accepts}{literal}{open}", counted(min, max)),
+        }
+    }
+
+    /// Whether it must be connected.
+    pub fn is_required(&self) -> bool {
+        !matches!(self.arity, Arity::Optional | Arity::Many { min: 0, .. })
+    }
+}
+
+impl Knob {
+    /// What it takes, in words, with its unit.
+    pub fn takes_in_words(&self) -> String {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(", in {}", self.unit) };
+        format!("{}{unit}", expected(&self.takes))
+    }
+
+    /// Its value where the document sets none, as a person would write it; null where it is unset or required.
+    pub fn default_value(&self) -> Value {
+        match self.default {
+            Some(Default::Number(number)) if number.fract() == 0.0 && number.abs() < 1e15 => json!(number as i64),
+            Some(Default::Number(number)) => json!(number),
+            Some(Default::Bool(value)) => json!(value),
+            Some(Default::Text(text)) => json!(text),
+            Some(Default::Vector(values)) => json!(values),
+            Some(Default::Unset) | None => Value::Null,
+        }
+    }
+}
