@@ -92,8 +92,7 @@ impl AtomicFile {
             && fs::metadata(&target).is_ok_and(|found| found.is_file())
             && !may_replace(&target)
         {
-            let expected = "what stands there is not Trochoid's: give another name, or say --overwrite";
-            return Err(Error::unwritable(&path, "the file", expected));
+            return Err(Error::Foreign { path });
         }
         // Open until it has its name: nobody takes a file for dead that is locked.
         temporary.persist(&target).map_err(Error::io(&path, "rename the finished file"))?;

@@ -182,6 +182,16 @@ pub enum Error {
         /// What is needed instead.
         expected: &'static str,
     },
+    /// The file that stands there may not be replaced; nothing was written.
+    #[error(
+        "{}: the file cannot be written: what stands there is not Trochoid's: give another name, or move the file away \
+         that is there",
+        path.display()
+    )]
+    Foreign {
+        /// The file that was to be written.
+        path: PathBuf,
+    },
 }
 
 impl Error {
@@ -200,7 +210,8 @@ impl Error {
             | Self::NotFound { path, .. }
             | Self::Ambiguous { path, .. }
             | Self::Unrepresentable { path, .. }
-            | Self::Unwritable { path, .. } => path,
+            | Self::Unwritable { path, .. }
+            | Self::Foreign { path } => path,
         }
     }
 

@@ -62,6 +62,7 @@ fn invalid(file: String, place: (usize, usize), found: String, expected: String,
     LoadError::Invalid(vec![Diagnostic {
         severity: Severity::Error,
         file,
+        is_assigned: false,
         line: place.0,
         column: place.1,
         node: None,
@@ -69,6 +70,7 @@ fn invalid(file: String, place: (usize, usize), found: String, expected: String,
         found,
         expected,
         remedy: remedy.into(),
+        means: None,
     }])
 }
 
@@ -128,6 +130,7 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
         Diagnostic {
             severity: Severity::Warning,
             file: graph.name().into(),
+            is_assigned: false,
             line,
             column,
             node: Some(node.name.clone()),
@@ -137,6 +140,7 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
             remedy: remedy.unwrap_or_else(|| {
                 "correct the path, which is relative to the document, or make the file before rendering".into()
             }),
+            means: None,
         }
     };
     missing.into_iter().map(fault).collect()

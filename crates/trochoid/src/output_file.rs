@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::path::PathBuf;
-use trochoid_graph::{OutputSpec, Refused};
+use trochoid_graph::{Means, OutputSpec, Refused, quoted};
 
 /// A file to be written for one frame, and the outputs that go into it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,15 +26,8 @@ pub enum OutputError {
     #[error("{}", .0.diagnostic())]
     Refused(Box<Refused>),
     /// Trochoid did not write the file that is there, or as another kind of file, or so little is left that nobody can tell.
-    #[error(
-        "{}: is there already, and does not bear Trochoid's mark of such a file: not written by it, of another kind, or cut off\n  \
-         remedy: give another name, or replace it with --overwrite",
-        path.display()
-    )]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-    },
+    #[error("{0}\n  remedy: give another name, or move the file away that is there")]
+    Foreign(ForeignFile),
     /// No file can be written there.
     #[error("{}: {reason}", path.display())]
     Destination {
@@ -52,6 +45,17 @@ pub enum OutputError {
         /// Why.
         source: std::io::Error,
     },
+}
+
+/// File in the way that Trochoid did not write.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{}: is there already, and does not bear Trochoid's mark of such a file: not written by it, of another kind, or cut off",
+    path.display()
+)]
+pub struct ForeignFile {
+    /// Path of the file.
+    pub path: PathBuf,
 }
 
 /// Why no file can be written at a place.
@@ -85,12 +89,39 @@ pub enum NoDestination {
 /// Why files cannot be named so.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NameFault {
-    /// Where: an output of the document, or an option.
-    pub place: String,
+    /// Where.
+    pub place: NamePlace,
     /// What is wrong.
     pub found: String,
     /// What to do.
     pub remedy: String,
+    /// What a front end can offer for that, if anything.
+    pub means: Option<Means>,
+}
+
+/// Place of a name that does not do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NamePlace {
+    /// Item of an output of a document.
+    Output {
+        /// Document, line and column.
+        place: String,
+        /// The output's name.
+        output: String,
+        /// The item's key.
+        item: &'static str,
+    },
+    /// Pattern that the caller gave.
+    Pattern(String),
+}
+
+impl fmt::Display for NamePlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Output { place, output, item } => write!(f, "{place}: output \"{output}\", {item}"),
+            Self::Pattern(pattern) => f.write_str(&quoted(pattern)),
+        }
+    }
 }
 
 impl fmt::Display for NameFault {
