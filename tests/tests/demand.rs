@@ -198,7 +198,7 @@ fn a_switch_needs_nothing_but_its_choice() {
     assert_eq!((files(4), files(5)), (0, 1));
     let missing = trochoid::missing_files(&graph);
     assert_eq!(missing.len(), 1);
-    assert!(missing[0].found.contains("at frame 5, and none at 95 more frames"), "{}", missing[0].found);
+    assert!(missing[0].found.contains("at frame 5, nor at 95 more frames"), "{}", missing[0].found);
     let plan = Plan::new(&graph, &["pick"], 5, &[], &settings(|_| ())).unwrap();
     assert!(plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).is_err(), "the file is needed from frame 5 on");
     let plan = Plan::new(&graph, &["pick"], 5, &["missing"], &settings(|_| ())).unwrap();
@@ -234,5 +234,5 @@ fn files_missing_at_any_frame_are_told() {
     let found: Vec<_> = missing.iter().map(|fault| (fault.node.as_deref(), fault.found.as_str())).collect();
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!(found[0].0, Some("late"));
-    assert!(found[0].1.ends_with("late.exr at frame 5, and none at 1 more frame"), "{found:?}");
+    assert!(found[0].1.ends_with("late.exr at frame 5, nor at 1 more frame"), "{found:?}");
 }

@@ -1,4 +1,4 @@
-//! `trochoid check`: diagnostics, guarantees, what is left out, notes.
+//! `trochoid check`: prints a document's diagnostics, guarantees, omitted nodes, and notes.
 
 use crate::explain::{self, Explained};
 use crate::failure::{Failure, INVALID, Message, count, once};
@@ -24,25 +24,27 @@ pub(crate) struct Args {
     /// The document
     #[arg(value_name = "GRAPH")]
     graph: PathBuf,
-    /// Say of each output what is evaluated and what is left out, with the proof; prepares the frame, and so opens files
+    /// Explain for each output which nodes are evaluated and which are left out, with the proof; prepares the frame,
+    /// so it opens files
     #[arg(long)]
     explain: bool,
-    /// With --explain: what each node takes, and would take if nothing were left out, by evaluating the frame small
+    /// With --explain: evaluate the frame at reduced size, and measure each node's time with and without leaving work
+    /// out
     #[arg(long, requires = "explain")]
     measure: bool,
-    /// With --explain: an output by name, may be repeated [default: all]
+    /// With --explain: explain only this output; may be repeated [default: all outputs]
     #[arg(long, value_name = "NAME", requires = "explain")]
     output: Vec<String>,
-    /// The frame that is looked at [default: the first]
+    /// Frame to check [default: the document's first]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     frame: Option<i64>,
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Let the document read and write this file, or what lies beneath this folder, as for `render`; may be repeated
+    /// Allow the document to read and write this file, or anything under this folder, as for `render`; may be repeated
     #[arg(long, value_name = "PATH")]
     allow: Vec<PathBuf>,
-    /// Make warnings errors (exit code 2), and leave the document its own folder alone, as for `render`
+    /// Treat warnings as errors (exit code 2), and restrict the document to its own folder, as for `render`
     #[arg(long)]
     strict: bool,
     /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
@@ -74,7 +76,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let outside =
         [trochoid::refused_files(graph, &all, &frames), trochoid::refused_outputs(graph, &all, &frames)].concat();
     let outside = reach.faults(graph, &outside);
-    // Where they may not be written is told already.
+    // `outside` reports forbidden destinations already.
     let named = graph.clone().with_access(Access::everything());
     let written =
         frames.iter().find_map(|&frame| trochoid::output_files(&named, &all, frame, first != last, None).err());
@@ -108,22 +110,25 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     Failure::all(findings.faults)?;
     if refused {
         let found = count(Severity::Warning, loaded.warnings.len());
-        let remedy = "do what the warnings say, or leave --strict out";
-        return Err(Failure::usage(format!("found {found}; expected none: --strict makes warnings errors"), remedy));
+        let remedy = "fix the warnings, or omit --strict";
+        return Err(Failure::usage(
+            format!("found {found}; expected none: --strict treats warnings as errors"),
+            remedy,
+        ));
     }
     Ok(())
 }
 
-/// Frames of which the names of files are looked at.
+/// Maximum number of frames whose file names are checked.
 const FRAMES_CHECKED: usize = 10_000;
 
-/// What is wrong with the files that a valid document names.
+/// Problems with the files that a valid document names.
 struct Faults {
-    /// Those that it would read and may not reach.
+    /// Files that the document reads or writes without permission.
     outside: Vec<Diagnostic>,
-    /// Why its outputs cannot be written.
+    /// Reason that the outputs cannot be written.
     written: Option<OutputError>,
-    /// An input that an output would be written over.
+    /// Input that an output would overwrite.
     over: Option<PathBuf>,
 }
 
@@ -132,7 +137,7 @@ impl Faults {
         !self.outside.is_empty() || self.written.is_some() || self.over.is_some()
     }
 
-    /// Prints them, where JSON is asked for; what is to be returned.
+    /// Prints the problems if JSON is requested; returns the failure that ends the command.
     fn told(self, args: &Args) -> Result<Failure, Failure> {
         let Self { outside, written, over } = self;
         if !args.json {
@@ -153,7 +158,7 @@ impl Faults {
             other => faults.extend(other.map(|error| fault(error.to_string(), ""))),
         }
         faults.extend(over.map(|path| {
-            let found = format!("{}: is an input of the document, and would be written over", path.display());
+            let found = format!("{}: is an input of the document and would be overwritten", path.display());
             fault(found, files::ANOTHER_NAME)
         }));
         let name = args.graph.display().to_string();
@@ -162,7 +167,7 @@ impl Faults {
     }
 }
 
-/// What `--explain` asks for.
+/// Returns the explanations that `--explain` requests.
 fn explained<'g>(
     args: &Args,
     graph: &'g CheckedGraph,
@@ -182,16 +187,16 @@ fn explained<'g>(
         .map(Some)
 }
 
-/// What planning every output at a frame tells.
+/// Results of planning all outputs at a frame.
 struct Findings {
     frame: i64,
-    /// By node: why it is left out.
+    /// Reason that each node is left out, by node.
     left_out: Vec<Option<LeftOut>>,
     /// Notes of the nodes that are not left out.
     notes: Vec<(NodeId, Vec<String>)>,
-    /// What the frame takes of memory.
+    /// Memory that the frame needs.
     memory: Option<MemoryAccount>,
-    /// Why no plan could be made, or why its frame cannot be.
+    /// Reasons that no plan could be made, or that the planned frame cannot be evaluated.
     faults: Vec<Failure>,
 }
 
@@ -205,7 +210,7 @@ impl Findings {
             Ok(plan) => {
                 let account = plan.memory(pictures(graph));
                 let faults = plan.examine().into_iter().chain(plan.check_memory(&account).err());
-                // A document that cannot be rendered is invalid here, whatever stops a run.
+                // Here a document that cannot be rendered is invalid, whatever exit code a run would have.
                 let place = format!("frame {frame}: ");
                 let invalid = |error| Failure { code: INVALID, ..Failure::evaluated(&place, &error) };
                 Self {
@@ -232,7 +237,7 @@ impl Findings {
     }
 }
 
-/// Where the pictures go: EXR files alone are written while their rows are made.
+/// Returns how pictures are delivered: row by row if all output files are EXR, as whole pictures otherwise.
 fn pictures(graph: &CheckedGraph) -> Pictures {
     let is_exr = |file: &String| file.to_ascii_lowercase().ends_with(".exr");
     let streamed = graph.outputs().iter().filter_map(|output| output.file.as_ref()).all(is_exr);
@@ -249,11 +254,11 @@ fn to_text(loaded: &Loaded, findings: &Findings, with_left_out: bool) -> String 
     let verdict = if findings.can_be_rendered() { "valid" } else { "cannot be rendered" };
     let mut text = format!("{HEADING}{}{HEADING:#}: {verdict}{warnings}\n", printable(graph.name()));
     let samples = match format.samples() {
-        1 => "1 sample a pixel".into(),
-        samples => format!("{samples} samples a pixel"),
+        1 => "1 sample per pixel".into(),
+        samples => format!("{samples} samples per pixel"),
     };
     let _ = writeln!(text, "  {} × {} pixels, {samples}, {}", format.width(), format.height(), graph.space().name());
-    let _ = writeln!(text, "  frames {first} to {last}, {} a second", graph.fps());
+    let _ = writeln!(text, "  frames {first} to {last}, {} per second", graph.fps());
     if let Some(account) = &findings.memory {
         let (total, limit) = (in_bytes(account.total()), in_bytes(Settings::default().memory_limit));
         let _ = writeln!(text, "  about {total} of memory at frame {}, of {limit} allowed", findings.frame);
@@ -286,7 +291,7 @@ fn to_text(loaded: &Loaded, findings: &Findings, with_left_out: bool) -> String 
     text
 }
 
-/// The nodes left out, with the reason.
+/// Returns the names of the nodes that are left out, with the reasons.
 fn named<'a>(graph: &'a CheckedGraph, left_out: &'a [Option<LeftOut>]) -> impl Iterator<Item = (&'a str, &'a LeftOut)> {
     let pairs = graph.nodes().iter().zip(left_out);
     pairs.filter_map(|(node, why)| Some((node.name.as_str(), why.as_ref()?)))
@@ -307,7 +312,7 @@ fn memory_to_json(graph: &CheckedGraph, account: &MemoryAccount) -> Value {
     json!({ "bytes": account.total(), "limit": Settings::default().memory_limit, "takers": takers })
 }
 
-/// Why the frame cannot be rendered, a line or two each.
+/// Returns the reasons that the frame cannot be rendered, one or two lines each.
 fn not_planned(findings: &Findings) -> Option<String> {
     let messages = findings.faults.iter().flat_map(|fault| &fault.messages);
     let texts: Vec<&str> = messages.map(Message::text).collect();

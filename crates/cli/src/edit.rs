@@ -1,4 +1,4 @@
-//! `trochoid edit`: becomes the editor, a program of its own, so that nothing else here needs a window system.
+//! `trochoid edit`: runs the editor, which is a separate program so that no other command depends on a window system.
 
 use crate::failure::{FAILED, Failure};
 use std::env::consts::EXE_SUFFIX;
@@ -21,7 +21,7 @@ pub(crate) fn run() -> Result<(), Failure> {
     Err(Failure::new(FAILED, format!("{}: cannot be run: {error}", quoted_path(&editor))))
 }
 
-/// The editor's arguments: all but the word that names the command, before which only options stand.
+/// Returns the editor's arguments: all arguments but the name of the command, which only options may precede.
 fn arguments(all: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut all: Vec<OsString> = all.collect();
     if let Some(name) = all.iter().position(|argument| argument == "edit") {
@@ -30,7 +30,8 @@ fn arguments(all: impl Iterator<Item = OsString>) -> Vec<OsString> {
     all
 }
 
-/// The command that puts the editor where it is looked for, if that is where cargo builds or installs programs.
+/// Returns the cargo command that puts the editor next to this program: a build in a target folder, else an
+/// installation.
 fn remedy(editor: &Path) -> String {
     let folder = editor.parent().filter(|folder| folder.join("deps").is_dir());
     let profile = match folder.and_then(|folder| folder.file_name()?.to_str()) {
@@ -42,13 +43,13 @@ fn remedy(editor: &Path) -> String {
     format!("build it: cargo build {profile}-p trochoid-editor")
 }
 
-/// Lets another program take the place of this one, and says why that was not possible.
+/// Replaces this process with another program; returns only if that fails.
 #[cfg(unix)]
 fn hand_over(command: &mut Command) -> std::io::Error {
     std::os::unix::process::CommandExt::exec(command)
 }
 
-/// Runs another program, ends as it ends, and says why that was not possible.
+/// Runs another program and exits with its code; returns only if it cannot be started.
 #[cfg(not(unix))]
 fn hand_over(command: &mut Command) -> std::io::Error {
     match command.status() {

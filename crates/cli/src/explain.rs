@@ -1,16 +1,18 @@
-//! `trochoid check --explain`: what is evaluated for an output, what is left out, why, and what that saves.
+//! `trochoid check --explain`: lists for each output the nodes that are evaluated and those that are left out, with the
+//! reasons and the time saved.
 //!
-//! As JSON, `explained` is a list of outputs, each with
+//! In the JSON output, `explained` is a list of outputs, each with
 //! - `output`, `kind`, `frame`;
-//! - `nodes`, by name: `type`; `fate`, one of `evaluated`, `folded`, `hands_on`, `merged`, `left_out`; `why`, a sentence,
-//!   null where it is evaluated; `proof`, a list of `{node, type, low, high, evidence}`, from the weight or value that is
-//!   certain back to what is known; `channels`, a list of `{output, wanted, unasked}`; `seconds`, `seconds_in_full`, `spread`
-//!   (by how much runs differ) and `estimated` where measured (null: left out; not evaluated even in full);
-//! - `omissions`: a list of `{node, of, what, left_out, of_all, why}`, work that stages spare themselves; or
-//!   `not_prepared`, why it is not known;
+//! - `nodes`, by name: `type`; `fate`, one of `evaluated`, `folded`, `hands_on`, `merged`, `left_out`; `why`, a
+//!   sentence, null if the node is evaluated; `proof`, a list of `{node, type, low, high, evidence}`, from the proved
+//!   weight or value back to the known ones; `channels`, a list of `{output, wanted, unasked}`; `seconds` (null: left
+//!   out), `seconds_in_full` (null: not evaluated even with nothing left out), `spread` (difference between runs) and
+//!   `estimated`, all four null unless measured;
+//! - `omissions`: a list of `{node, of, what, left_out, of_all, why}`, the work that stages skip; `not_prepared` is the
+//!   reason if this work is unknown;
 //! - `measured`: null, or `{width, height, samples, runs, seconds, seconds_in_full, spread}`, or `{error}`.
 //!
-//! Infinite ends of intervals are the words `inf` and `-inf`.
+//! Infinite interval bounds are the strings `inf` and `-inf`.
 
 use crate::failure::{Failure, INVALID};
 use crate::interrupt;
@@ -23,21 +25,21 @@ use trochoid::{
     NodeId, Omission, Plan, Proved, Settings, measure,
 };
 
-/// The longer side of the picture that is evaluated to measure.
+/// Maximum width and height of the picture that is evaluated for measuring, in pixels.
 const LARGEST: u32 = 480;
 
-/// What is known of an output at a frame.
+/// Explanation of an output at a frame.
 pub(crate) struct Explained<'g> {
     graph: &'g CheckedGraph,
     output: usize,
     frame: i64,
     accounts: Vec<Account>,
     omissions: Result<Vec<(NodeId, Vec<Omission>)>, EvalError>,
-    /// Where measured.
+    /// Measured costs; `None` if measuring was not requested.
     costs: Option<Result<Costs, MeasureError>>,
 }
 
-/// Stops where the user asks to.
+/// Monitor that cancels on an interrupt by the user.
 struct Interruptible;
 
 impl Monitor for Interruptible {
@@ -49,7 +51,7 @@ impl Monitor for Interruptible {
 /// Explains an output, prepares its stages, and measures it if asked to.
 ///
 /// # Errors
-/// It cannot be planned.
+/// The output cannot be planned.
 pub(crate) fn explain(
     graph: &CheckedGraph,
     output: usize,
@@ -59,13 +61,13 @@ pub(crate) fn explain(
     let name = graph.outputs()[output].name.as_str();
     let (plan, accounts) = Plan::explained(graph, &[name], frame, &[], &Settings::default())
         .map_err(|error| Failure::new(INVALID, error))?;
-    // Missing files are warned of already; all else is known without them.
+    // Missing files are reported as warnings already; the rest of the explanation does not need them.
     let omissions = plan.omissions(&mut Cache::new(), &Interruptible);
     let costs = measured.then(|| measure(graph, name, frame, LARGEST, &Interruptible));
     Ok(Explained { graph, output, frame, accounts, omissions, costs })
 }
 
-/// Nodes that are left out for one and the same reason.
+/// Nodes that are not evaluated for the same reason.
 struct Group<'e> {
     why: String,
     proof: &'e [Proved],
@@ -78,7 +80,7 @@ impl Explained<'_> {
         self.costs.as_ref()?.as_ref().ok()?.nodes.get(id.0).copied()
     }
 
-    /// The groups of nodes that are not evaluated, in the order of the document.
+    /// Returns the groups of nodes that are not evaluated, in document order.
     fn groups(&self) -> Vec<Group<'_>> {
         let mut groups: Vec<Group<'_>> = Vec::new();
         for account in &self.accounts {
@@ -95,7 +97,7 @@ impl Explained<'_> {
         groups
     }
 
-    /// As text.
+    /// Returns the explanation as text.
     pub(crate) fn to_text(&self) -> String {
         let spec = &self.graph.outputs()[self.output];
         let title = format!("{} ({})", printable(&spec.name), spec.kind);
@@ -124,7 +126,7 @@ impl Explained<'_> {
         text
     }
 
-    /// A table of nodes: name, type, and a time where measured.
+    /// Appends a table of nodes: name, type, and time if measured.
     fn rows(&self, text: &mut String, nodes: &[NodeId], time: impl Fn(&Cost) -> Option<f64>) {
         let named = |id: &NodeId| (printable(&self.graph.node(*id).name), self.graph.node(*id).ty.declaration().name);
         let rows: Vec<(String, &str)> = nodes.iter().map(named).collect();
@@ -139,7 +141,7 @@ impl Explained<'_> {
         }
     }
 
-    /// What views and other stages with several channels are not asked for.
+    /// Appends the requested and unrequested channels of views and other stages with several channels.
     fn channels(&self, text: &mut String) {
         let mut heading = "\n  Channels that nobody asks for\n";
         for account in &self.accounts {
@@ -182,7 +184,7 @@ impl Explained<'_> {
         }
     }
 
-    /// What stages spare themselves.
+    /// Appends the work that stages skip.
     fn spared(&self, text: &mut String) {
         match &self.omissions {
             Err(reason) => {
@@ -208,7 +210,7 @@ impl Explained<'_> {
         }
     }
 
-    /// The name of the node whose work is left out, where it is connected to the one that tells of it.
+    /// Returns the name of the node whose work is left out, if it is connected to the node that reports the omission.
     fn source(&self, id: NodeId, omission: &Omission) -> Option<&str> {
         let (port, index) = omission.port?;
         let settled = self.graph.settle(id, self.frame);
@@ -218,7 +220,7 @@ impl Explained<'_> {
         }
     }
 
-    /// How times were got.
+    /// Appends how the times were measured.
     fn how(&self, text: &mut String) {
         match &self.costs {
             None => {}
@@ -245,7 +247,7 @@ impl Explained<'_> {
         }
     }
 
-    /// As JSON, see the module.
+    /// Returns the explanation as JSON; see the documentation of this module.
     pub(crate) fn to_json(&self) -> Value {
         let spec = &self.graph.outputs()[self.output];
         let nodes: Map<String, Value> = self
@@ -315,7 +317,7 @@ impl Explained<'_> {
     }
 }
 
-/// Why a node is not evaluated.
+/// Returns the reason that a node is not evaluated.
 fn why(fate: &Fate) -> Option<String> {
     Some(match fate {
         Fate::Evaluated => return None,
@@ -326,7 +328,7 @@ fn why(fate: &Fate) -> Option<String> {
     })
 }
 
-/// What is certain of a node, and how that is known.
+/// Returns a sentence with the proved interval of a node and its evidence.
 fn sentence(bound: &Proved) -> String {
     let lies = match bound.interval.constant() {
         Some(value) => format!("is {value}"),
@@ -357,12 +359,12 @@ fn interval(Interval { low, high }: Interval) -> String {
     format!("[{}, {}]", end(low), end(high))
 }
 
-/// JSON knows no infinity.
+/// Returns a number as JSON: as a string if it is infinite, since JSON has no infinity.
 fn end(value: f64) -> Value {
     if value.is_finite() { json!(value) } else { json!(value.to_string()) }
 }
 
-/// A count as such, a mean with one digit.
+/// Formats a count without decimals, and a mean with one decimal.
 fn whole(count: f64) -> String {
     if count == count.trunc() { count.to_string() } else { format!("{count:.1}") }
 }

@@ -1,3 +1,5 @@
+//! Failures of commands: exit codes and messages, and their conversion from the errors of the library.
+
 use crate::remedies;
 use std::fmt;
 use trochoid::accuracy::PlanFileError;
@@ -6,15 +8,15 @@ use trochoid::{Diagnostic, EvalError, LoadError, OutputError, ReferenceError, Ru
 use trochoid_terminal::enough_memory;
 pub(crate) use trochoid_terminal::{FAILED, INVALID};
 
-/// A required guarantee or tolerance is not met, or a certificate does not hold.
+/// Exit code if a required guarantee or tolerance is not met, or a certificate does not hold.
 pub(crate) const MISSED: u8 = 3;
-/// The user stopped it.
+/// Exit code after an interruption by the user.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// What is told where the user stopped it.
-pub(crate) const INTERRUPTION: &str = "interrupted; finished files are whole, others were not begun";
+/// Message after an interruption by the user.
+pub(crate) const INTERRUPTION: &str = "interrupted; finished files are complete, and no partial files remain";
 
-/// Why a command did not do what it was asked: an exit code, and what to print on stderr.
+/// Failure of a command: its exit code, and the messages for stderr.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Failure {
     /// The exit code.
@@ -69,22 +71,22 @@ impl Failure {
         Self { code, messages: vec![Message::error(message)] }
     }
 
-    /// A failure that has been told already.
+    /// Returns a failure whose messages have been printed already.
     pub(crate) fn silent(code: u8) -> Self {
         Self { code, messages: Vec::new() }
     }
 
-    /// The user stopped it.
+    /// Returns the failure after an interruption by the user.
     pub(crate) fn interrupted() -> Self {
         Self::new(INTERRUPTED, INTERRUPTION)
     }
 
-    /// Wrong usage: what was found and expected, and what to do.
+    /// Returns a usage failure: `message` says what was found and expected, `remedy` what to do.
     pub(crate) fn usage(message: impl ToString, remedy: impl ToString) -> Self {
         Self { code: INVALID, messages: vec![Message::error(message).with_remedy(&remedy.to_string())] }
     }
 
-    /// What stopped an evaluation, behind what says where, such as "frame 3: ".
+    /// Returns the failure of an evaluation; `place` is a prefix such as "frame 3: ".
     pub(crate) fn evaluated(place: &str, error: &EvalError) -> Self {
         let EvalError::TooMuchMemory { place: at, found, total, limit, remedy } = error else {
             return Self::new(FAILED, format!("{place}{}", remedies::evaluation(error)));
@@ -95,7 +97,7 @@ impl Failure {
         Self { code: FAILED, ..Self::usage(text, remedy) }
     }
 
-    /// Why files cannot be named or written, of which an option gives the pattern.
+    /// Returns the failure to name or write files; `option` gives their pattern.
     pub(crate) fn written(error: &OutputError, option: &str) -> Self {
         match error {
             OutputError::Pattern(faults) => {
@@ -112,20 +114,20 @@ impl Failure {
         }
     }
 
-    /// Adds another failure's messages; the higher code counts.
+    /// Adds another failure's messages, and keeps the higher exit code.
     pub(crate) fn join(&mut self, other: Self) {
         self.code = self.code.max(other.code);
         self.messages.extend(other.messages);
     }
 
-    /// Nothing, or all failures in one.
+    /// Joins all failures into one; returns `Ok` if there are none.
     pub(crate) fn all(failures: impl IntoIterator<Item = Self>) -> Result<(), Self> {
         let mut all = Self::default();
         failures.into_iter().for_each(|failure| all.join(failure));
         if all.code == 0 { Ok(()) } else { Err(all) }
     }
 
-    /// How a run with this failure ended.
+    /// Returns the status of a run that ended with this failure.
     pub(crate) fn status(&self) -> RunStatus {
         match self.code {
             INTERRUPTED => RunStatus::Interrupted,
@@ -183,7 +185,7 @@ impl From<CertificateError> for Failure {
     }
 }
 
-/// Faults of which a remedy that several share stands once, behind the last.
+/// Removes repeated remedies: of consecutive faults with the same remedy, only the last keeps it.
 pub(crate) fn once(mut faults: Vec<Diagnostic>) -> Vec<Diagnostic> {
     for index in 1..faults.len() {
         let (before, rest) = faults.split_at_mut(index);
@@ -196,7 +198,7 @@ pub(crate) fn once(mut faults: Vec<Diagnostic>) -> Vec<Diagnostic> {
     faults
 }
 
-/// "1 error", "2 warnings".
+/// Formats a number of diagnostics: "1 error", "2 warnings".
 pub(crate) fn count(severity: Severity, number: usize) -> String {
     format!("{number} {severity}{}", if number == 1 { "" } else { "s" })
 }

@@ -1,4 +1,4 @@
-//! What a document may read and write, and what may be written over.
+//! Files that a document may read and write, and files that a run may overwrite.
 
 use crate::failure::{Failure, once};
 use crate::remedies;
@@ -10,26 +10,26 @@ use trochoid::{
     check_replaced_by, quoted_path, refusals, refused_files,
 };
 
-/// Options of what a document may reach.
+/// Options for the files that a document may access.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(crate) struct Reach {
-    /// Let the document read and write this file, or what lies beneath this folder; may be repeated [default: beneath its own
-    /// folder and, where that lies beneath the current one, beneath that]
+    /// Allow the document to read and write this file, or anything under this folder; may be repeated [default: its own
+    /// folder and, if that lies under the current folder, the current folder]
     #[arg(long, value_name = "PATH")]
     pub(crate) allow: Vec<PathBuf>,
-    /// Let the document read and write beneath its own folder alone: for documents of strangers
+    /// Restrict the document to its own folder, for documents that you do not trust; --allow adds to that
     #[arg(long)]
     pub(crate) strict: bool,
 }
 
 impl Reach {
-    /// What a document of a folder may reach.
+    /// Returns the access rights of a document in this folder.
     pub(crate) fn access(&self, folder: &Path) -> Access {
         let own = if self.strict { Access::beneath(folder) } else { Access::usual(folder) };
         self.allow.iter().fold(own, |access, path| access.allowing(path))
     }
 
-    /// Loads a document as [`trochoid::load`] does, under this rule.
+    /// Loads a document like [`trochoid::load`], with these access rights.
     ///
     /// # Errors
     /// As [`trochoid::load`].
@@ -40,31 +40,32 @@ impl Reach {
         Ok(Loaded { graph: graph.with_access(access), warnings })
     }
 
-    /// Warns of what is allowed and not there, once, however often a document is loaded.
+    /// Warns of `--allow` paths that do not exist, once per process.
     pub(crate) fn warn(&self) {
         static WARNED: Once = Once::new();
         WARNED.call_once(|| trochoid_terminal::warn_of_missing(&self.allow));
     }
 
-    /// The faults of files that a document may not reach, each with the remedy for all.
+    /// Returns the faults of files that a document may not access, each with a remedy that covers all of them.
     pub(crate) fn faults(&self, graph: &CheckedGraph, refused: &[Refused]) -> Vec<Diagnostic> {
         let mut faults = refusals(refused);
         if self.strict {
             let usual = Self { strict: false, ..self.clone() }.access(graph.folder());
             let is_usual = |refused: &Refused| usual.check(&refused.outside.leads_to).is_ok();
             let without = if refused.iter().all(is_usual) {
-                "; or leave --strict out, so that it reaches all beneath the current folder"
+                "; or omit --strict, which allows everything under the current folder"
             } else {
                 ""
             };
             let allowed = remedies::allow(refused.iter().map(|refused| &refused.outside));
-            let remedy = format!("--strict leaves the document its own folder alone: add {allowed}{without}");
+            let remedy = format!("--strict restricts the document to its own folder: add {allowed}{without}");
             faults.iter_mut().for_each(|fault| (fault.remedy, fault.means) = (remedy.clone(), None));
         }
         faults
     }
 
-    /// What is wrong with the files that some outputs read at some frames, and with `more`: the document may not reach them.
+    /// Returns a failure if the document may not access files that some outputs read at some frames, or if there are
+    /// `more`.
     pub(crate) fn refused(
         &self,
         graph: &CheckedGraph,
@@ -77,7 +78,7 @@ impl Reach {
     }
 }
 
-/// The same, and what may be written over.
+/// Options for the files that a document may access and that a run may overwrite.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(crate) struct Files {
     #[command(flatten)]
@@ -86,16 +87,17 @@ pub(crate) struct Files {
     pub(crate) over: Over,
 }
 
-/// Options of what may be written over.
+/// Options for overwriting files.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub(crate) struct Over {
-    /// Replace files that Trochoid did not write, or wrote as another kind of file, or with outputs that this run leaves out; inputs of the document are never replaced
+    /// Also replace files that Trochoid did not write, that are of another kind, or that contain outputs which this
+    /// run does not write; inputs of the document are never replaced
     #[arg(long)]
     pub(crate) overwrite: bool,
 }
 
 impl Files {
-    /// As [`Reach::load`].
+    /// Loads a document like [`Reach::load`], with the right to overwrite.
     ///
     /// # Errors
     /// As [`Reach::load`].
@@ -107,60 +109,61 @@ impl Files {
 }
 
 impl Over {
-    /// What is wrong with writing a file there, as far as can be told beforehand: it cannot be made, is an input, or somebody
-    /// else's.
+    /// Returns why a file cannot be written to a path, as far as that can be checked in advance: the path is an input,
+    /// has a foreign file, or cannot be created.
     pub(crate) fn refusal(self, path: &Path, form: Form, inputs: &InputFiles) -> Option<Failure> {
         let cannot = || check_destination(path).err().map(Failure::from);
         input(path, inputs).or_else(|| self.foreign(path, form)).or_else(cannot)
     }
 
-    /// A file to be written.
+    /// Returns the target for writing a file.
     pub(crate) fn target(self, path: &Path, form: Form) -> Target {
         trochoid::target(path, form, self.overwrite)
     }
 
-    /// What is wrong with replacing what is there.
+    /// Returns why the existing file must not be replaced.
     pub(crate) fn foreign(self, path: &Path, form: Form) -> Option<Failure> {
         check_replaced_by(path, form, self.overwrite).err().map(Failure::from)
     }
 }
 
-/// What a document reads, as it stands and as `--set` has it, with itself and other files that a run reads.
+/// Returns the files that a document reads with and without `--set`, the document itself, and the files in `also`.
 pub(crate) fn inputs(graph: &CheckedGraph, path: &Path, set: &[String], also: &[&Path]) -> InputFiles {
     let inputs = InputFiles::new(graph, &[&[path], also].concat());
     if set.is_empty() {
         return inputs;
     }
-    // One that is valid by `--set` alone reads nothing without it.
+    // A document that is valid only with `--set` reads nothing without it.
     match trochoid::load(path, &[]) {
         Ok(plain) => inputs.and(InputFiles::new(&plain.graph, &[])),
         Err(_) => inputs,
     }
 }
 
-/// What is wrong with the ending of a file's name, unless it is a device or a pipe.
+/// Returns a failure if a path has an extension other than `known`, unless it is a folder, a device or a pipe.
 pub(crate) fn ending(option: &str, path: &Path, known: &str) -> Option<Failure> {
     let is_known = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(known));
-    // Of a folder it is said that it is one.
+    // A folder is reported as a folder elsewhere.
     let is_other = std::fs::metadata(path).is_ok_and(|found| !found.is_file());
     (!is_known && !is_other).then(|| {
-        let found = path.extension().map_or("no ending".into(), |ending| format!("the ending .{}", ending.display()));
+        let found =
+            path.extension().map_or("no extension".into(), |ending| format!("the extension .{}", ending.display()));
         let message = format!("{option} {}: found {found}; expected .{known}", quoted_path(path));
         Failure::usage(message, format!("name it {}", quoted_path(&path.with_extension(known))))
     })
 }
 
-/// What is wrong with writing over an input.
+/// Returns a failure if a path is an input.
 pub(crate) fn input(path: &Path, inputs: &InputFiles) -> Option<Failure> {
     inputs.contains(path).then(|| written_over(path))
 }
 
-/// What to do about that.
+/// Remedy for an output that would overwrite an input.
 pub(crate) const ANOTHER_NAME: &str = "give the output another name";
 
-/// That an input would be written over.
+/// Returns the failure of an output that would overwrite an input.
 pub(crate) fn written_over(path: &Path) -> Failure {
-    let message = format!("{}: is an input of the document, and would be written over", path.display());
+    let message = format!("{}: is an input of the document and would be overwritten", path.display());
     Failure::usage(message, ANOTHER_NAME)
 }
 

@@ -1,12 +1,12 @@
-//! Lists of frames: `1-10,20-40x2`; render farms write the step `20-40:2`.
+//! Lists of frames such as `1-10,20-40x2`; the step may also be written `20-40:2`, as render farms do.
 
 use crate::failure::Failure;
 use std::collections::HashSet;
 use trochoid::CheckedGraph;
 
-/// Most frames of one run.
+/// Maximum number of frames in one run.
 const MOST: usize = 1_000_000;
-/// Frames are numbered from −10⁷ to 10⁷.
+/// Largest magnitude of a frame number: frames are numbered from −10⁷ to 10⁷.
 const RANGE: i64 = 10_000_000;
 
 /// What is wrong with a list of frames.
@@ -35,12 +35,12 @@ pub(crate) enum PieceFault {
     Backwards { first: i64, last: i64 },
 }
 
-/// The frames that a list names, each once, in the order of the list.
+/// Returns the frames that a list names, each once, in list order.
 ///
-/// A piece is a frame (`7`, `-3`), a range (`1-10`, `-5--1`), or every so manieth frame of one (`20-40x2`, `20-40:2`).
+/// A piece is a frame (`7`, `-3`), a range (`1-10`, `-5--1`), or every nth frame of a range (`20-40x2`, `20-40:2`).
 ///
 /// # Errors
-/// Every piece that is none of these, or names too many frames.
+/// Returns a message for every piece that has none of these forms, or that names too many frames.
 pub(crate) fn parse(list: &str) -> Result<Vec<i64>, Vec<FrameFault>> {
     let mut faults = Vec::new();
     let mut seen = HashSet::new();
@@ -62,7 +62,7 @@ pub(crate) fn parse(list: &str) -> Result<Vec<i64>, Vec<FrameFault>> {
     if faults.is_empty() { Ok(frames) } else { Err(faults) }
 }
 
-/// All frames of the document, unless a list was given that could not be read.
+/// Returns all frames of the document; only the first if a list was `given`, which then could not be read.
 pub(crate) fn all(graph: &CheckedGraph, given: bool, faults: &mut Vec<Failure>) -> Vec<i64> {
     let (first, last) = graph.frames();
     if given {
@@ -76,7 +76,7 @@ pub(crate) fn all(graph: &CheckedGraph, given: bool, faults: &mut Vec<Failure>) 
     (first..=last).collect()
 }
 
-/// First and last frame of a piece, and the step; or what was expected.
+/// Returns the first frame, the last frame and the step of a piece; the error says what was expected.
 fn range(piece: &str) -> Result<(i64, i64, usize), PieceFault> {
     let (first, rest) = number(piece).ok_or(PieceFault::Form)?;
     let (last, step) = match rest.strip_prefix('-') {
@@ -105,11 +105,11 @@ fn range(piece: &str) -> Result<(i64, i64, usize), PieceFault> {
     Ok((first, last, step))
 }
 
-/// The whole number at the start of a text, and what follows.
+/// Splits a text into the integer at its start and the rest.
 fn number(text: &str) -> Option<(i64, &str)> {
     let digits = text.strip_prefix('-').unwrap_or(text);
     let length = text.len() - digits.len() + digits.bytes().take_while(u8::is_ascii_digit).count();
-    // Too many digits for an i64 are out of range as well; the largest says so.
+    // A number that does not fit in an i64 is out of range anyway, and so is the largest i64.
     let sign = if digits.len() < text.len() { -1 } else { 1 };
     let magnitude = text[..length].trim_start_matches('-');
     if magnitude.is_empty() {

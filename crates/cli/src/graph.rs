@@ -1,4 +1,4 @@
-//! `trochoid graph`: a document's graph as a picture.
+//! `trochoid graph`: draws a document's graph as SVG.
 
 use crate::failure::Failure;
 use crate::files::{self, Over};
@@ -17,10 +17,10 @@ pub(crate) struct Args {
     /// The document
     #[arg(value_name = "GRAPH")]
     graph: PathBuf,
-    /// Show what this output needs; may be repeated [default: every node of the document]
+    /// Show only the nodes that this output needs; may be repeated [default: all nodes of the document]
     #[arg(long, value_name = "NAME")]
     output: Vec<String>,
-    /// The SVG file to write; - is stdout
+    /// SVG file to write; - means stdout
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
     /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
@@ -48,13 +48,13 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     Failure::all(faults)?;
     let shown: &[usize] = if args.output.is_empty() { &[] } else { &chosen };
     let names: Vec<&str> = args.output.iter().map(String::as_str).collect();
-    // What cannot be planned, because it would take too much memory, is drawn all the same.
+    // A graph that cannot be planned because it needs too much memory is still drawn.
     let left_out = match Plan::new(graph, &names, graph.frames().0, &[], &Settings::default()) {
         Ok(plan) => plan.left_out().iter().map(|why| why.as_ref().map(ToString::to_string)).collect(),
         Err(_) => vec![None; graph.nodes().len()],
     };
     let picture = trochoid_diagram::tree(graph, shown, &left_out);
-    // A comment after all else is legal, and disturbs nobody who looks at how the file begins.
+    // A comment at the end is legal, and does not disturb programs that look at the start of the file.
     let picture = format!("{}\n<!-- {GENERATOR}{VERSION} -->\n", picture.trim_end());
     if is_stdout {
         return shell::print(&picture);

@@ -1,4 +1,4 @@
-//! `trochoid info`: what a picture file holds.
+//! `trochoid info`: describes the contents of an image file.
 
 use crate::failure::{FAILED, Failure, Message};
 use crate::shell::{self, HEADING, printable};
@@ -12,7 +12,7 @@ use trochoid::io::{self, Encoding, Error, Info, Limits, PartInfo, Selection, Sta
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  trochoid info out/beauty.0012.exr\n  trochoid info passes.exr --json")]
 pub(crate) struct Args {
-    /// An EXR, PNG, JPEG or TIFF file
+    /// The EXR, PNG, JPEG or TIFF file
     #[arg(value_name = "IMAGE")]
     image: PathBuf,
     /// Print JSON
@@ -20,16 +20,16 @@ pub(crate) struct Args {
     json: bool,
 }
 
-/// Decoded samples held at once, bytes.
+/// Maximum size of the decoded samples held at once, in bytes.
 const BATCH: u64 = 1 << 30;
 
-/// What was found on the samples of a channel, or why they are not read.
+/// Statistics of a channel's samples, or the reason that the channel cannot be read.
 type Found = Result<Statistics, Error>;
 
-/// Prints a file's header, and what each channel's samples hold.
+/// Prints a file's header and the statistics of each channel.
 ///
 /// # Errors
-/// The file is no picture or is damaged, or stdout cannot be written. What could be read is printed all the same.
+/// The file is not an image or is damaged, or stdout cannot be written. Everything that can be read is still printed.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let info = io::info(&args.image, &Limits::default()).map_err(|error| Failure::new(FAILED, error))?;
     let found: Vec<Vec<Found>> =
@@ -39,7 +39,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     } else {
         shell::print(&to_text(&args.image, &info, &found))?;
     }
-    // What this version does not read is described; what is damaged is a failure.
+    // Channels that this version does not support are only described; damage is a failure.
     let mut messages: Vec<Message> = Vec::new();
     for error in found.into_iter().flatten().filter_map(Result::err) {
         let message = Message::error(&error);
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if messages.is_empty() { Ok(()) } else { Err(Failure { code: FAILED, messages }) }
 }
 
-/// Statistics of each channel of a part, as many channels decoded at once as memory allows.
+/// Returns the statistics of each channel of a part, decoding as many channels at once as fit in [`BATCH`] bytes.
 fn measure(path: &Path, index: usize, part: &PartInfo) -> Vec<Found> {
     let bytes = (part.data.area() as u64).saturating_mul(4).max(1);
     let batch = usize::try_from(BATCH / bytes).unwrap_or(usize::MAX).max(1);
@@ -121,7 +121,7 @@ fn to_text(path: &Path, info: &Info, found: &[Vec<Found>]) -> String {
     text
 }
 
-/// A window by its size and corners.
+/// Formats the size and the corners of a window.
 fn window_text(window: Window) -> String {
     let Window { x0, y0, x1, y1 } = window;
     format!("{} × {} pixels, x {x0} to {x1}, y {y0} to {y1}", window.width(), window.height())

@@ -1,24 +1,24 @@
-//! Ctrl-C, as a question that long work asks now and then.
+//! Ctrl-C as a flag that long work polls.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED, INTERRUPTION};
 use crate::shell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// How long long work may take to notice; then the process ends as if asked twice.
+/// Time that work has to stop after an interrupt; then the process ends as after a second one.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// From now on an interrupt or termination signal does not end the process but is remembered, so that what runs can
-/// stop in order; a second one ends it, and so does time.
+/// Installs a handler that records the first interrupt or termination signal instead of ending the process, so that
+/// work can stop in order. A second signal ends the process, and so does the end of [`PATIENCE`].
 ///
 /// # Errors
-/// The system takes no handler.
+/// The system does not accept the handler.
 pub(crate) fn watch() -> Result<(), Failure> {
     let asked = || {
         if ASKED.swap(true, Ordering::Relaxed) {
-            // Whoever asks twice does not wait for what is being computed.
+            // After a second signal the process does not wait for running work.
             end(&[]);
         }
         std::thread::spawn(|| {
@@ -32,14 +32,14 @@ pub(crate) fn watch() -> Result<(), Failure> {
     }
 }
 
-/// Ends the process at once. What is half written is removed before anything is told.
+/// Ends the process at once. Partial files are removed before messages are printed.
 fn end(messages: &[String]) -> ! {
     trochoid::discard_partial_files();
     shell::tell(messages);
     std::process::exit(i32::from(INTERRUPTED))
 }
 
-/// Whether the user has asked to stop.
+/// Returns whether the user has asked to stop.
 pub(crate) fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }

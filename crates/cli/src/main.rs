@@ -1,8 +1,8 @@
-//! `trochoid`: renders documents, checks them, and prints what nodes and pictures hold.
+//! `trochoid`: the command line, which renders and checks documents, and describes nodes and images.
 //!
-//! Results go to stdout, everything else to stderr. Exit codes: 0 done; 1 input or output, bad input data, or the
-//! evaluation failed; 2 usage or invalid document; 3 a required guarantee or tolerance is not met, or a certificate does not
-//! hold; 130 interrupted.
+//! Results go to stdout, everything else to stderr. Exit codes: 0 success; 1 input, output or the evaluation failed, or
+//! input data are bad; 2 wrong usage or an invalid document; 3 a required guarantee or tolerance is not met, or a
+//! certificate does not hold; 130 interrupted.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
@@ -43,8 +43,8 @@ static HEAP: trochoid::Heap = trochoid::Heap;
     version = trochoid::VERSION,
     max_term_width = 100,
     after_help = "Exit codes:\n  \
-        0    done\n  \
-        1    input or output, bad input data, or the evaluation failed\n  \
+        0    success\n  \
+        1    input, output or the evaluation failed, or input data are bad\n  \
         2    wrong usage, or an invalid document\n  \
         3    a required guarantee or tolerance is not met, or a certificate does not hold\n  \
         130  interrupted\n\n\
@@ -64,25 +64,25 @@ struct Cli {
 enum Command {
     /// Open the graph editor
     Edit(EditArgs),
-    /// Render outputs of a document into files
+    /// Render outputs of a document to files
     Render(render::Args),
-    /// Check a document: faults, guarantees, what is left out and why
+    /// Check a document: print faults, guarantees, and the nodes that are left out
     Check(check::Args),
     /// Draw a document's graph, with its control colors, as SVG
     Graph(graph::Args),
-    /// Render an output small, as an animated WebP or one PNG
+    /// Render an output at reduced size, as an animated WebP or one PNG
     Preview(preview::Args),
-    /// Say how seas behave in the long run: what is stable, by how much, what would break it
+    /// Analyze the long-term stability of seas: what is stable, by how much, and what would break it
     Stability(stability::Args),
     /// List the node types, or print the manual of one
     Nodes(nodes::Args),
     /// Print the JSON Schema of documents
     Schema,
-    /// Describe a picture file: parts, layers, channels and what they hold
+    /// Describe an image file: parts, layers, channels and their value ranges
     Info(info::Args),
     /// Find the settings that meet a tolerance
     Plan(plan::Args),
-    /// Show error against run time: settings side by side, as a page of plots
+    /// Compare settings by error and run time, as a page of plots
     Report(report::Args),
     /// Check a certificate and its image against the f64 references
     Verify(verify::Args),
@@ -92,7 +92,7 @@ fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
-            // Help and version are results and go to stdout; a reader that has gone away is no error.
+            // Help and version are results and go to stdout; a closed pipe is not an error.
             let _ = error.print();
             return ExitCode::from(if error.use_stderr() { failure::INVALID } else { 0 });
         }

@@ -1,4 +1,4 @@
-//! `trochoid nodes`: the manual, from the declarations.
+//! `trochoid nodes`: prints the manual, generated from the node declarations.
 
 use crate::failure::Failure;
 use crate::shell::{self, HEADING, wrap};
@@ -10,7 +10,7 @@ use trochoid::{Arity, Declaration, End, Item, Knob, Port, Takes, counted, expect
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  trochoid nodes\n  trochoid nodes Mix\n  trochoid nodes Ramp --json")]
 pub(crate) struct Args {
-    /// The node type to explain; all are listed without it
+    /// The node type to explain [default: list all types]
     #[arg(value_name = "TYPE")]
     ty: Option<String>,
     /// Print JSON
@@ -21,7 +21,7 @@ pub(crate) struct Args {
 /// Lists the node types, or explains one.
 ///
 /// # Errors
-/// There is no such type, or stdout cannot be written.
+/// The type is unknown, or stdout cannot be written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let all = || registry().iter().map(|ty| ty.declaration());
     let Some(name) = &args.ty else {
@@ -46,7 +46,7 @@ fn unknown(name: &str) -> Failure {
     }
     let remedy = match nearest(name, registry().names()) {
         Some(near) => format!("did you mean {near}?"),
-        None => "`trochoid nodes` lists the types".into(),
+        None => "run `trochoid nodes` for a list of the types".into(),
     };
     Failure::usage(format!("found the node type \"{name}\"; expected a known one"), remedy)
 }
@@ -56,8 +56,8 @@ fn list(all: impl Iterator<Item = &'static Declaration>) -> String {
     let width = all.iter().map(|declaration| declaration.name.len()).max().unwrap_or(0);
     let mut text = String::new();
     for (end, heading) in [
-        (End::Front, "Front end: any mathematics; makes passes"),
-        (End::Back, "Back end: convex operations; makes colors and weights"),
+        (End::Front, "Front end: any mathematics; produces passes"),
+        (End::Back, "Back end: convex operations; produces colors and weights"),
     ] {
         let _ = writeln!(text, "{HEADING}{heading}{HEADING:#}");
         for declaration in all.iter().filter(|declaration| declaration.end == end) {
@@ -65,7 +65,7 @@ fn list(all: impl Iterator<Item = &'static Declaration>) -> String {
         }
         text.push('\n');
     }
-    text.push_str("`trochoid nodes TYPE` prints the manual of one.\n");
+    text.push_str("`trochoid nodes TYPE` prints the manual of a type.\n");
     text
 }
 
@@ -134,7 +134,7 @@ fn knob_text(knob: &Knob) -> String {
         Value::Null => "unset by default".into(),
         value => format!("default {value}"),
     };
-    let keyed = if knob.animated { "; may be keyed over frames" } else { "" };
+    let keyed = if knob.animated { "; may be keyframed" } else { "" };
     format!("{}; {default}{keyed}", knob.takes_in_words())
 }
 

@@ -1,9 +1,9 @@
-//! Outputs chosen by name.
+//! Selection of outputs by name.
 
 use crate::failure::Failure;
 use trochoid::{CheckedGraph, nearest};
 
-/// Indices of the outputs of these names, each once; all outputs for no names.
+/// Returns the indices of the named outputs, each once; of all outputs if no names are given.
 pub(crate) fn choose(graph: &CheckedGraph, names: &[String], faults: &mut Vec<Failure>) -> Vec<usize> {
     let known: Vec<&str> = graph.outputs().iter().map(|output| output.name.as_str()).collect();
     if names.is_empty() {
@@ -24,6 +24,6 @@ pub(crate) fn choose(graph: &CheckedGraph, names: &[String], faults: &mut Vec<Fa
             }
         }
     }
-    // A stand-in where no name fits, so that the pattern is looked at all the same.
+    // If no name matches, the first output stands in, so that file name patterns are still checked.
     if chosen.is_empty() { vec![0] } else { chosen }
 }

@@ -1,7 +1,7 @@
-//! `trochoid plan`: settings that meet a tolerance.
+//! `trochoid plan`: finds settings that meet a tolerance.
 //!
-//! As JSON: the plan as `--out` writes it: `trochoid_plan`, `document_hash`, `frame`, `tolerance`, `set`, `predicted_seconds`,
-//! `certified`.
+//! The JSON output is the plan that `--out` writes: `trochoid_plan`, `document_hash`, `frame`, `tolerance`, `set`,
+//! `predicted_seconds`, `certified`.
 
 use crate::failure::{FAILED, Failure, MISSED};
 use crate::files::{self, Files, Reach};
@@ -27,10 +27,10 @@ pub(crate) struct Args {
     /// The document
     #[arg(value_name = "GRAPH")]
     graph: PathBuf,
-    /// The largest error of a displayed value, such as 1/512; or exact [default: as the document says]
+    /// Maximum error of a displayed value, such as 1/512; or exact [default: the document's tolerance]
     #[arg(long, value_name = "ERROR", value_parser = tolerance, allow_hyphen_values = true)]
     tolerance: Option<Tolerance>,
-    /// The frame [default: the document's first]
+    /// Frame to plan for [default: the document's first]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     frame: Option<i64>,
     /// Plan for this output; may be repeated [default: all outputs]
@@ -39,10 +39,10 @@ pub(crate) struct Args {
     /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3; may be repeated
     #[arg(long, value_name = "NODE.KNOB=VALUE")]
     set: Vec<String>,
-    /// Number of threads; 0 takes all cores
+    /// Number of threads; 0 uses all cores
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-    /// Write the plan as JSON
+    /// Write the plan to this file as JSON
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -65,10 +65,10 @@ pub(crate) fn tolerance(text: &str) -> Result<Tolerance, NoTolerance> {
     Tolerance::parse(text).ok_or(NoTolerance)
 }
 
-/// Plans.
+/// Finds a plan, and prints or writes it.
 ///
 /// # Errors
-/// The document or the options are faulty, nothing meets the tolerance, or the plan cannot be written.
+/// The document or the options are invalid, no settings meet the tolerance, or the plan cannot be written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let loaded = args.files.load(&args.graph, &args.set)?;
     shell::tell(&loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>());
@@ -89,7 +89,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     }
     let frame = args.frame.unwrap_or(graph.frames().0);
     if let Some(out) = &args.out {
-        // A search takes minutes: what it could not write is told before it.
+        // A search takes minutes, so a destination that cannot be written is reported before it.
         let inputs = files::inputs(graph, &args.graph, &args.set, &[]);
         faults.extend(files::ending("--out", out, "json"));
         faults.extend(args.files.over.refusal(out, Form::Plan, &inputs));
@@ -123,12 +123,12 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if args.quiet { Ok(()) } else { shell::print(&described(graph, asked, &planned)) }
 }
 
-/// What is to meet a tolerance.
+/// Outputs of a document at a frame, for which settings are sought.
 pub(crate) struct Target<'a> {
     pub(crate) reach: &'a Reach,
     pub(crate) path: &'a Path,
     pub(crate) set: &'a [String],
-    /// The document as `set` has it.
+    /// The document with `set` applied.
     pub(crate) graph: &'a CheckedGraph,
     pub(crate) outputs: &'a [usize],
     pub(crate) frame: i64,
@@ -136,7 +136,7 @@ pub(crate) struct Target<'a> {
 }
 
 impl Target<'_> {
-    /// The settings.
+    /// Searches for settings that meet a tolerance.
     pub(crate) fn search(&self, tolerance: Tolerance, monitor: &dyn Monitor) -> Result<Planned, Failure> {
         let outputs: Vec<&str> = self.outputs.iter().map(|index| self.graph.outputs()[*index].name.as_str()).collect();
         let load = |more: &[String]| self.reach.load(self.path, &[self.set, more].concat());
@@ -168,7 +168,8 @@ impl Target<'_> {
     }
 }
 
-/// `tolerance 1/64: view.points=surface  error ≤ 8.5e-3, 1.45 % ambiguous, 5.9 s predicted`.
+/// Formats a plan as one line: `tolerance 1/64: view.points=surface  beauty: error ≤ 8.5e-3, 1.45 % ambiguous, 5.9 s
+/// predicted`.
 pub(crate) fn described(graph: &CheckedGraph, asked: Tolerance, planned: &Planned) -> String {
     let set = if planned.set.is_empty() { "nothing to choose".to_owned() } else { planned.set.join(", ") };
     let mut facts: Vec<String> = planned

@@ -1,4 +1,4 @@
-//! `trochoid preview`: frames of an output, small, as one animated picture; or one frame as a still.
+//! `trochoid preview`: renders frames of an output at reduced size, as an animated WebP or a still PNG.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED};
 use crate::files::{self, Files};
@@ -16,7 +16,7 @@ use webp_animation::{ColorMode, Encoder, EncoderOptions, EncodingConfig};
 /// Options of `trochoid preview`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-An animation is compressed with loss, and carries no guarantee about its colors.
+An animation uses lossy compression, and carries no guarantee about its colors.
 
 Examples:
   trochoid preview storm.json -o storm.webp
@@ -26,16 +26,16 @@ pub(crate) struct Args {
     /// The document
     #[arg(value_name = "GRAPH")]
     graph: PathBuf,
-    /// Show this output, a Color or a mask [default: the first]
+    /// Output to show, a Color or a mask [default: the first]
     #[arg(long, value_name = "NAME")]
     output: Option<String>,
-    /// Frames, such as 1-96x2 (every second one) [default: all frames of the document]
+    /// Frames, such as 1-96x2 (every second frame) [default: all frames of the document]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     frames: Option<String>,
-    /// Average blocks of N × N pixels to one
+    /// Average blocks of N × N pixels into one pixel
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u16).range(1..=64))]
     shrink: u16,
-    /// Quality of the animation's compression, 0 to 100
+    /// Compression quality of the animation, 0 to 100
     #[arg(long, value_name = "Q", default_value_t = 80, value_parser = clap::value_parser!(u8).range(0..=100))]
     quality: u8,
     /// The file to write: .webp for an animation, .png for one frame
@@ -51,13 +51,14 @@ pub(crate) struct Args {
     quiet: bool,
 }
 
-/// WebP's largest width and height.
+/// Maximum width and height of a WebP file, in pixels.
 const LARGEST: u32 = 16_383;
 
-/// Renders the frames asked for into one animation, which repeats for ever.
+/// Renders the requested frames into one animation, which loops forever, or one frame into a still.
 ///
 /// # Errors
-/// Everything that is wrong beforehand, at once; later, what stopped the run. Then nothing is written.
+/// All problems that can be found in advance, together; or the problem that stopped the run. In either case nothing
+/// is written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let loaded = args.files.load(&args.graph, &args.set)?;
     shell::tell(&remedies::texts(&loaded.warnings));
@@ -91,7 +92,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     } else {
         let cannot = |error: webp_animation::Error| Failure::new(FAILED, format!("{}: {error}", args.out.display()));
         let encoding = Some(EncodingConfig::new_lossy(f32::from(args.quality)));
-        // Every frame whole: of frames that hold only what has changed, slow drift never does so enough, and stands still.
+        // Every frame is a keyframe: between frames that store only changes, slow drift stays below the threshold and
+        // appears frozen.
         let options =
             EncoderOptions { encoding_config: encoding, color_mode: ColorMode::Rgb, kmax: 1, ..Default::default() };
         let mut encoder = Encoder::new_with_options((size[0], size[1]), options).map_err(cannot)?;
@@ -114,7 +116,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     shell::print(&format!("{frames}: {name} → {out}  {} × {} pixels\n", size[0], size[1]))
 }
 
-/// What is written.
+/// Returns the kind of file to write.
 fn form(args: &Args) -> Form {
     if ends(args, "png") { Form::Preview } else { Form::WebP }
 }
@@ -128,13 +130,13 @@ fn choose_frames(graph: &CheckedGraph, list: Option<&str>, faults: &mut Vec<Fail
         Ok(Some(frames)) => frames,
         Ok(None) => frames::all(graph, false, faults),
         Err(pieces) => {
-            faults.extend(pieces.into_iter().map(|piece| Failure::usage(piece, "write for example 1-96x2")));
+            faults.extend(pieces.into_iter().map(|piece| Failure::usage(piece, "use a list such as 1-96x2")));
             Vec::new()
         }
     }
 }
 
-/// Adds what is wrong with the output or the file.
+/// Adds faults of the output and of the file.
 fn look(args: &Args, graph: &CheckedGraph, output: usize, frames: usize, size: [u32; 2], faults: &mut Vec<Failure>) {
     let spec = &graph.outputs()[output];
     if !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {
@@ -142,15 +144,16 @@ fn look(args: &Args, graph: &CheckedGraph, output: usize, frames: usize, size: [
         faults.push(Failure::usage(message, "choose another with --output"));
     }
     if size.iter().any(|&side| side > LARGEST) {
-        let message = format!("found a preview of {} × {} pixels; expected at most {LARGEST} a side", size[0], size[1]);
+        let message =
+            format!("found a preview of {} × {} pixels; expected at most {LARGEST} on each side", size[0], size[1]);
         faults.push(Failure::usage(message, "raise --shrink"));
     }
     if ends(args, "png") && frames > 1 {
         let message = format!("--out {}: found {frames} frames; expected one in a PNG", quoted_path(&args.out));
-        faults.push(Failure::usage(message, "choose one with --frames, or name the file for example storm.webp"));
+        faults.push(Failure::usage(message, "choose one with --frames, or use a name such as storm.webp"));
     } else if !ends(args, "png") && !ends(args, "webp") {
-        let message = format!("--out {}: found another ending; expected .webp or .png", quoted_path(&args.out));
-        faults.push(Failure::usage(message, "name the file for example storm.webp"));
+        let message = format!("--out {}: found another extension; expected .webp or .png", quoted_path(&args.out));
+        faults.push(Failure::usage(message, "use a name such as storm.webp"));
     }
 }
 
@@ -168,13 +171,13 @@ fn render(
     }
     let name = graph.outputs()[output].name.as_str();
     let plan = Plan::new(graph, &[name], frame, &[], &Settings::default()).map_err(|error| failed(&error))?;
-    // It is made small and encoded from there.
+    // The whole picture is needed: it is reduced and encoded afterward.
     let account = plan.memory(Pictures::Files);
     plan.check_memory(&account).map_err(|mut error| {
         if let EvalError::TooMuchMemory { remedy, .. } = &mut error
             && let Some((Taker::Pictures | Taker::Writing, ..)) = account.takers.first()
         {
-            // Previews are no EXR.
+            // The remedy of writing EXR does not apply to previews.
             *remedy = "lower the format's \"width\" and \"height\"";
         }
         Failure::evaluated(&format!("frame {frame}: "), &error)
@@ -186,8 +189,8 @@ fn render(
     evaluated.pictures.into_iter().next().ok_or_else(|| failed(&"no picture was made"))
 }
 
-/// When each frame begins, in milliseconds from the first, and when the last ends. Frames that are further apart stay
-/// as long as those between them would have.
+/// Returns when each frame begins and when the last one ends, in milliseconds from the start. A frame also stays for
+/// the frames that the list skips after it.
 fn times(frames: &[i64], fps: f64) -> Vec<i32> {
     let mut gaps: Vec<f64> = frames.windows(2).map(|two| (two[1] - two[0]).abs().max(1) as f64).collect();
     gaps.push(gaps.last().copied().unwrap_or(1.0));
@@ -200,7 +203,7 @@ fn times(frames: &[i64], fps: f64) -> Vec<i32> {
     times
 }
 
-/// Blocks of pixels averaged to one with equal weights, encoded for display.
+/// Averages blocks of pixels with equal weights, and encodes the results for display.
 fn shrink(graph: &CheckedGraph, picture: &Picture, block: usize) -> [Vec<f32>; 3] {
     let [width, height] = [graph.format().width(), graph.format().height()].map(|side| side as usize);
     let color = picture.kind == Kind::Color;
@@ -220,7 +223,7 @@ fn shrink(graph: &CheckedGraph, picture: &Picture, block: usize) -> [Vec<f32>; 3
     small
 }
 
-/// R, G, B pixel by pixel, of 8 bits each.
+/// Returns interleaved R, G and B of 8 bits each.
 fn bytes([r, g, b]: &[Vec<f32>; 3]) -> Vec<u8> {
     let pixels = r.iter().zip(g).zip(b).flat_map(|((r, g), b)| [*r, *g, *b]);
     pixels.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8).collect()
@@ -286,7 +289,7 @@ mod tests {
         let still = trochoid::parse("graph.json", &drifting, std::path::Path::new("."), &[]).unwrap();
         let still = render(&still.graph, 0, 24, &mut Cache::new(), &Progress::new(1, true)).unwrap();
         let expected = |pixel: usize| (still.planes[2].samples()[pixel] * 255.0).round() as i32;
-        // The left part of a row, where the drift is all that there is.
+        // The left part of a row, whose colors come from the drift alone.
         let apart = (0..24).map(|x| (i32::from(last.data()[4 * (96 * 32 + x) + 2]) - expected(96 * 32 + x)).abs());
         let furthest = apart.max().unwrap();
         assert!(furthest < 6, "{furthest} levels from the still");

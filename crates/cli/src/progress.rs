@@ -1,4 +1,4 @@
-//! A progress bar on a terminal, nothing in a pipe.
+//! The progress bar, which is shown on terminals only.
 
 use crate::failure::Failure;
 use crate::{interrupt, shell};
@@ -7,25 +7,25 @@ use std::fmt::Write;
 use std::time::Duration;
 use trochoid::Monitor;
 
-/// Steps of the bar that a frame takes.
+/// Steps of the bar per frame.
 const STEPS: u64 = 1000;
 
-/// Shows how far a run is, and asks whether it should stop.
+/// Progress bar of a run, and the monitor that tells the run whether to stop.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    /// Where the bar stood when the frame began.
+    /// Position of the bar at the start of the frame.
     start: u64,
     frame: i64,
 }
 
 impl Progress {
-    /// A bar for so many frames; on stderr, and only where that is a terminal.
+    /// Creates a bar for this many frames, on stderr, visible only if that is a terminal.
     pub(crate) fn new(frames: usize, hidden: bool) -> Self {
         let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(frames as u64 * STEPS), target);
         let template = "{bar:20} {percent:>3} %  {elapsed} elapsed, {left} left  {wide_msg}";
         if let Ok(style) = ProgressStyle::with_template(template) {
-            // Nothing done yet is no ground for an estimate.
+            // Without progress there is no estimate.
             let left = |state: &ProgressState, out: &mut dyn Write| {
                 let seconds = state.eta().as_secs();
                 let _ = if state.pos() == 0 { out.write_str("?") } else { write!(out, "{seconds}s") };
@@ -33,7 +33,7 @@ impl Progress {
             bar.set_style(style.with_key("left", left));
         }
         if !bar.is_hidden() {
-            // A long preparation must not look like a standstill.
+            // Redrawn regularly, so that a long preparation does not look stuck.
             bar.enable_steady_tick(Duration::from_millis(250));
         }
         Self { bar, start: 0, frame: 0 }
@@ -45,7 +45,7 @@ impl Progress {
         self.bar.set_message(format!("frame {frame}"));
     }
 
-    /// A frame that costs nothing must not count in the estimate of what is left.
+    /// Skips a frame. It took no time, so it must not count in the estimate of the time left.
     pub(crate) fn skip(&self) {
         self.bar.set_position(self.start + STEPS);
         self.bar.reset_eta();

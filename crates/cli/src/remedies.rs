@@ -100,7 +100,7 @@ pub(crate) fn written(failed: &io::Error) -> String {
         io::Error::Foreign { path } => {
             let path = path.display();
             format!(
-                "{path}: the file cannot be written: what stands there is not Trochoid's: give another name, or say --overwrite"
+                "{path}: the file cannot be written: the existing file is not Trochoid's: give another name, or use --overwrite"
             )
         }
         _ => failed.to_string(),
@@ -122,6 +122,6 @@ mod tests {
     #[test]
     fn a_file_of_somebody_else_is_replaced_by_an_option() {
         let told = written(&io::Error::Foreign { path: "a.png".into() });
-        assert!(told.starts_with("a.png: ") && told.ends_with("or say --overwrite"), "{told}");
+        assert!(told.starts_with("a.png: ") && told.ends_with("or use --overwrite"), "{told}");
     }
 }

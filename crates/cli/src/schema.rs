@@ -1,4 +1,4 @@
-//! `trochoid schema`.
+//! `trochoid schema`: prints the JSON Schema of documents.
 
 use crate::failure::Failure;
 use crate::shell;
@@ -6,7 +6,7 @@ use crate::shell;
 /// Prints the JSON Schema of documents, for editors and for other programs.
 ///
 /// # Errors
-/// stdout cannot be written.
+/// Writing to stdout fails.
 pub(crate) fn run() -> Result<(), Failure> {
     shell::print_json(&trochoid::schema(trochoid::registry()))
 }

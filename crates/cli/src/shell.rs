@@ -1,14 +1,14 @@
-//! What is printed: results on stdout, everything else on stderr, colors on terminals alone.
+//! Printing: results on stdout, everything else on stderr, with colors on terminals only.
 
 use crate::failure::{FAILED, Failure};
 use anstyle::Style;
 use std::io::{ErrorKind, Write};
 pub(crate) use trochoid_terminal::{printable, tell};
 
-/// Headings of manuals.
+/// Style of headings.
 pub(crate) const HEADING: Style = Style::new().bold();
 
-/// Prints a result on stdout as it stands. A reader that has gone away is no error.
+/// Prints a result on stdout unchanged. A closed pipe is not an error.
 ///
 /// # Errors
 /// The text cannot be written for another reason, such as a full disk.
@@ -22,7 +22,7 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints a JSON value on stdout, with line breaks.
+/// Pretty-prints a JSON value on stdout.
 ///
 /// # Errors
 /// As [`print`].
@@ -30,7 +30,7 @@ pub(crate) fn print_json(value: &serde_json::Value) -> Result<(), Failure> {
     print(&format!("{value:#}\n"))
 }
 
-/// Words broken into lines of at most 96 characters, each indented.
+/// Wraps a text into indented lines of at most 96 characters.
 pub(crate) fn wrap(text: &str, indent: usize) -> String {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {

@@ -1,8 +1,9 @@
-//! `trochoid verify`: certificates and their images, checked.
+//! `trochoid verify`: checks a certificate and its image.
 //!
-//! As JSON: `holds`; `certificate`, `image`, `frame`, `made_by`; `inputs` and `blocks`, how many were held against their hashes;
-//! `outputs`, a list of `{output, looked_at, pixels, ambiguous, hull, distance, distance_ambiguous, weight_min,
-//! weight_sum_max_deviation}`, empty where nothing was evaluated; `failures`, a list of `{place, found, expected}`.
+//! The JSON output has `holds`; `certificate`, `image`, `frame`, `made_by`; `inputs` and `blocks`, the numbers compared
+//! with their hashes; `outputs`, a list of `{output, looked_at, pixels, ambiguous, hull, distance, distance_ambiguous,
+//! weight_min, weight_sum_max_deviation}`, empty if nothing was evaluated; `failures`, a list of `{place, found,
+//! expected}`.
 
 use crate::failure::{Failure, MISSED};
 use crate::files::Reach;
@@ -17,16 +18,17 @@ use trochoid::certificate::{Certificate, Choice, Findings, Request, Verification
 /// Options of `trochoid verify`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-The document is in the certificate, and its inputs are found from there: paths in it are relative to its folder. Pixels \
-are evaluated by the f64 references, which share no program, kernel or tile with what renders; which ones, the certificate's digest says.
+The certificate contains the document; its paths are relative to the certificate's folder. Pixels are evaluated by \
+the f64 references, which share no program, kernel or tile with the renderer; the certificate's digest selects the \
+pixels.
 
-Exit code 3 says that the certificate does not hold.
+Exit code 3 means that the certificate does not hold.
 
 Examples:
   trochoid verify out/storm.0036.json out/storm.0036.exr
   trochoid verify out/storm.0036.json out/storm.0036.exr --all --document storm.json")]
 pub(crate) struct Args {
-    /// The certificate, as `render --certificate` writes it
+    /// The certificate, written by `render --certificate`
     #[arg(value_name = "CERTIFICATE")]
     certificate: PathBuf,
     /// The image
@@ -35,13 +37,13 @@ pub(crate) struct Args {
     /// Evaluate every pixel
     #[arg(long, conflicts_with = "pixels")]
     all: bool,
-    /// Evaluate so many pixels
+    /// Number of pixels to evaluate
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..))]
     pixels: u64,
-    /// Check that this is the certified document
+    /// Check that this document is the certified one
     #[arg(long, value_name = "GRAPH")]
     document: Option<PathBuf>,
-    /// Set a knob or port of that document, as for `render`; may be repeated
+    /// Set a knob or port of --document, as for `render`; may be repeated
     #[arg(long, value_name = "NODE.KNOB=VALUE", requires = "document")]
     set: Vec<String>,
     #[command(flatten)]
@@ -57,7 +59,7 @@ pub(crate) struct Args {
 /// Checks a certificate.
 ///
 /// # Errors
-/// It does not hold, which is said line by line; or a file cannot be read.
+/// The certificate does not hold, with a message for each failure; or a file cannot be read.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let document = args.document.as_ref().map(|path| args.reach.load(path, &args.set)).transpose()?;
     args.reach.warn();
@@ -65,7 +67,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let choice = if args.all { Choice::All } else { Choice::Some(args.pixels) };
     interrupt::watch()?;
     let mut progress = Progress::new(1, args.quiet);
-    // The frame, for the progress bar alone: what cannot be read is told in a moment.
+    // The frame for the progress bar; `verify` reports a certificate that cannot be read.
     if let Ok(Ok(certificate)) = Certificate::read(&args.certificate) {
         progress.begin(0, certificate.frame);
     }
@@ -92,7 +94,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     Failure::all(failures.chain([last]))
 }
 
-/// What the document in the certificate may reach: it stands in the certificate's folder, or where the user says that it does.
+/// Returns the access rights of the document in the certificate: those of the certificate's folder, and of the folder
+/// of `--document`.
 fn access(args: &Args) -> Access {
     let folder = |path: &PathBuf| path.parent().map(Path::to_path_buf).unwrap_or_default();
     let access = args.reach.access(&folder(&args.certificate));
@@ -108,8 +111,8 @@ fn text(args: &Args, found: &Verification) -> String {
     let frame = found.frame.unwrap_or_default();
     let [certificate, image] = [&args.certificate, &args.image].map(|path| printable(&path.display().to_string()));
     let version = printable(&found.trochoid);
-    // Whoever changes a certificate can make a new digest: it tells slips, and no more.
-    lines.push(format!("{certificate}: agrees with its own digest; by Trochoid {version}, of frame {frame}"));
+    // Anyone who changes a certificate can compute a new digest, so a digest only detects accidental changes.
+    lines.push(format!("{certificate}: matches its own digest; made by Trochoid {version}, of frame {frame}"));
     let document =
         args.document.as_ref().map(|path| format!("{} is its document, ", printable(&path.display().to_string())));
     let inputs = match found.inputs {
@@ -119,7 +122,7 @@ fn text(args: &Args, found: &Verification) -> String {
     };
     lines.push(format!("{}{inputs}", document.unwrap_or_default()));
     let blocks = if found.blocks == 1 { "1 block".into() } else { format!("{} blocks", found.blocks) };
-    lines.push(format!("{image}: the certified pixels, in {blocks}"));
+    lines.push(format!("{image}: contains the certified pixels, in {blocks}"));
     for output in &found.outputs {
         lines.push(checked(output));
     }
@@ -127,12 +130,12 @@ fn text(args: &Args, found: &Verification) -> String {
     lines.join("\n") + "\n"
 }
 
-/// One line an output.
+/// Formats the line of an output.
 fn checked(output: &Findings) -> String {
     let name = printable(&output.output);
     let mut facts =
         vec![format!("{name}: {} evaluated by the references", count(output.looked_at, output.pixels, "pixels"))];
-    facts.push(format!("at most {:.1e} from them beyond what the file rounds", output.distance));
+    facts.push(format!("at most {:.1e} from them beyond the rounding of the file", output.distance));
     if output.ambiguous > 0 {
         facts.push(format!("{} ambiguous, at most {:.1e} from them", output.ambiguous, output.distance_ambiguous));
     }

@@ -1,15 +1,15 @@
-//! The mark of an animation: what made it, as XMP.
+//! The mark of an animation: XMP metadata that name its generator.
 
 use trochoid::{GENERATOR, VERSION};
 
-/// The bit of the extended header's flags that says that there is XMP.
+/// Flag in the extended header for XMP metadata.
 const XMP: u8 = 1 << 2;
-/// `RIFF`, the size, `WEBP`.
+/// Length of the file header: `RIFF`, the size, `WEBP`.
 const HEADER: usize = 12;
-/// `VP8X`, its size, flags and the size of the picture.
+/// Length of the extended header: `VP8X`, its size, flags, and the size of the picture.
 const EXTENDED: usize = 18;
 
-/// A WebP of this size that says in XMP that Trochoid made it.
+/// Returns a WebP file of this size in pixels with XMP metadata that name Trochoid as its generator.
 pub(crate) fn marked(file: &[u8], size: [u32; 2]) -> Vec<u8> {
     let (head, mut chunks) = file.split_at(HEADER.min(file.len()));
     // An animation has an extended header, and it comes first: `VP8X`, its size, its flags. A single frame has none.

@@ -33,8 +33,9 @@ use syn::{DeriveInput, parse_macro_input};
 /// Derives the declaration of a node, and the code that reads its fields, from a struct.
 ///
 /// The documentation of the struct becomes that of the node: one sentence, then the sections `# Formula`,
-/// `# Edge cases` and `# Source`. `#[node(end = Back, revision = 1, outputs = Out)]` sets its end, its revision and
-/// the enum of its outputs; a node with one output may declare it there: `output(mask: Kind::MASK = "Help.")`.
+/// `# Edge cases` and `# Source`. `#[node(pointwise, end = Back, revision = 1, outputs = Out)]` sets its body
+/// (`pointwise` or `stage`), its end, its revision and the enum of its outputs; a node with one output may declare it
+/// there: `output(mask: Kind::MASK = "Help.")`.
 #[proc_macro_derive(Node, attributes(node, also_called, port, knob, list, items))]
 pub fn node(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);

@@ -19,6 +19,7 @@ struct Said {
     role: Option<Ident>,
     offers: Vec<Ident>,
     reads: Option<TokenStream>,
+    body: Option<Ident>,
 }
 
 /// Parses a single output, `mask: Kind::MASK = "Help."`, optionally followed by the names of its channels in files.
@@ -55,6 +56,8 @@ fn parse(input: ParseStream<'_>) -> Result<Said, Error> {
                 parenthesized!(content in input);
                 said.outputs = Some(single(&content)?);
             }
+            "stage" => said.body = Some(Ident::new("Stage", key.span())),
+            "pointwise" => said.body = Some(Ident::new("Pointwise", key.span())),
             "offers" => {
                 let content;
                 parenthesized!(content in input);
@@ -80,7 +83,8 @@ fn parse(input: ParseStream<'_>) -> Result<Said, Error> {
                         said.outputs = Some(quote! { <#path as ::trochoid_graph::OutputSet>::OUTPUTS });
                     }
                     _ => {
-                        let known = "expected name, end, revision, outputs, output(…), role, offers(…) or reads(…)";
+                        let known = "expected stage, pointwise, name, end, revision, outputs, output(…), role, \
+                                     offers(…) or reads(…)";
                         return Err(Error::new_spanned(key, known));
                     }
                 }
@@ -136,8 +140,18 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
         also.map(|attribute| attribute.parse_args_with(aliases)).collect::<Result<_, _>>()?;
     let also = also.concat();
     let items = fields(input)?;
+    let computes = said.body.map(|body| {
+        quote! {
+            impl ::trochoid_graph::Computes for #ident {
+                fn body(&self) -> ::trochoid_graph::Body<'_> {
+                    ::trochoid_graph::Body::#body(self)
+                }
+            }
+        }
+    });
     Ok(quote! {
         #items
+        #computes
 
         impl ::trochoid_graph::Declare for #ident {
             const DECLARATION: &'static ::trochoid_graph::Declaration = &::trochoid_graph::Declaration {

@@ -36,11 +36,11 @@ pub struct Diagnostic {
     pub expected: String,
     /// Remedy: an instruction to the user.
     pub remedy: String,
-    /// What a front end can offer for that remedy, if anything.
+    /// Means of the remedy that a front end can offer, if any.
     pub means: Option<Means>,
 }
 
-/// What a front end can offer, by an option or a button, to do what a remedy says.
+/// Means of a remedy, which a front end can offer by an option or a button.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Means {

@@ -74,7 +74,8 @@ pub use lowering::Lowering;
 pub use manual::counted;
 pub use memory::{MemoryUse, Reckoning, in_bytes};
 pub use node::{
-    Body, Declare, Dynamics, Found, Handle, Node, NodeType, Omission, Paths, Pointwise, Prepared, Rate, Stage, Variance,
+    Body, Computes, Declare, Dynamics, Found, Handle, Node, NodeType, Omission, Paths, Pointwise, Prepared, Rate,
+    Stage, Variance,
 };
 pub use node_error::{BadData, DataPlace, Failure, NodeError};
 pub use program::{Color, Op, Partition, Program, Scalar, Slot, Type};

@@ -24,7 +24,7 @@ impl Port {
             _ => "",
         };
         let accepts = self.accepts;
-        let open = if self.is_required() { "" } else { "; may be left open" };
+        let open = if self.is_required() { "" } else { "; optional" };
         match self.arity {
             Arity::One | Arity::Optional => format!("{accepts}{literal}{open}"),
             Arity::Many { min, max } => format!("a list of {} × {accepts}{literal}{open}", counted(min, max)),

@@ -2,7 +2,7 @@
 //!
 //! A node type is a struct whose fields are its ports and knobs; `#[derive(Node)]` makes its [`Declaration`] from
 //! them. A value of the struct is a node at one frame. The struct implements [`Node`]: the checks that the range of a
-//! single knob cannot express, and the body. A body is either [`Pointwise`] (it lowers to the closed program) or a
+//! single knob cannot express. Its body is either [`Pointwise`] (it lowers to the closed program) or a
 //! [`Stage`] (it prepares once per frame, then fills tiles).
 //!
 //! An implementation **must** be deterministic, give the same value at a sample in every tile, and fill exactly the
@@ -53,7 +53,7 @@ pub trait Declare: Items {
 }
 
 /// A node at one frame.
-pub trait Node: Any + Send + Sync {
+pub trait Node: Computes + Any + Send + Sync {
     /// Returns the kinds of the outputs if knobs or the number of connections decide them; `None` if they are as
     /// declared. An output of [`Kind::ANY`] has the kind of the node's first connection.
     fn kinds(&self) -> Option<Vec<Kind>> {
@@ -92,7 +92,10 @@ pub trait Node: Any + Send + Sync {
     fn dynamics(&self) -> Option<&dyn Dynamics> {
         None
     }
+}
 
+/// The trait that a node computes by. `#[derive(Node)]` implements it for a struct that declares `stage` or `pointwise`.
+pub trait Computes {
     /// Returns the node's body.
     fn body(&self) -> Body<'_>;
 }

@@ -94,22 +94,22 @@ pub(crate) struct SyntaxError {
     pub fault: SyntaxFault,
 }
 
-/// What is wrong with a text.
+/// Fault in a text.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum SyntaxFault {
-    /// It is no JSON.
+    /// The text is not JSON.
     #[error("a syntax error ({})", without_place(.0))]
     NoJson(#[source] serde_json::Error),
-    /// A string has an escape that stands for nothing.
+    /// A string has an invalid escape.
     #[error("{}", without_place(.0))]
     Escape(#[source] serde_json::Error),
-    /// A number is none that a computer holds.
+    /// A number cannot be parsed.
     #[error("\"{0}\", which is not a number")]
     NoNumber(String),
     /// Lists and objects are nested too deeply.
     #[error("values nested deeper than {MAX_DEPTH} levels")]
     TooDeep,
-    /// It holds too many values.
+    /// The text holds too many values.
     #[error("more than {MAX_VALUES} values")]
     TooMany,
 }
@@ -243,7 +243,7 @@ fn offset_of(text: &str, line: usize, column: usize) -> usize {
     (start + column.saturating_sub(1)).min(text.len())
 }
 
-/// `serde_json` ends its messages with the place, and gives them no other way; the diagnostic states it already.
+/// Removes the place at the end of a message of `serde_json`, which the diagnostic already states.
 fn without_place(error: &serde_json::Error) -> String {
     let (message, place) = (error.to_string(), format!(" at line {} column {}", error.line(), error.column()));
     message.strip_suffix(&place).map_or(message.clone(), String::from)

@@ -47,8 +47,8 @@ impl Term {
     pub fn remedy(&self) -> String {
         match self {
             Self::Output => "no node writes: name it under \"outputs\", with a \"file\"".into(),
-            Self::Node { name, how: "" } => format!("the node for that is \"{name}\""),
-            Self::Node { name, how } => format!("the node for that is \"{name}\" ({how})"),
+            Self::Node { name, how: "" } => format!("use the node \"{name}\""),
+            Self::Node { name, how } => format!("use the node \"{name}\" ({how})"),
         }
     }
 

@@ -2,11 +2,14 @@
 //!
 //! Conventions: y points down, windows are half-open, the center of pixel `x` is at `x + ½`.
 
+#![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
+
 mod channel;
 mod color;
 mod format;
 mod plane;
 mod space;
+mod spread;
 mod window;
 
 pub use channel::{Channel, ChannelSet};
@@ -14,6 +17,7 @@ pub use color::{HexError, parse_hex};
 pub use format::{Format, FormatError, MAX_PIXELS, MAX_SIDE, Shading};
 pub use plane::{Plane, PlaneError};
 pub use space::{Chromaticities, WorkingSpace, srgb_decode, srgb_encode};
+pub use spread::spread;
 pub use window::{Tiles, Window};
 
 /// A color in the working space: red, green, blue.

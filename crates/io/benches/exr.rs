@@ -1,4 +1,4 @@
-//! EXR: one band and a whole HD picture, read and written.
+//! Reading and writing of EXR: one band, and a whole HD picture.
 
 use divan::counter::BytesCount;
 use divan::{Bencher, black_box};
@@ -15,7 +15,7 @@ fn main() {
     divan::main();
 }
 
-/// A smooth picture with noise in its low bits, as renderers make them: three planes.
+/// Returns three planes of a smooth picture with noise in its low bits, like the pictures of renderers.
 fn planes() -> Vec<Plane> {
     let mut seed = 1_u32;
     let mut noise = || {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::Error;
 use crate::partial::Temporary;
 
-/// Where a file goes, and what it may replace there: by default whatever there is.
+/// Destination of a file, and the files that it may replace: by default, any.
 ///
 /// ```
 /// use trochoid_io::{Target, read_bytes, write_bytes};
@@ -27,7 +27,7 @@ pub struct Target {
     may_replace: Option<MayReplace>,
 }
 
-/// Whether the file at a path may be replaced.
+/// Function that tells whether the file at a path may be replaced.
 type MayReplace = Arc<dyn Fn(&Path) -> bool + Send + Sync>;
 
 impl std::fmt::Debug for Target {
@@ -43,21 +43,22 @@ impl<P: AsRef<Path>> From<P> for Target {
 }
 
 impl Target {
-    /// The same, which replaces a file only if `may_replace` says so, asked as late as can be.
+    /// Returns the target with a condition: a file is replaced only if `may_replace` allows it, which is called as late
+    /// as possible.
     #[must_use]
     pub fn replacing(self, may_replace: impl Fn(&Path) -> bool + Send + Sync + 'static) -> Self {
         Self { may_replace: Some(Arc::new(may_replace)), ..self }
     }
 
-    /// Where.
+    /// Returns the path of the target.
     pub fn path(&self) -> &Path {
         &self.path
     }
 }
 
-/// A file on its way: written under a temporary name in the same folder, until it takes its place.
+/// Unfinished file, which has a temporary name in the same folder until it takes its place.
 ///
-/// Whoever looks at the path sees the old file or the new one. Dropped, it leaves the old file and nothing else.
+/// At any time the path has the old file or the new one. If the value is dropped, the old file stays and nothing else.
 pub(crate) struct AtomicFile {
     path: PathBuf,
     target: PathBuf,
@@ -67,7 +68,7 @@ pub(crate) struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Starts an empty file.
+    /// Creates an empty temporary file.
     pub(crate) fn create(to: &Target) -> Result<Self, Error> {
         let path = to.path();
         let target = destination(path)?;
@@ -82,11 +83,11 @@ impl AtomicFile {
         })
     }
 
-    /// Puts the finished file in its place.
+    /// Moves the finished file to its place.
     pub(crate) fn commit(self) -> Result<(), Error> {
         let Self { path, target, may_replace, mut writer, temporary } = self;
         writer.flush().map_err(Error::io(&path, "write the file"))?;
-        // On disk before the name changes: after a power cut the name must not lead to missing bytes.
+        // Synced before the name changes: after a power failure the name must not lead to missing bytes.
         writer.get_ref().sync_all().map_err(Error::io(&path, "write the file to disk"))?;
         if let Some(may_replace) = may_replace
             && fs::metadata(&target).is_ok_and(|found| found.is_file())
@@ -94,12 +95,12 @@ impl AtomicFile {
         {
             return Err(Error::Foreign { path });
         }
-        // Open until it has its name: nobody takes a file for dead that is locked.
+        // The file stays open until it has its name: a locked file is not taken for an abandoned one.
         temporary.persist(&target).map_err(Error::io(&path, "rename the finished file"))?;
         drop(writer);
         #[cfg(unix)]
         if let Ok(folder) = File::open(folder(&target)) {
-            // Makes the new name itself durable. Some file systems refuse; the picture is complete either way.
+            // Makes the new name durable. Some file systems refuse this; the picture is complete either way.
             let _ = folder.sync_all();
         }
         Ok(())
@@ -116,10 +117,10 @@ pub(crate) fn write_atomically(
     file.commit()
 }
 
-/// Writes bytes into a file that appears whole or not at all.
+/// Writes bytes to a file, which appears whole or not at all.
 ///
 /// # Errors
-/// Something that is no regular file stands there, or the file cannot be written; the old one is untouched then.
+/// The path is not a regular file, or the file cannot be written; an existing file is untouched then.
 pub fn write_bytes(to: impl Into<Target>, bytes: &[u8]) -> Result<(), Error> {
     let to = to.into();
     write_atomically(&to, |writer| writer.write_all(bytes).map_err(Error::io(to.path(), "write the file")))
@@ -132,20 +133,20 @@ fn folder(target: &Path) -> &Path {
     }
 }
 
-/// Links to what does not exist that are followed one after another.
+/// Maximum number of dangling links that are followed one after another.
 const MOST_LINKS: usize = 40;
 
-/// Where the file really goes: a link keeps pointing at its target, and only a regular file is ever replaced.
+/// Returns the actual destination: links are followed and stay, and only regular files are replaced.
 fn destination(path: &Path) -> Result<PathBuf, Error> {
     match fs::metadata(path) {
         Ok(found) if found.is_file() => return fs::canonicalize(path).map_err(Error::io(path, "follow the path")),
-        // A rename would replace a device such as /dev/null by a file.
+        // Renaming would replace a device such as /dev/null with a file.
         Ok(_) => {
             return Err(Error::unwritable(path, "something that is not a regular file", "give the path of a file"));
         }
         Err(_) => {}
     }
-    // A link to what does not exist yet stays, and the file is made where it leads.
+    // A dangling link stays, and the file is created where it leads.
     let mut target = path.to_path_buf();
     for _ in 0..MOST_LINKS {
         match fs::read_link(&target) {
@@ -203,7 +204,7 @@ mod tests {
             .unwrap();
         assert_eq!(fs::read(&target).unwrap(), b"new");
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
-        // So are links to what is still to be made, one after another.
+        // So are dangling links, one after another.
         fs::remove_file(&target).unwrap();
         std::os::unix::fs::symlink("link", folder.path().join("second")).unwrap();
         write_bytes(folder.path().join("second"), b"made").unwrap();

@@ -1,3 +1,5 @@
+//! Memory needed to read image files, from their headers.
+
 use std::path::Path;
 
 use trochoid_image::Window;
@@ -5,17 +7,17 @@ use trochoid_image::Window;
 use crate::source::{self};
 use crate::{Error, ExrReader, FileKind, Limits, Selection, raster};
 
-/// Bytes of memory that a reading takes.
+/// Memory needed to read a file, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
-    /// What is held afterward: an f32 for each pixel and channel.
+    /// Memory held afterward: an f32 for each pixel and channel.
     pub held: u64,
-    /// What decoding takes besides, at most.
+    /// Maximum additional memory during decoding.
     pub decoding: u64,
 }
 
-/// What reading a selection will take, by the file's header alone: of the whole picture or, where only `window` of it is kept,
-/// of that.
+/// Returns the memory needed to read a selection, judging only by the file's header: of the whole picture or, if only
+/// `window` is kept, of that part.
 ///
 /// ```
 /// use trochoid_image::Window;
@@ -31,8 +33,8 @@ pub struct Cost {
 /// ```
 ///
 /// # Errors
-/// The file cannot be opened, is not a picture, its header is damaged, holds something that is not supported, or lacks what
-/// is selected.
+/// The file cannot be opened, is not a picture, its header is damaged, holds something that is not supported, or lacks
+/// what is selected.
 pub fn cost(
     path: impl AsRef<Path>,
     selection: &Selection,

@@ -1,6 +1,6 @@
-//! What a file is, by its first bytes, for messages about files of the wrong kind.
+//! Recognition of files by their first bytes, for messages about files of the wrong kind.
 
-/// What a file that begins so probably is, such as "a GIF picture"; 64 bytes tell as much as more would.
+/// Describes a file by its first bytes, such as "a GIF picture". More than 64 bytes give no better result.
 ///
 /// ```
 /// assert_eq!(trochoid_io::describe(b"GIF89a"), "a GIF picture");
@@ -16,7 +16,7 @@ pub fn describe(start: &[u8]) -> String {
     }
     match start {
         [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => return "a WebP picture".into(),
-        // The two reserved words of its header are 0.
+        // The two reserved words of a BMP header are 0.
         [b'B', b'M', _, _, _, _, 0, 0, 0, 0, ..] => return "a BMP picture".into(),
         [_, _, _, _, b'f', b't', b'y', b'p', rest @ ..] => {
             let picture =
@@ -27,7 +27,7 @@ pub fn describe(start: &[u8]) -> String {
     }
     let text = match std::str::from_utf8(start) {
         Ok(text) => text,
-        // A character that the end cuts off is no fault.
+        // A character that is cut off at the end is still text.
         Err(error) if error.error_len().is_none() => {
             std::str::from_utf8(&start[..error.valid_up_to()]).unwrap_or_default()
         }
@@ -96,7 +96,7 @@ mod tests {
         ] {
             assert_eq!(describe(start), name, "{start:02x?}");
         }
-        // Every prefix of every kind, and random bytes, get some answer.
+        // Every prefix of every kind, and random bytes, get a description.
         for byte in 0..=255u8 {
             assert!(!describe(&[byte, 0, byte, 200]).is_empty());
         }

@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-/// What is attempted first with a file that is to be read.
+/// Action of opening a file for reading, for messages.
 pub(crate) const OPEN: &str = "open the file";
 
 /// What can be selected by name in a picture file.
@@ -24,178 +24,177 @@ impl std::fmt::Display for Entry {
     }
 }
 
-/// Why a file was not read or not written. Every message names the place, what was found, and what to do.
+/// Reason that a file was not read or written. Every message names the place, what was found, and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The operating system refused to open, read or write.
     #[error("{}: cannot {action}: {source}{}", path.display(), remedy(action, source))]
     Io {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What was attempted, such as "open the file".
+        /// Attempted action, such as "open the file".
         action: &'static str,
-        /// The system's reason.
+        /// Reason from the system.
         source: std::io::Error,
     },
-    /// What has this name is no file.
+    /// The path does not name a regular file.
     #[error("{}: found {found}, expected a file: {}", path.display(), instead(found))]
     NotAFile {
-        /// What was to be read.
+        /// Path that was to be read.
         path: PathBuf,
-        /// What it is, such as "a pipe".
+        /// Actual type, such as "a pipe".
         found: &'static str,
     },
-    /// The file is longer than what is read of its kind.
+    /// The file is longer than the limit for its kind.
     #[error("{}: found {found} bytes, expected at most {limit}: make the file smaller, or name another", path.display())]
     TooLong {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Its bytes; at least, where it grows while it is read.
+        /// Length of the file in bytes; a lower bound if the file grows while it is read.
         found: u64,
-        /// Bytes that are read.
+        /// Maximum length in bytes.
         limit: u64,
     },
-    /// The file is no text.
+    /// The file is not text in UTF-8.
     #[error(
         "{}: line {line}, column {column}: found the byte {byte:#04x}, expected text in UTF-8: save the file as UTF-8",
         path.display()
     )]
     NotText {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// The first byte that is no UTF-8.
+        /// First byte that is not valid UTF-8.
         byte: u8,
     },
     /// The bytes contradict the file's format: damaged, truncated, or not a picture.
     #[error("{}: {place}: found {found}, expected {expected}; the file is damaged or incomplete: export it again", path.display())]
     Invalid {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Part, attribute, chunk.
+        /// Place in the file: part, attribute, chunk.
         place: String,
-        /// What stands there.
+        /// What was found there.
         found: String,
-        /// What belongs there.
+        /// What was expected there.
         expected: String,
     },
-    /// The file is of a kind that is not read.
+    /// The file is of an unsupported kind.
     #[error(
         "{}: found {found}, expected EXR, PNG, JPEG or TIFF: convert it, or name another file",
         path.display()
     )]
     NoPicture {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What it is, by its first bytes.
+        /// Description of the file by its first bytes.
         found: String,
     },
-    /// The file may be valid, but this kind of content is not read.
+    /// The file may be valid, but its content is not supported.
     #[error("{}: {place}: {found} is not supported: {remedy}", path.display())]
     Unsupported {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Part or channel.
         place: String,
-        /// The unsupported content.
+        /// Unsupported content.
         found: String,
-        /// How to make a file that is read.
+        /// How to make a supported file.
         remedy: &'static str,
     },
     /// The header claims more than the limits allow; nothing was decoded.
     #[error("{}: {place}: {found} {what}, at most {limit} are read: crop or scale the picture", path.display())]
     TooLarge {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Part and window.
         place: String,
-        /// What is counted.
+        /// Quantity that exceeds its limit.
         what: &'static str,
-        /// Count claimed.
+        /// Claimed amount.
         found: u64,
-        /// Count allowed.
+        /// Allowed amount.
         limit: u64,
     },
-    /// The computer has not enough memory, though the limits allow the picture.
+    /// The computer does not have enough memory, although the limits allow the picture.
     #[error("{}: {place}: {bytes} bytes of memory are not available: select fewer channels or lower the limit", path.display())]
     OutOfMemory {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Part and window.
         place: String,
-        /// Bytes asked for.
+        /// Requested bytes.
         bytes: u64,
     },
-    /// The file has no part, layer or channel of the wanted name.
+    /// The file has no part, layer or channel with the requested name.
     #[error("{}: no {kind} \"{name}\"{}; the file has {}{}", path.display(), within(place), listed(existing), choose(kind, existing))]
     NotFound {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// What the name is of.
         kind: Entry,
         /// The wanted name.
         name: String,
-        /// Where it was sought; empty for the whole file.
+        /// Place that was searched; empty for the whole file.
         place: String,
-        /// What exists, nearest name first.
+        /// Existing names, most similar first.
         existing: Vec<String>,
     },
-    /// The selection fits several layers or channels.
+    /// The selection matches several layers or channels.
     #[error("{}: {what} fits {}: {remedy}", path.display(), listed(existing))]
     Ambiguous {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The selection.
+        /// Description of the selection.
         what: String,
-        /// What it fits.
+        /// Names that it matches.
         existing: Vec<String>,
-        /// How to choose.
+        /// How to select one of them.
         remedy: &'static str,
     },
-    /// A value that the file's sample type cannot hold; nothing was written.
+    /// A value does not fit in the file's sample type; nothing was written.
     #[error("{}: channel \"{channel}\", pixel ({x}, {y}): {value} is refused, expected {expected}", path.display())]
     Unrepresentable {
-        /// The file that was to be written.
+        /// Path of the file to write.
         path: PathBuf,
-        /// Channel.
+        /// Name of the channel.
         channel: String,
-        /// Column.
+        /// Column of the pixel.
         x: i64,
-        /// Row.
+        /// Row of the pixel.
         y: i64,
-        /// The value.
+        /// Value that does not fit.
         value: f32,
-        /// The legal range, and what to do.
+        /// Legal range, and what to do.
         expected: &'static str,
     },
-    /// The picture handed over for writing contradicts itself or the format; nothing was written.
+    /// The picture to write is inconsistent or does not fit the format; nothing was written.
     #[error("{}: {found} cannot be written: {expected}", path.display())]
     Unwritable {
-        /// The file that was to be written.
+        /// Path of the file to write.
         path: PathBuf,
-        /// What was handed over.
+        /// What was to be written.
         found: String,
-        /// What is needed instead.
+        /// What is required instead, or what to do.
         expected: &'static str,
     },
-    /// The file that stands there may not be replaced; nothing was written.
+    /// The existing file may not be replaced; nothing was written.
     #[error(
-        "{}: the file cannot be written: what stands there is not Trochoid's: give another name, or move the file away \
-         that is there",
+        "{}: the file cannot be written: the existing file is not Trochoid's: give another name, or move it away",
         path.display()
     )]
     Foreign {
-        /// The file that was to be written.
+        /// Path of the file.
         path: PathBuf,
     },
 }
 
 impl Error {
-    /// The file in question.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         match self {
             Self::Io { path, .. }
@@ -215,6 +214,7 @@ impl Error {
         }
     }
 
+    /// Returns the message without the name of the file.
     #[cfg(feature = "pictures")]
     pub(crate) fn invalid(
         path: &Path,
@@ -236,7 +236,7 @@ impl Error {
     }
 }
 
-/// What to do about a file that the system does not open.
+/// Returns what to do if the system does not open a file.
 fn remedy(action: &str, source: &std::io::Error) -> &'static str {
     match source.kind() {
         std::io::ErrorKind::NotFound if action == OPEN => "; correct the path, or make the file first",
@@ -245,7 +245,7 @@ fn remedy(action: &str, source: &std::io::Error) -> &'static str {
     }
 }
 
-/// What to do about something that is no file.
+/// Returns what to do about a path that is not a regular file.
 fn instead(found: &str) -> &'static str {
     if found == "a folder" { "name a file in it" } else { "copy its contents to a file, or name another" }
 }
@@ -254,7 +254,7 @@ fn within(place: &str) -> String {
     if place.is_empty() { String::new() } else { format!(" in {place}") }
 }
 
-/// What to do about a name that the file does not have.
+/// Returns what to do about a name that the file does not have.
 fn choose(kind: &Entry, existing: &[String]) -> String {
     match existing {
         [] => format!(": name another file, or no {kind}"),
@@ -262,7 +262,7 @@ fn choose(kind: &Entry, existing: &[String]) -> String {
     }
 }
 
-/// At most this many names in a message: a Blender file can have a hundred layers.
+/// Maximum number of names in a message: a Blender file can have a hundred layers.
 const NAMES: usize = 12;
 
 fn listed(names: &[String]) -> String {
@@ -276,7 +276,7 @@ fn listed(names: &[String]) -> String {
     list.join(", ")
 }
 
-/// Text of a file, fit for a message: no control characters, not endless.
+/// Returns text of a file for a message, without control characters and of limited length.
 #[cfg(any(test, feature = "pictures"))]
 pub(crate) fn printable(text: &str) -> String {
     const LENGTH: usize = 80;

@@ -6,7 +6,7 @@ use trochoid_image::{Chromaticities, Window};
 use crate::error::Error;
 use crate::limits::Limits;
 
-/// Kind of picture file, told by its first bytes.
+/// Kind of an image file, determined by its first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FileKind {
     /// OpenEXR.
@@ -20,7 +20,7 @@ pub enum FileKind {
 }
 
 impl FileKind {
-    /// Whether rows can be read in any order: of others from the top down.
+    /// Returns whether rows can be read in any order; if not, they are read from the top down.
     pub fn is_exr(self) -> bool {
         self == Self::Exr
     }
@@ -47,27 +47,27 @@ impl fmt::Display for FileKind {
     }
 }
 
-/// What a file's header says.
+/// Contents of a file's header.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Info {
     /// Kind of file.
     pub kind: FileKind,
-    /// Its parts: one, but for multi-part EXR.
+    /// Parts of the file: one, except in multi-part EXR.
     pub parts: Vec<PartInfo>,
 }
 
-/// One picture of a file.
+/// Description of one picture in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartInfo {
     /// Name; parts of single-part files often have none.
     pub name: Option<String>,
-    /// The frame the viewer sees.
+    /// Display window: the frame that viewers show.
     pub display: Window,
-    /// Where pixels are stored; may be smaller, larger, negative or disjoint.
+    /// Data window: the stored pixels; may be smaller or larger than the display window, negative or disjoint.
     pub data: Window,
-    /// How pixels are compressed.
+    /// Compression of the pixels.
     pub compression: Compression,
-    /// How pixels are laid out.
+    /// Storage layout of the pixels.
     pub storage: Storage,
     /// Canonical layer names, in the order of the channels; `""` is the unnamed layer.
     pub layers: Vec<String>,
@@ -77,26 +77,26 @@ pub struct PartInfo {
     pub attributes: Vec<(String, String)>,
     /// Primaries and white point, if the file states them.
     pub chromaticities: Option<Chromaticities>,
-    /// How values relate to light.
+    /// Relation of the values to light.
     pub encoding: Encoding,
 }
 
-/// One channel of a part.
+/// Channel of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChannelInfo {
     /// Name as stored, such as `Ocean.Combined.R`.
     pub full_name: String,
-    /// Canonical layer: what stands before the last dot, else the name of the part in a multi-part file, else `""`.
+    /// Canonical layer: the name before the last dot, else the name of the part in a multi-part file, else `""`.
     pub layer: String,
-    /// What stands after the last dot: R, G, B, A, Y, X, Z, V…, in the file's case.
+    /// Base name after the last dot: R, G, B, A, Y, X, Z, V…, in the file's case.
     pub base: String,
     /// Type of the stored samples.
     pub sample_type: SampleType,
-    /// Pixels per stored sample, across and down; other than 1 only for subsampled chroma, which is not read.
+    /// Pixels per stored sample, across and down; not 1 only for subsampled chroma, which is not supported.
     pub sampling: [i32; 2],
 }
 
-/// How the values of a picture relate to light.
+/// Relation of a picture's values to light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Encoding {
     /// Proportional to light, or plain data.
@@ -121,7 +121,7 @@ pub enum SampleType {
 }
 
 impl SampleType {
-    /// Bytes of one stored sample.
+    /// Returns the size of a stored sample, in bytes.
     pub fn bytes(self) -> usize {
         match self {
             Self::U8 => 1,
@@ -143,23 +143,23 @@ impl fmt::Display for SampleType {
     }
 }
 
-/// How the pixels of a part are laid out.
+/// Storage layout of a part's pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Storage {
-    /// Rows.
+    /// Scanlines.
     Scanline,
-    /// Tiles, perhaps at several resolutions, of which the largest is read.
+    /// Tiles, possibly at several resolutions, of which the largest is read.
     Tiled {
         /// Width of a tile, in pixels.
         width: u32,
         /// Height of a tile, in pixels.
         height: u32,
-        /// Resolutions stored.
+        /// Stored resolutions.
         levels: Levels,
     },
-    /// Any number of samples a pixel; not read.
+    /// Any number of samples per pixel; not supported.
     Deep,
-    /// A type of part that this version does not know; not read.
+    /// Unknown type of part; not supported.
     Other(String),
 }
 
@@ -181,18 +181,18 @@ impl fmt::Display for Storage {
     }
 }
 
-/// Which resolutions a tiled part holds.
+/// Resolutions in a tiled part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Levels {
     /// Full resolution only.
     One,
-    /// Halved again and again in both directions.
+    /// Repeatedly halved in both directions together.
     Mip,
-    /// Halved again and again in each direction on its own.
+    /// Repeatedly halved in each direction separately.
     Rip,
 }
 
-/// How a part's pixels are compressed.
+/// Compression of a part's pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Compression {
     /// Not compressed.
@@ -215,15 +215,15 @@ pub enum Compression {
     Dwaa,
     /// Lossy cosine transform, 256 rows at a time.
     Dwab,
-    /// JPEG 2000, 256 rows at a time; not read.
+    /// JPEG 2000, 256 rows at a time; not supported.
     Htj2k256,
-    /// JPEG 2000, 32 rows at a time; not read.
+    /// JPEG 2000, 32 rows at a time; not supported.
     Htj2k32,
-    /// Lossy JPEG 2000, 256 rows at a time; not read.
+    /// Lossy JPEG 2000, 256 rows at a time; not supported.
     Lj2k,
-    /// Zstandard; not read.
+    /// Zstandard; not supported.
     Zstd,
-    /// A number of EXR that this version does not know; not read.
+    /// Unknown compression number of EXR; not supported.
     Other(u8),
     /// The compression of PNG.
     Png,
@@ -234,7 +234,7 @@ pub enum Compression {
 }
 
 impl Compression {
-    /// The method of that number in an EXR file.
+    /// Returns the method with this number in an EXR file.
     pub(crate) fn of_exr(number: u8) -> Self {
         match number {
             0 => Self::None,
@@ -283,7 +283,7 @@ impl fmt::Display for Compression {
 }
 
 impl PartInfo {
-    /// How messages call the part.
+    /// Returns the name of the part in messages.
     pub(crate) fn place(&self, index: usize) -> String {
         match &self.name {
             Some(name) => format!("part {index} \"{}\"", crate::error::printable(name)),

@@ -1,20 +1,21 @@
 //! Image files: EXR with layers, parts, tiles and windows; PNG, JPEG and TIFF; metadata and atomic writing.
 //!
-//! [`info`] reads a header, [`read`] decodes what a [`Selection`] asks for, [`write_exr`], [`write_png8`] and
-//! [`write_png16`] write, [`read_metadata`] hands back what they were given as metadata, [`check_whole`] tells whether such a file is all there. [`ExrReader`] and [`ExrWriter`]
-//! do the same band by band, from many threads, without ever holding the whole picture. [`write_bytes`] writes any other
-//! file as safely; [`discard_partial_files`] leaves nothing half written behind where a process exits early.
+//! [`info`] reads a header, and [`read`] decodes a [`Selection`]. [`write_exr`], [`write_png8`] and [`write_png16`]
+//! write pictures with metadata, [`read_metadata`] returns these metadata, and [`check_whole`] tells whether such a
+//! file is complete. [`ExrReader`] and [`ExrWriter`] work band by band, from many threads, without holding the whole
+//! picture. [`write_bytes`] writes any other file as safely; [`discard_partial_files`] removes partial files before a
+//! process exits early.
 //!
-//! [`open_file`] is the one door: whatever is read by name, here or in other crates, is opened there or by [`read_bytes`]
-//! and [`read_text`], so that no pipe blocks and no device is read for ever. Without the feature `pictures` there is
-//! nothing but that.
+//! All files that are read by name, here or in other crates, are opened by [`open_file`], [`read_bytes`] or
+//! [`read_text`], so that no pipe blocks and no device is read forever. Without the feature `pictures` the crate has
+//! only these functions.
 //!
 //! Every header is checked against [`Limits`] before anything is allocated for pixels: a file of a few hundred bytes
 //! can claim a picture of many gigabytes. A damaged file is an [`Error`] that names the place, never a panic.
 //!
-//! Values are handed over as stored: floats of EXR and TIFF as they are, integers of EXR as f32, those of PNG, JPEG and TIFF
-//! divided by the largest and still encoded for display ([`Encoding::Srgb`]). Palettes, CMYK and YCbCr become RGB.
-//! Orientation tags are applied, embedded color profiles are not.
+//! Values are returned as stored: floats of EXR and TIFF unchanged, integers of EXR as f32, those of PNG, JPEG and TIFF
+//! divided by their maximum and still encoded for display ([`Encoding::Srgb`]). Palettes, CMYK and YCbCr are converted
+//! to RGB. Orientation tags are applied, embedded color profiles are not.
 //!
 //! ```
 //! use trochoid_image::{Plane, Window};

@@ -4,17 +4,18 @@ use trochoid_image::{MAX_PIXELS, Window};
 
 use crate::Error;
 
-/// The largest picture that is read, checked against a file's header before anything is decoded.
+/// Limits on the pictures that are read, which are checked against a file's header before anything is decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Pixels of a data window or a display window.
+    /// Maximum number of pixels in a data window or a display window.
     pub pixels: u64,
-    /// Bytes of decoded samples: what [`Picture`](crate::Picture) will hold, and what one step of decoding needs.
+    /// Maximum bytes of decoded samples: the size of the [`Picture`](crate::Picture), and the memory for one step of
+    /// decoding.
     pub bytes: u64,
 }
 
 impl Default for Limits {
-    /// 2³¹ pixels and 4 GiB.
+    /// Returns limits of 2³¹ pixels and 4 GiB.
     fn default() -> Self {
         Self { pixels: MAX_PIXELS, bytes: 4 << 30 }
     }
@@ -26,7 +27,7 @@ impl Limits {
         self.check(path, place, "pixels", window.area() as u64, self.pixels)
     }
 
-    /// Refuses `channels` f32 planes over `window` if they hold too many bytes.
+    /// Refuses `channels` f32 planes over `window` if they need too many bytes.
     pub(crate) fn check_planes(&self, path: &Path, place: &str, window: Window, channels: usize) -> Result<(), Error> {
         let samples = (window.area() as u64).saturating_mul(channels as u64);
         self.check_bytes(path, place, samples.saturating_mul(4))
@@ -45,7 +46,7 @@ impl Limits {
     }
 }
 
-/// Reserves room for `count` samples, so that too little memory is an error and not an abort.
+/// Reserves memory for `count` samples, so that a lack of memory is an error and not an abort.
 pub(crate) fn reserve<T>(path: &Path, place: &str, count: usize) -> Result<Vec<T>, Error> {
     let mut samples = Vec::new();
     trochoid_memory::fallible(|| samples.try_reserve_exact(count)).map_err(|_| Error::OutOfMemory {
@@ -56,14 +57,17 @@ pub(crate) fn reserve<T>(path: &Path, place: &str, count: usize) -> Result<Vec<T
     Ok(samples)
 }
 
-/// `count` zeros, which take memory only where they are written; too little of it is an error, as far as the system tells.
+/// Returns `count` zeros, which use physical memory only once they are written; a lack of memory is an error, as far as
+/// the system reports it.
 pub(crate) fn zeroed<T: Clone + Default>(path: &Path, place: &str, count: usize) -> Result<Vec<T>, Error> {
-    // Pages of zeros come from the system untouched only through `vec!`, which would abort: so it is asked before.
+    // Only `vec!` takes untouched pages of zeros from the system, but it aborts on failure: so memory is requested
+    // before.
     drop(reserve::<T>(path, place, count)?);
     Ok(vec![T::default(); count])
 }
 
-/// Makes a reused buffer at least this long, without its contents; else gives the bytes that are lacking.
+/// Grows a reused buffer to at least this length, without keeping its contents; the error has the number of bytes that
+/// are not available.
 pub(crate) fn grow<T: Clone + Default>(buffer: &mut Vec<T>, count: usize) -> Result<(), u64> {
     if buffer.len() < count {
         *buffer = Vec::new();

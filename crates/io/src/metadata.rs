@@ -4,10 +4,10 @@ use std::path::Path;
 use crate::source::{self, Source};
 use crate::{Error, FileKind, exr_file, png_file};
 
-/// Reads a file's metadata: the string attributes of an EXR file's first part, or the text chunks of a PNG file, in
-/// order. Pixels are not decoded.
+/// Reads the metadata of a file: the string attributes of an EXR file's first part, or the text chunks of a PNG file,
+/// in order. Pixels are not decoded.
 ///
-/// For a file of this crate these are the pairs that [`write_exr`](crate::write_exr),
+/// For files written by this crate, these are the pairs that [`write_exr`](crate::write_exr),
 /// [`write_png8`](crate::write_png8) or [`write_png16`](crate::write_png16) were given. JPEG and TIFF have none.
 ///
 /// # Errors
@@ -24,7 +24,7 @@ pub(crate) fn metadata_of<R: BufRead + Seek>(source: &mut Source<R>) -> Result<V
     }
 }
 
-/// What [`read_metadata`] reads, as far as it can be read: of a file that was cut off, what stands before that.
+/// Returns the metadata of [`read_metadata`] as far as they can be read; for a truncated file, those before its end.
 pub fn readable_metadata(path: impl AsRef<Path>) -> Vec<(String, String)> {
     let Ok(mut source) = source::open(path.as_ref()) else { return Vec::new() };
     match source.kind() {
@@ -34,11 +34,11 @@ pub fn readable_metadata(path: impl AsRef<Path>) -> Vec<(String, String)> {
     }
 }
 
-/// Whether a file that this crate wrote is all there, and nothing behind it: the place and length of every chunk. Pixels are not
-/// decoded.
+/// Checks that a file written by this crate is complete and has nothing after its end, by the position and length of
+/// every chunk. Pixels are not decoded.
 ///
 /// # Errors
-/// The file cannot be opened, is neither EXR nor PNG, is cut off, or has bytes that are none of its own.
+/// The file cannot be opened, is neither EXR nor PNG, is truncated, or has extra bytes.
 pub fn check_whole(path: impl AsRef<Path>) -> Result<(), Error> {
     let mut source = source::open(path.as_ref())?;
     match source.kind()? {

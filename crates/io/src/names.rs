@@ -1,8 +1,8 @@
-//! Layers from channel names, whatever the writer's habits.
+//! Layers derived from channel names, for the conventions of different writers.
 //!
 //! Blender up to 4 keeps all layers in one unnamed part (`ViewLayer.Combined.R`); Blender 5 writes a part for every
 //! layer and repeats its name in the channels (part `Ocean.Combined`, channel `Ocean.Combined.R`); others write parts
-//! with bare channels (part `depth`, channel `Z`). All come out as a layer name and a base name.
+//! with bare channels (part `depth`, channel `Z`). All are split into a layer name and a base name.
 
 use crate::{ChannelInfo, PartInfo};
 
@@ -33,7 +33,7 @@ pub(crate) fn resolve(parts: &mut [PartInfo]) {
     }
 }
 
-/// Sorts channels for handing over: R, G, B or luminance Y, then alpha; x, y, z, w; then the file's order.
+/// Sorts channels for callers: R, G, B or luminance Y, then alpha; x, y, z, w; then the order of the file.
 pub(crate) fn sort(indices: &mut [usize], channels: &[ChannelInfo]) {
     let base = |index: usize| channels[index].base.to_ascii_lowercase();
     let vector = indices.iter().any(|&index| base(index) == "x");
@@ -44,10 +44,10 @@ pub(crate) fn sort(indices: &mut [usize], channels: &[ChannelInfo]) {
     });
 }
 
-/// How well `name` fits a layer: 0 is best, `None` not at all.
+/// Returns how well `name` matches a layer: 0 is best, `None` is no match.
 ///
 /// In order: the layer's full name; its name without the part's, or with it; its last components, such as `Combined`
-/// of `Ocean.Combined`. The part's own name is the caller's business, since a part may have many layers.
+/// of `Ocean.Combined`. The name of the part itself is left to the caller, since a part may have many layers.
 pub(crate) fn fit(name: &str, part: Option<&str>, layer: &str) -> Option<u8> {
     if name == layer {
         return Some(0);
@@ -63,20 +63,21 @@ pub(crate) fn fit(name: &str, part: Option<&str>, layer: &str) -> Option<u8> {
     (tail && !name.is_empty()).then_some(2)
 }
 
-/// Names sorted by likeness to `wanted`, nearest first.
+/// Returns names sorted by similarity to `wanted`, most similar first.
 pub(crate) fn nearest(wanted: &str, mut names: Vec<String>) -> Vec<String> {
     names.sort_unstable();
     names.dedup();
     let wanted = wanted.to_lowercase();
     names.sort_by_cached_key(|name| {
         let name = name.to_lowercase();
-        // Whoever writes `Dept` may mean `Ocean.Depth` as well as `Death`.
+        // `Dept` may mean `Ocean.Depth` as well as `Death`.
         distance(&wanted, &name).min(distance(&wanted, name.rsplit('.').next().unwrap_or(&name)))
     });
     names
 }
 
-/// Number of insertions, deletions and substitutions between two names (Levenshtein), of their first characters only.
+/// Returns the number of insertions, deletions and substitutions between two names (Levenshtein), of their first
+/// characters only.
 fn distance(a: &str, b: &str) -> usize {
     const LENGTH: usize = 64;
     let b: Vec<char> = b.chars().take(LENGTH).collect();

@@ -1,8 +1,8 @@
-//! The one door through which files are opened for reading.
+//! Opening of files for reading, which all other code uses.
 //!
-//! What is read by name may be anything: a pipe without a writer, a device that never ends, a folder. A file is asked what it
-//! is before it is opened, since opening a device can already do something, and again after, since another may have taken its
-//! place between: it is opened without waiting, so that even then nothing blocks.
+//! A path may lead to anything: a pipe without a writer, an endless device, a folder. The type of the file is checked
+//! before it is opened, since opening a device can have effects, and again afterward, since another file may have taken
+//! its place. Files are opened without waiting, so that nothing blocks even then.
 
 use std::fs::{File, FileType, Metadata, OpenOptions};
 use std::io::Read;
@@ -13,17 +13,17 @@ use crate::error::OPEN;
 
 const READ: &str = "read the file";
 
-/// A regular file, opened for reading.
+/// Regular file opened for reading.
 #[derive(Debug)]
 pub struct OpenFile {
-    /// The file, at its beginning.
+    /// The open file, at its start.
     pub file: File,
-    /// Its bytes when it was opened: no more need be read of a file that grows.
+    /// Length in bytes when the file was opened, which is all that need be read of a growing file.
     pub length: u64,
 }
 
 impl OpenFile {
-    /// The bytes that the file had when it was opened.
+    /// Returns a reader of the bytes that the file had when it was opened.
     pub fn reader(self) -> std::io::Take<File> {
         self.file.take(self.length)
     }
@@ -46,7 +46,7 @@ pub fn open_file(path: impl AsRef<Path>) -> Result<OpenFile, Error> {
     Ok(OpenFile { file, length: found.len() })
 }
 
-/// A whole file; nothing longer is taken into memory.
+/// Reads a whole file of at most `at_most` bytes.
 ///
 /// # Errors
 /// As [`open_file`], or the file has more than `at_most` bytes.
@@ -59,11 +59,11 @@ pub fn read_bytes(path: impl AsRef<Path>, at_most: u64) -> Result<Vec<u8>, Error
     }
     let mut bytes = Vec::new();
     file.take(at_most.saturating_add(1)).read_to_end(&mut bytes).map_err(Error::io(path, READ))?;
-    // It has grown since, or does not tell its length.
+    // The file has grown since, or does not report its length.
     if bytes.len() as u64 > at_most { Err(too_long(bytes.len() as u64)) } else { Ok(bytes) }
 }
 
-/// A whole file as text.
+/// Reads a whole file as text.
 ///
 /// ```
 /// let folder = tempfile::tempdir()?;
@@ -76,7 +76,7 @@ pub fn read_bytes(path: impl AsRef<Path>, at_most: u64) -> Result<Vec<u8>, Error
 /// ```
 ///
 /// # Errors
-/// As [`read_bytes`], or the file is no UTF-8.
+/// As [`read_bytes`], or the file is not UTF-8.
 pub fn read_text(path: impl AsRef<Path>, at_most: u64) -> Result<String, Error> {
     let path = path.as_ref();
     String::from_utf8(read_bytes(path, at_most)?).map_err(|error| {
@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn files_without_a_length_are_held_to_the_limit() {
         if cfg!(target_os = "linux") {
-            // It says that it has no bytes.
+            // The system reports a length of 0 for this file.
             assert!(matches!(read_bytes("/proc/self/status", 10), Err(Error::TooLong { found: 11, limit: 10, .. })));
             assert!(read_text("/proc/self/status", 1 << 20).unwrap().contains("VmPeak"));
         }

@@ -1,4 +1,4 @@
-//! Files on their way, under temporary names: locked as long as somebody writes them, and removed once nobody does.
+//! Temporary files for writing: locked as long as a process writes them, and removed afterward.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError as FileLockError};
@@ -8,15 +8,15 @@ use std::time::Duration;
 
 const PREFIX: &str = ".trochoid-";
 const SUFFIX: &str = ".partial";
-/// What a file system without locks leaves as the sign that nobody writes a file any more.
+/// Age at which a file counts as abandoned on file systems without locks.
 const LONG_AGO: Duration = Duration::from_secs(24 * 60 * 60);
-/// New names that are tried, should others clear up in the same moments.
+/// Maximum number of new names to try if other processes clean up at the same time.
 const ATTEMPTS: usize = 64;
 
-/// What this process writes. Whoever makes, renames or removes a temporary file holds the lock meanwhile.
+/// Temporary files of this process. The lock is held while one is created, renamed or removed.
 struct Ours {
     names: BTreeSet<PathBuf>,
-    /// Folders in which it has cleared up.
+    /// Folders that the process has cleaned up.
     cleared: BTreeSet<PathBuf>,
 }
 
@@ -26,7 +26,7 @@ fn ours() -> MutexGuard<'static, Ours> {
     OURS.lock().unwrap_or_else(|error| error.into_inner())
 }
 
-/// What this process writes, once nobody holds it, unless that takes long.
+/// Locks the temporary files of this process; `None` if that takes too long.
 fn soon() -> Option<MutexGuard<'static, Ours>> {
     for _ in 0..100 {
         match OURS.try_lock() {
@@ -38,31 +38,31 @@ fn soon() -> Option<MutexGuard<'static, Ours>> {
     None
 }
 
-/// Removes every file that is still being written, for a process that is about to exit without unwinding.
+/// Removes all files that are still being written, for a process that is about to exit without unwinding.
 ///
-/// From then on no file appears: threads that would begin or complete one wait for ever. Completed files stay as they are.
-/// Where a thread holds what it would need for longer than a second, as the one that calls this may, the next run into the
-/// folder removes them.
+/// Afterward no file appears: threads that would begin or complete one wait forever. Completed files stay unchanged. If
+/// a thread, possibly the calling one, holds the lock for longer than a second, the files stay, and the next run that
+/// writes to the folder removes them.
 pub fn discard_partial_files() {
     let Some(ours) = soon() else { return };
     for name in &ours.names {
-        // Nobody is left to be told of a file that cannot be removed.
+        // A file that cannot be removed is ignored, because the process ends.
         let _ = fs::remove_file(name);
     }
-    // Unlocked, another thread could begin the next file before the process ends.
+    // The lock is never released: another thread could begin a file before the process ends.
     std::mem::forget(ours);
 }
 
-/// Removes from a folder what processes left half written that are dead, whatever machine they ran on.
+/// Removes the partial files of dead processes from a folder, on whatever machine they ran.
 ///
-/// Whoever writes holds the lock of the file, and the file system knows whether he lives. Where it has no locks, files
-/// stay for a day. Links and whatever else bears such a name are left alone.
+/// A process that writes a file holds its lock, so the file system knows whether the process is alive. Without locks,
+/// files stay for a day. Links and other things with such names are left alone.
 pub fn clear_partial_files(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
         if is_file && entry.file_name().to_str().is_some_and(is_partial) {
-            // What cannot be removed disturbs nobody.
+            // A file that cannot be removed is harmless.
             let _ = remove_if_dead(&entry.path());
         }
     }
@@ -74,25 +74,25 @@ fn is_partial(name: &str) -> bool {
 }
 
 fn remove_if_dead(path: &Path) -> std::io::Result<()> {
-    // Some file systems grant a process the locks that it has already.
+    // Some file systems grant a process locks that it holds already.
     if ours().names.contains(path) {
         return Ok(());
     }
-    // Locks across machines are granted to those alone who may write.
+    // Locks across machines are granted only to processes that may write.
     let file = OpenOptions::new().read(true).write(true).open(path)?;
     let is_dead = match file.try_lock() {
         Ok(()) => true,
         Err(FileLockError::WouldBlock) => false,
         Err(FileLockError::Error(_)) => file.metadata()?.modified()?.elapsed().is_ok_and(|age| age > LONG_AGO),
     };
-    // A link that took the name meanwhile is another file.
+    // The name may have become a link to another file meanwhile.
     if is_dead && stands_at(&file, path) {
         fs::remove_file(path)?;
     }
     Ok(())
 }
 
-/// Whether an open file is what stands under a name, which is no link.
+/// Returns whether a name, which is not a link, leads to an open file.
 fn stands_at(file: &File, path: &Path) -> bool {
     let (Ok(open), Ok(named)) = (file.metadata(), fs::symlink_metadata(path)) else { return false };
     #[cfg(unix)]
@@ -106,24 +106,24 @@ fn stands_at(file: &File, path: &Path) -> bool {
     }
 }
 
-/// The name of a temporary file, registered as long as there is such a file.
+/// Name of a temporary file, which is registered as long as the file exists.
 pub(crate) struct Temporary {
     name: PathBuf,
-    /// `None` once the file has another name.
+    /// Guard that removes the file when dropped; `None` once the file has its final name.
     file: Option<tempfile::TempPath>,
 }
 
 impl Temporary {
-    /// A new file in a folder; first, and once in each, what the dead left there goes.
+    /// Creates a file in a folder. On the first use of a folder, partial files of dead processes are removed from it.
     ///
-    /// The file is locked: as long as it is open, nobody clears it up.
+    /// The file is locked, so that no process removes it while it is open.
     pub(crate) fn create(folder: &Path) -> std::io::Result<(File, Self)> {
         if ours().cleared.insert(folder.into()) {
             clear_partial_files(folder);
         }
         for _ in 0..ATTEMPTS {
             let (file, temporary) = Self::unlocked(folder)?;
-            // Before it was locked it may have looked dead, and then it is gone, or about to go.
+            // Before it was locked, the file may have looked abandoned and been removed.
             let taken = matches!(file.try_lock(), Err(FileLockError::WouldBlock));
             if !taken && stands_at(&file, &temporary.name) {
                 return Ok((file, temporary));
@@ -138,7 +138,8 @@ impl Temporary {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
-            // A temporary file is private by default; a picture is as readable as the user's other files (umask applies).
+            // Temporary files are private by default, but a picture gets the permissions of the user's other files
+            // (umask applies).
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
         let mut ours = ours();
@@ -148,10 +149,10 @@ impl Temporary {
         Ok((file, Self { name, file: Some(temporary) }))
     }
 
-    /// Gives the file its name.
+    /// Gives the file its final name.
     pub(crate) fn persist(mut self, target: &Path) -> std::io::Result<()> {
         let _ours = ours();
-        // What cannot be renamed is handed back, and removed when `self` goes.
+        // A file that cannot be renamed is returned, and removed when `self` is dropped.
         match self.file.take().map(|file| file.persist(target)) {
             Some(Err(failed)) => {
                 self.file = Some(failed.path);
@@ -217,7 +218,7 @@ mod tests {
         std::os::unix::fs::symlink(&target, &link).unwrap();
         clear_partial_files(folder.path());
         assert!(target.exists() && fs::symlink_metadata(&link).is_ok());
-        // The same where the link takes a file's name while that is looked at.
+        // The same if the link takes a file's name while that is checked.
         assert!(!stands_at(&File::open(&link).unwrap(), &link));
     }
 
@@ -226,7 +227,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let stop = std::sync::atomic::AtomicBool::new(false);
         let made = std::thread::scope(|scope| {
-            // As another process does, which does not know the names of this one.
+            // As in another process, which does not know the names of this one.
             scope.spawn(|| {
                 while !stop.load(std::sync::atomic::Ordering::Relaxed) {
                     for entry in fs::read_dir(folder.path()).unwrap().flatten() {

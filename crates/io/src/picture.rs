@@ -5,21 +5,21 @@ use crate::info::{ChannelInfo, Encoding, PartInfo, SampleType};
 /// Decoded channels of one part of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Number of the part they come from.
+    /// Index of the part that the channels come from.
     pub part: usize,
-    /// The frame the viewer sees.
+    /// Display window: the frame that viewers show.
     pub display: Window,
-    /// Where pixels are stored: the window of every plane.
+    /// Data window: the pixels of every plane.
     pub data: Window,
-    /// How values relate to light.
+    /// Relation of the values to light.
     pub encoding: Encoding,
     /// Primaries and white point, if the file states them.
     pub chromaticities: Option<Chromaticities>,
-    /// The channels: in the order of the selection, or R, G, B, A, X, Y, Z, W and then as in the file.
+    /// Channels in the order of the selection, or R, G, B, A, X, Y, Z, W and then in the order of the file.
     pub channels: Vec<PictureChannel>,
 }
 
-/// One decoded channel.
+/// Decoded channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureChannel {
     /// Base name, such as `R`, in the file's case.
@@ -28,29 +28,29 @@ pub struct PictureChannel {
     pub full_name: String,
     /// Type of the samples in the file.
     pub sample_type: SampleType,
-    /// The values, as stored.
+    /// Values as stored.
     pub plane: Plane,
 }
 
-/// A [`Picture`] without its pixels: what [`ExrReader::info`](crate::ExrReader::info) says.
+/// [`Picture`] without its pixels, as returned by [`ExrReader::info`](crate::ExrReader::info).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureInfo {
-    /// Number of the part the channels come from.
+    /// Index of the part that the channels come from.
     pub part: usize,
-    /// The frame the viewer sees.
+    /// Display window: the frame that viewers show.
     pub display: Window,
-    /// Where pixels are stored: the window of every channel.
+    /// Data window: the pixels of every channel.
     pub data: Window,
-    /// How values relate to light.
+    /// Relation of the values to light.
     pub encoding: Encoding,
     /// Primaries and white point, if the file states them.
     pub chromaticities: Option<Chromaticities>,
-    /// The channels, in the order of [`Picture::channels`].
+    /// Channels, in the order of [`Picture::channels`].
     pub channels: Vec<ChannelInfo>,
 }
 
 impl Picture {
-    /// The channel of that base or full name; in any case if no other fits.
+    /// Returns the channel with this base or full name, ignoring case if there is no exact match.
     pub fn channel(&self, name: &str) -> Option<&Plane> {
         let exact = |channel: &&PictureChannel| channel.name == name || channel.full_name == name;
         let folded = |channel: &&PictureChannel| channel.name.eq_ignore_ascii_case(name);
@@ -66,7 +66,7 @@ impl Picture {
 }
 
 impl PictureInfo {
-    /// Of some channels of a part.
+    /// Describes some channels of a part.
     pub(crate) fn new(info: &PartInfo, part: usize, channels: &[usize]) -> Self {
         Self {
             part,

@@ -1,4 +1,4 @@
-//! Reading any kind of picture file: which kind, what its header says, its pixels.
+//! Reading of any kind of image file: its kind, its header, its pixels.
 
 use std::io::{BufRead, Seek};
 use std::path::Path;
@@ -7,7 +7,7 @@ use crate::exr_file::{self, ExrReader};
 use crate::source::{self, Shareable, Source};
 use crate::{Error, FileKind, Info, Limits, Picture, PictureInfo, Selection, raster};
 
-/// What kind of picture a file's first bytes announce, whatever its name.
+/// Returns the kind of an image file by its first bytes, whatever its name.
 ///
 /// # Errors
 /// The file cannot be opened, or is not a picture.
@@ -17,7 +17,7 @@ pub fn kind(path: impl AsRef<Path>) -> Result<FileKind, Error> {
 
 /// Reads a file's header, without decoding pixels.
 ///
-/// Parts that cannot be decoded (deep, HTJ2K) are described all the same.
+/// Parts that cannot be decoded (deep, HTJ2K) are described, too.
 ///
 /// # Errors
 /// The file cannot be opened, is not a picture, its header is damaged, or a window exceeds the limits.
@@ -37,11 +37,11 @@ pub(crate) fn info_of<R: BufRead + Seek>(source: &mut Source<R>, limits: &Limits
     Ok(Info { kind, parts })
 }
 
-/// Decodes what a selection asks for; other parts are not decoded.
+/// Decodes a selection; other parts are not decoded.
 ///
 /// # Errors
-/// The file cannot be opened, is not a picture, is damaged, holds something that is not supported, lacks what is
-/// selected, or exceeds the limits.
+/// The file cannot be opened, is not a picture, is damaged, is not supported, lacks what is selected, or exceeds the
+/// limits.
 pub fn read(path: impl AsRef<Path>, selection: &Selection, limits: &Limits) -> Result<Picture, Error> {
     read_of(source::open(path.as_ref())?, selection, limits)
 }

@@ -6,10 +6,10 @@ use crate::raster::{self, Form, TakeRow};
 use crate::source::{self, Source};
 use crate::{Error, FileKind, Limits, PictureInfo, Selection};
 
-/// A PNG, JPEG or TIFF opened for reading row by row, from the top down.
+/// PNG, JPEG or TIFF file opened for reading row by row, from the top down.
 ///
-/// Memory is held for the rows that are decoded together: one of most PNGs, a row of strips or tiles of a TIFF. Interlaced
-/// PNGs, JPEGs and pictures that lie on their side are decoded as a whole first, to the bytes that they store.
+/// Memory is held for the rows that are decoded together: one row of most PNGs, a row of strips or tiles of a TIFF.
+/// Interlaced PNGs, JPEGs and rotated pictures are first decoded as a whole, to their stored bytes.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -37,11 +37,11 @@ pub struct RowReader {
 }
 
 impl RowReader {
-    /// Opens a file and reads its header; no pixels.
+    /// Opens a file and reads its header, but no pixels.
     ///
     /// # Errors
-    /// The file cannot be opened, is no PNG, JPEG or TIFF, is damaged, holds something that is not supported, lacks what is
-    /// selected, or exceeds the limits: [`Limits::bytes`] counts here for what is decoded together.
+    /// The file cannot be opened, is not a PNG, JPEG or TIFF, is damaged, is not supported, lacks what is selected, or
+    /// exceeds the limits, where [`Limits::bytes`] applies to the rows that are decoded together.
     pub fn open(path: impl AsRef<Path>, selection: &Selection, limits: &Limits) -> Result<Self, Error> {
         let mut source = source::open(path.as_ref())?;
         let kind = source.kind()?;
@@ -56,16 +56,16 @@ impl RowReader {
         Ok(Self { source, kind, form, info, channels: found.channels, limits: *limits })
     }
 
-    /// What the file says of the selected channels.
+    /// Returns the description of the selected channels.
     pub fn info(&self) -> &PictureInfo {
         &self.info
     }
 
-    /// Decodes the picture and hands over each row's number and its samples, one list a channel; stops where the taker breaks
-    /// off.
+    /// Decodes the picture and passes the number of each row and one list of samples per channel to the receiver, until
+    /// the receiver stops.
     ///
     /// # Errors
-    /// The file is damaged or cannot be read, or memory is lacking.
+    /// The file is damaged or cannot be read, or there is not enough memory.
     pub fn rows(&mut self, take: &mut TakeRow<'_>) -> Result<(), Error> {
         raster::each_row(&mut self.source, self.kind, &self.form, &self.channels, &self.limits, take)
     }

@@ -8,17 +8,18 @@ pub struct Samples<'a> {
 }
 
 impl<'a> Samples<'a> {
-    /// Contiguous samples, row by row.
+    /// Creates samples from contiguous values, row by row.
     pub fn contiguous(values: &'a [f32]) -> Self {
         Self { values, step: 1 }
     }
 
-    /// All samples of a plane.
+    /// Returns all samples of a plane.
     pub fn plane(plane: &'a Plane) -> Self {
         Self::contiguous(plane.samples())
     }
 
-    /// Every `step`-th value, from `first` on: one channel of interleaved pixels. A `step` of 0 counts as 1.
+    /// Creates samples from every `step`-th value starting at `first`: one channel of interleaved pixels. A `step` of 0
+    /// counts as 1.
     ///
     /// ```
     /// let pixels = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
@@ -30,33 +31,33 @@ impl<'a> Samples<'a> {
         Self { values: values.get(first..).unwrap_or(&[]), step: step.max(1) }
     }
 
-    /// Red, green and blue of RGB pixels.
+    /// Returns the red, green and blue samples of RGB pixels.
     pub fn rgb(pixels: &'a [Rgb]) -> [Self; 3] {
         [0, 1, 2].map(|component| Self::interleaved(pixels.as_flattened(), component, 3))
     }
 
-    /// Number of samples.
+    /// Returns the number of samples.
     pub fn len(self) -> usize {
         self.values.len().div_ceil(self.step)
     }
 
-    /// Whether there are no samples.
+    /// Returns whether there are no samples.
     pub fn is_empty(self) -> bool {
         self.values.is_empty()
     }
 
-    /// The sample at `index`, counted row by row.
+    /// Returns the sample at `index`, counted row by row.
     pub fn get(self, index: usize) -> Option<f32> {
         self.values.get(index.checked_mul(self.step)?).copied()
     }
 
-    /// Samples `start .. start + count`; fewer where the data end.
+    /// Returns the samples `start .. start + count`; fewer at the end of the data.
     pub(crate) fn range(self, start: usize, count: usize) -> impl Iterator<Item = f32> + 'a {
         let tail = self.values.get(start.saturating_mul(self.step)..).unwrap_or(&[]);
         tail.iter().step_by(self.step).take(count).copied()
     }
 
-    /// The same; contiguous, gathered in `buffer` if need be.
+    /// Returns the same samples as a contiguous slice, gathered in `buffer` if necessary.
     pub(crate) fn row<'b>(self, start: usize, count: usize, buffer: &'b mut Vec<f32>) -> &'b [f32]
     where
         'a: 'b,

@@ -3,12 +3,12 @@ use std::path::Path;
 use crate::error::printable;
 use crate::{ChannelInfo, Entry, Error, PartInfo, names};
 
-/// A part of a file, by its number from 0 or by its name.
+/// Part of a file, selected by its number from 0 or by its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PartName {
     /// Number of the part, from 0.
     Index(usize),
-    /// Name of the part; if no part is called so and it is a number, the number of the part.
+    /// Name of the part; if no part has this name and it is a number, the number of the part.
     Name(String),
 }
 
@@ -24,13 +24,13 @@ impl From<&str> for PartName {
     }
 }
 
-/// Which part, layer and channels of a file are wanted; the default is the file's main picture.
+/// Selection of a part, a layer and channels of a file; the default is the main picture of the file.
 ///
 /// - `layer` is a full layer name (`Ocean.Combined`), one without its first components (`Combined`), or the name of a
-///   part. Without it the unnamed layer is meant, else the only one, else the one called rgba, beauty, combined or
+///   part. Without it, the unnamed layer is selected, else the only one, else the one named rgba, beauty, combined or
 ///   composite.
-/// - `channels` are base names of that layer (`R`, in any case where only one fits) or full names
-///   (`Ocean.Combined.R`). Without them all channels of the layer are meant.
+/// - `channels` are base names of that layer (`R`, ignoring case if only one matches) or full names
+///   (`Ocean.Combined.R`). Without them, all channels of the layer are selected.
 ///
 /// ```
 /// use trochoid_io::Selection;
@@ -40,32 +40,32 @@ impl From<&str> for PartName {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
-    /// The part; any if absent.
+    /// Part; any if absent.
     pub part: Option<PartName>,
-    /// The layer.
+    /// Name of the layer; the main layer if absent.
     pub layer: Option<String>,
-    /// The channels, in the order wanted.
+    /// Names of the channels, in the requested order; all channels of the layer if absent.
     pub channels: Vec<String>,
 }
 
 impl Selection {
-    /// All channels of a layer.
+    /// Selects all channels of a layer.
     pub fn layer(name: impl Into<String>) -> Self {
         Self { layer: Some(name.into()), ..Self::default() }
     }
 
-    /// Channels by base or full name, in that order.
+    /// Selects channels by base or full name, in this order.
     pub fn channels<N: Into<String>>(names: impl IntoIterator<Item = N>) -> Self {
         Self::default().with_channels(names)
     }
 
-    /// The same, of this part only.
+    /// Restricts the selection to this part.
     #[must_use]
     pub fn with_part(self, part: impl Into<PartName>) -> Self {
         Self { part: Some(part.into()), ..self }
     }
 
-    /// The same, with these channels only.
+    /// Restricts the selection to these channels.
     #[must_use]
     pub fn with_channels<N: Into<String>>(self, names: impl IntoIterator<Item = N>) -> Self {
         Self { channels: names.into_iter().map(Into::into).collect(), ..self }
@@ -80,7 +80,7 @@ impl Selection {
             names::sort(&mut channels, &parts[part].channels);
             return Ok(Resolved { part, channels });
         }
-        // Full names need no layer, so a file without a main layer is no obstacle to them.
+        // Full names need no layer, so they work in files without a main layer.
         let layer = match &self.layer {
             Some(name) => Some(found.layer(Some(name))?),
             None => found.layer(None).ok(),
@@ -96,7 +96,7 @@ impl Selection {
                 path: path.into(),
                 what: format!("the selection {:?}", self.channels),
                 existing: vec![parts[part].place(part), parts[other].place(other)],
-                remedy: "one reading takes the channels of one part; read the others on their own",
+                remedy: "a single read covers the channels of one part; read the others separately",
             });
         }
         Ok(Resolved { part, channels: chosen.into_iter().map(|(_, channel)| channel).collect() })
@@ -127,7 +127,7 @@ impl Selection {
     }
 }
 
-/// One part and indices into its channels, in the order wanted; never without a channel.
+/// Part and indices of its channels in the requested order, at least one.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Resolved {
     pub(crate) part: usize,
@@ -141,7 +141,7 @@ struct Resolver<'a> {
 }
 
 impl<'a> Resolver<'a> {
-    /// Part and canonical name of the wanted layer.
+    /// Returns the part and the canonical name of the requested layer.
     fn layer(&self, wanted: Option<&str>) -> Result<(usize, &'a str), Error> {
         let Some(wanted) = wanted else {
             let first = self.allowed.start;
@@ -158,7 +158,7 @@ impl<'a> Resolver<'a> {
         Err(not_found(self.path, Entry::Layer, wanted, self.place(), known.chain(parts).collect()))
     }
 
-    /// The layer that fits best; names are compared after `fold`.
+    /// Returns the layer that matches best; names are compared after `fold`.
     fn fitting(&self, wanted: &str, fold: impl Fn(&str) -> String) -> Result<Option<(usize, &'a str)>, Error> {
         let mut best: Vec<(usize, &'a str)> = Vec::new();
         let mut best_fit = u8::MAX;
@@ -173,7 +173,7 @@ impl<'a> Resolver<'a> {
                 best.push((part, layer));
             }
         }
-        // A part of that name is meant before layers that merely end so.
+        // A part with this name has priority over layers that only end with it.
         if best_fit >= 2 {
             let named = |part: &usize| self.parts[*part].name.as_deref().is_some_and(|name| fold(name) == wanted);
             if let Some(part) = self.allowed.clone().find(named) {
@@ -195,7 +195,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// The layer of a part that is meant when none is named.
+    /// Returns the main layer of a part, for selections without a layer.
     fn main_layer(&self, part: usize) -> Result<&'a str, Error> {
         let layers = &self.parts[part].layers;
         if let Some(unnamed) = layers.iter().find(|layer| layer.is_empty()) {
@@ -220,8 +220,8 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Part and index of one wanted channel. Where the layer was named, a bare name means a channel of that layer
-    /// and no other.
+    /// Returns the part and the index of a requested channel. If the selection names a layer, a base name refers only
+    /// to channels of that layer.
     fn channel(&self, wanted: &str, layer: Option<(usize, &str)>, named: bool) -> Result<(usize, usize), Error> {
         type Name = fn(&ChannelInfo) -> &str;
         let base: Name = |channel| &channel.base;

@@ -3,7 +3,7 @@ use trochoid_image::Window;
 use super::*;
 use crate::{Compression, Encoding, SampleType, Storage};
 
-/// Parts with these names and channels.
+/// Creates parts with these names and channels.
 fn parts(described: &[(Option<&str>, &[&str])]) -> Vec<PartInfo> {
     let mut parts: Vec<PartInfo> = described
         .iter()
@@ -121,7 +121,7 @@ fn parts_whose_channels_lack_the_part_name() {
     assert_eq!(find(&parts, &Selection::layer("Combined").with_part("Sky")).unwrap(), full(1, &["Combined.R"]));
     let error = find(&parts, &Selection::layer("Combined")).unwrap_err();
     assert!(error.to_string().contains("Combined of part 1 \"Sky\""), "{error}");
-    // A part with one layer goes by the part's name too.
+    // The layer of a part with one layer can be selected by the part's name, too.
     assert_eq!(find(&parts, &Selection::layer("Sky")).unwrap(), full(1, &["Combined.R"]));
 }
 

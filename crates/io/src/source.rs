@@ -1,4 +1,4 @@
-//! Files as sources, and reading from them with the place in every error.
+//! Sources of bytes: files and memory, read with the place in every error.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::open::{OpenFile, open_file};
 use crate::{Error, FileKind, describe};
 
-/// A file or bytes in memory, with the name for messages and the length that every claim is held against.
+/// File or bytes in memory, with a name for messages and the length that claims are checked against.
 pub(crate) struct Source<R> {
     pub(crate) path: PathBuf,
     pub(crate) length: u64,
@@ -20,15 +20,15 @@ pub(crate) fn open(path: &Path) -> Result<Source<BufReader<File>>, Error> {
     Ok(Source { path: path.into(), length, reader: BufReader::new(file) })
 }
 
-/// Bytes that many threads read at once, each at its own position.
+/// Bytes that many threads can read at once, each at its own position.
 pub(crate) trait ReadAt: Send + Sync {
     /// Fills `bytes` from `position` on.
     fn read_at(&self, bytes: &mut [u8], position: u64) -> std::io::Result<()>;
 }
 
-/// A reader whose bytes threads can share afterwards.
+/// Reader whose bytes threads can share afterward.
 pub(crate) trait Shareable: BufRead + Seek {
-    /// The same bytes, without a position of their own.
+    /// Returns the same bytes without a position.
     fn share(self) -> Box<dyn ReadAt>;
 }
 
@@ -48,7 +48,7 @@ impl ReadAt for File {
     }
 }
 
-/// Where files cannot be read at a position, one thread reads at a time.
+/// Fallback for systems that cannot read files at a position: one thread reads at a time.
 #[cfg(not(unix))]
 impl ReadAt for std::sync::Mutex<File> {
     fn read_at(&self, bytes: &mut [u8], position: u64) -> std::io::Result<()> {
@@ -59,7 +59,7 @@ impl ReadAt for std::sync::Mutex<File> {
 }
 
 impl<R: Read + Seek> Source<R> {
-    /// What kind of picture the first bytes announce, whatever the file's name.
+    /// Returns the kind of image file by the first bytes, whatever the name of the file.
     pub(crate) fn kind(&mut self) -> Result<FileKind, Error> {
         let mut magic = Vec::new();
         self.seek(0)?;
@@ -74,7 +74,7 @@ impl<R: Read + Seek> Source<R> {
         Ok(())
     }
 
-    /// Reads exactly `count` bytes; memory grows with the bytes that are there, not with `count`.
+    /// Reads exactly `count` bytes; memory grows with the bytes that exist, not with `count`.
     pub(crate) fn bytes(&mut self, count: u64, place: &str) -> Result<Vec<u8>, Error> {
         let mut bytes = Vec::new();
         let read = (&mut self.reader).take(count).read_to_end(&mut bytes);
@@ -104,7 +104,7 @@ impl ReadAt for Vec<u8> {
 
 #[cfg(test)]
 impl Source<std::io::Cursor<Vec<u8>>> {
-    /// Bytes in memory, under a name for messages.
+    /// Creates a source from bytes in memory, with a name for messages.
     pub(crate) fn of_bytes(bytes: Vec<u8>) -> Self {
         let length = bytes.len() as u64;
         Self { path: "memory".into(), length, reader: std::io::Cursor::new(bytes) }

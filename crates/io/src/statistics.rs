@@ -1,6 +1,6 @@
 use trochoid_image::Plane;
 
-/// What a plane holds, at a glance.
+/// Statistics of a plane's samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
     /// Smallest finite value; `None` if there is none.

@@ -10,6 +10,9 @@
 //! [`Visible::fill`] computes the samples of any window of pixels. Its results depend neither on how the picture is
 //! divided into windows nor on the number of threads. [`reference::trace`] computes the same in f64 from the
 //! continuous surfaces, without any tessellation.
+//!
+//! # Features
+//! With `files`, the module `files` reads meshes and models of patches from the bytes of files.
 
 pub mod bezier;
 mod camera;

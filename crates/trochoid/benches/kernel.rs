@@ -1,5 +1,5 @@
-//! What the fused program costs: a picture of eight mixes, a graph of nothing but arithmetic on one and two threads, and
-//! branches that the output does not need.
+//! Cost of the fused program: a picture of eight mixes, a purely arithmetic graph on one and two threads, and branches that
+//! the output does not need.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark may panic")]
 
@@ -14,7 +14,7 @@ fn main() {
     divan::main();
 }
 
-/// Five masks of any values between 0 and 1.
+/// Returns five masks of pseudorandom values between 0 and 1.
 fn masks() -> Vec<Plane> {
     let window = Window::sized(SIZE.0, SIZE.1);
     (0..5u32)
@@ -29,7 +29,7 @@ fn masks() -> Vec<Plane> {
         .collect()
 }
 
-/// Evaluates a document over the masks m0 to m4 again and again.
+/// Measures the evaluation of a document over the masks m0 to m4.
 fn evaluate(bencher: Bencher<'_, '_>, nodes: &str, out: &str, threads: usize) {
     let mut text =
         format!("{{ \"trochoid\": 1, \"format\": {{ \"width\": {}, \"height\": {} }}, \"nodes\": {{", SIZE.0, SIZE.1);
@@ -52,13 +52,13 @@ fn evaluate(bencher: Bencher<'_, '_>, nodes: &str, out: &str, threads: usize) {
     bencher.bench_local(|| plan.evaluate_into(&mut frame, &buffers, &mut cache, &Silent).unwrap());
 }
 
-/// A color from its number.
+/// Returns a color for a number.
 fn color(number: u32) -> String {
     let channel = |seed: u32| f64::from(number.wrapping_mul(seed) >> 16 & 0xff) / 255.0;
     format!("[{}, {}, {}]", channel(0x9E37_79B9), channel(0x85EB_CA6B), channel(0xC2B2_AE35))
 }
 
-/// Ten Ramps of eight colors and ten bicubic Patches, all of them mixed.
+/// A mix of ten Ramps of eight colors and ten bicubic Patches.
 #[divan::bench(args = [1, 2])]
 fn ramps_and_patches(bencher: Bencher<'_, '_>, threads: usize) {
     let mut nodes = String::new();
@@ -95,7 +95,7 @@ fn ramps_and_patches(bencher: Bencher<'_, '_>, threads: usize) {
     evaluate(bencher, &nodes, "x19", threads);
 }
 
-/// Eight mixes, beside which so many branches of two are not needed.
+/// Eight mixes, and this many unneeded branches of two mixes each.
 #[divan::bench(args = [0, 100])]
 fn unneeded(bencher: Bencher<'_, '_>, branches: u32) {
     let mut nodes = String::new();

@@ -1,4 +1,4 @@
-//! What checking and planning documents of ten thousand nodes cost.
+//! Cost of checking and planning documents of ten thousand nodes.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark may panic")]
 
@@ -11,7 +11,7 @@ use trochoid::{CheckedGraph, Plan, Settings, parse};
 
 const COUNT: usize = 10_000;
 
-/// The documents, by what they look like.
+/// Returns the document of this shape.
 fn text(shape: &str) -> String {
     let make = if shape == "chain" { large::chain } else { large::web };
     make(COUNT, (64, 64))

@@ -1,11 +1,11 @@
-//! How another renderer uses Trochoid: bind its own passes as images, or shade points in batches.
+//! Use of Trochoid in another renderer, which binds its own passes as images, or shades points in batches.
 //!
 //! Run it with `cargo run --release -p trochoid --example embed`.
 
 use std::path::Path;
 use trochoid::{Buffers, Cache, Plan, Settings, ShadingPlan, Silent, parse};
 
-/// The look: a palette, and two passes. Until the renderer supplies them, gradients stand for `light` and `rim`.
+/// The look: a palette and two passes. Until the renderer supplies them, gradients stand in for `light` and `rim`.
 const LOOK: &str = r##"{
   "trochoid": 1,
   "format": { "width": 64, "height": 32 },
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let graph = parse("look", LOOK, Path::new("."), &[])?.graph;
     let settings = Settings::default();
 
-    // Images: the renderer's own passes stand in for two nodes; what only those needed is left out.
+    // Images: the renderer's own passes replace two nodes; nodes that only these needed are left out.
     let light: Vec<f32> = (0..64 * 32).map(|i| (i % 64) as f32 / 63.0).collect();
     let rim: Vec<f32> = (0..64 * 32).map(|i| ((i / 64) as f32 / 31.0).powi(4)).collect();
     let plan = Plan::new(&graph, &["beauty"], 1, &["light", "rim"], &settings)?;
@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("  {} ({}): {} {:.6} s", node.name, node.ty, node.state.name(), node.seconds);
     }
 
-    // Shading samples: structure of arrays in and out, from any thread, without a picture.
+    // Shading samples: structures of arrays in and out, on any thread, without a picture.
     let shading = ShadingPlan::new(&graph, "beauty", 1, &["light", "rim"], &settings)?;
     let (light, rim) = ([0.0, 0.3, 1.0], [0.0, 0.0, 1.0]);
     let (mut r, mut g, mut b) = ([0.0; 3], [0.0; 3], [0.0; 3]);

@@ -1,20 +1,20 @@
-//! What a document asks to read that it may not.
+//! Files that a document requests but may not access.
 
 use std::path::PathBuf;
 use trochoid_graph::{CheckedGraph, NodeId, Refused};
 
-/// Frames that are looked at in advance; evaluation looks at the others.
+/// Maximum number of frames that are checked in advance; evaluation checks the others.
 const FRAMES_CHECKED: usize = 10_000;
 
-/// Files that some outputs would read at some frames and the document may not reach, see
-/// [`Access`](crate::Access): of each node the first one. Opens none.
+/// Returns files that these outputs would read at these frames without permission (see [`Access`](crate::Access)), the
+/// first one of each node. Opens no files.
 ///
-/// Evaluation refuses them too, one by one. To allow some, hand the graph another
-/// [rule](CheckedGraph::with_access) with their [folders](crate::Outside::folder).
+/// Evaluation refuses such files too, one by one. To allow some, give the graph [access](CheckedGraph::with_access) to
+/// their [folders](crate::Outside::folder).
 pub fn refused_files(graph: &CheckedGraph, outputs: &[usize], frames: &[i64]) -> Vec<Refused> {
     let connected = graph.upstream(outputs.iter().map(|index| graph.outputs()[*index].node));
     let nodes = (0..graph.nodes().len()).filter(|index| connected[*index] && !graph.nodes()[*index].disabled);
-    // By node: what it read at the frame before, and what was refused of it.
+    // By node: the files that it read at the previous frame, and the file that was refused.
     let mut open: Vec<(NodeId, Vec<PathBuf>, Option<Refused>)> =
         nodes.map(|index| (NodeId(index), Vec::new(), None)).collect();
     for &frame in frames.iter().take(FRAMES_CHECKED) {
@@ -30,9 +30,10 @@ pub fn refused_files(graph: &CheckedGraph, outputs: &[usize], frames: &[i64]) ->
     open.into_iter().filter_map(|(_, _, refused)| refused).collect()
 }
 
-/// Files of some outputs at some frames that the document itself wants where it may not write: of each output the first one.
+/// Returns files that the document names for these outputs at these frames but may not write, the first one of each
+/// output.
 ///
-/// [`output_files`](crate::output_files) refuses them too, one by one.
+/// [`output_files`](crate::output_files) refuses such files too, one by one.
 #[cfg(feature = "io")]
 pub fn refused_outputs(graph: &CheckedGraph, outputs: &[usize], frames: &[i64]) -> Vec<Refused> {
     let refused = |index: &usize| {

@@ -1,70 +1,72 @@
-//! What the nodes of an output take, and what leaving out saves.
+//! Measured costs of the nodes of an output, and the time saved by leaving work out.
 
 use std::time::{Duration, Instant};
 use trochoid_engine::{Buffers, Cache, EvalError, Frame, Monitor, Plan, PlanError, Settings, State, Switches};
 use trochoid_graph::CheckedGraph;
 use trochoid_image::Format;
 
-/// What evaluating an output took, measured twice: as planned, and with nothing left out.
+/// Measured cost of evaluating an output: as planned, and with nothing left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Costs {
-    /// The format at which it was measured.
+    /// Format of the measured picture.
     pub format: Format,
-    /// How often; all figures are the least of these.
+    /// Number of runs of each kind; all times are the minimum over the runs.
     pub runs: usize,
     /// Seconds for the frame as planned.
     pub seconds: f64,
     /// Seconds for the frame with nothing left out.
     pub seconds_in_full: f64,
-    /// By how many seconds runs of one kind differed.
+    /// Seconds by which runs of one kind differed.
     pub spread: f64,
-    /// By node of the graph.
+    /// Cost of each node of the graph.
     pub nodes: Vec<Cost>,
 }
 
-/// What a node took, in seconds of all threads together.
+/// Measured cost of a node, in seconds summed over all threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
-    /// As planned; `None` where it was left out.
+    /// As planned; `None` if the node was left out.
     pub seconds: Option<f64>,
-    /// With nothing left out; `None` where it is not connected to the output, or not chosen, and so never evaluated.
+    /// With nothing left out; `None` if the node is never evaluated, because it is not connected to the output or not
+    /// chosen.
     pub seconds_in_full: Option<f64>,
-    /// By how many seconds runs of one kind differed: a difference below that says nothing.
+    /// Seconds by which runs of one kind differed; smaller differences are not significant.
     pub spread: f64,
-    /// Whether these are shares of the fused program's time, by the cost of the node's operations.
+    /// Whether the times are shares of the fused program's time, estimated from the cost of the node's operations.
     pub estimated: bool,
 }
 
 impl Cost {
-    /// What leaving out saved of this node: all of it, or the channels of it that nobody asked for. May be anything below
-    /// [`Cost::spread`], even negative.
+    /// Returns the seconds saved by leaving out the node, or its unrequested channels. Values below [`Cost::spread`]
+    /// are not significant, and may be negative.
     pub fn saved(&self) -> Option<f64> {
         Some(self.seconds_in_full? - self.seconds.unwrap_or(0.0))
     }
 }
 
-/// Why costs cannot be measured.
+/// Reason that costs cannot be measured.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeasureError {
-    /// There is no plan.
+    /// The output cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// It cannot be evaluated.
+    /// The output cannot be evaluated.
     #[error(transparent)]
     Evaluate(#[from] EvalError),
 }
 
-/// Most runs of each kind, and after how long there is no further one.
+/// Maximum number of runs of each kind, and the time after which no further run starts.
 const RUNS: usize = 3;
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Evaluates an output at a frame, in turns as planned and with nothing left out, and says what each node took.
+/// Evaluates an output at a frame, alternately as planned and with nothing left out, and measures the time of each
+/// node.
 ///
-/// The picture is made smaller, so that neither side passes `largest` pixels; where that fails, since files of the size
-/// of the picture are read, it is evaluated as large as it is. Nothing is kept between runs.
+/// The picture is reduced so that neither side exceeds `largest` pixels. If that fails because the document reads files
+/// that must have the size of the picture, it is evaluated at full size. Nothing is cached between runs.
 ///
 /// # Errors
-/// There is no such output, or it cannot be evaluated.
+/// The output does not exist or cannot be evaluated.
 ///
 /// ```
 /// use trochoid::{Fate, LeftOut, Plan, Settings, Silent, measure, parse};
@@ -113,14 +115,14 @@ pub fn measure(
     }
 }
 
-/// At the graph's own format.
+/// Measures at the graph's own format.
 fn at(graph: &CheckedGraph, output: &str, frame: i64, monitor: &dyn Monitor) -> Result<Costs, MeasureError> {
     let plan = |switches: Switches| {
         let mut settings = Settings::default();
         settings.switches = switches;
         Plan::new(graph, &[output], frame, &[], &settings)
     };
-    // Only what leaves something out is switched off: the rest must run as fast as ever to be compared.
+    // Only optimizations that leave something out are disabled: the rest must run at full speed to be comparable.
     let nothing = Switches { demand: false, prune: false, fold: false, merge: false, ..Switches::ALL };
     let plans = [plan(Switches::ALL)?, plan(nothing)?];
     let mut bounds: [Option<[Frame; 2]>; 2] = [None, None];
@@ -160,7 +162,7 @@ fn at(graph: &CheckedGraph, output: &str, frame: i64, monitor: &dyn Monitor) -> 
     })
 }
 
-/// A frame with the times of each phase and node that `choose` takes of both.
+/// Returns a frame with the times of each phase and node that `choose` selects from two frames.
 fn merged(mut frame: Frame, other: &Frame, choose: fn(f64, f64) -> f64) -> Frame {
     let merge = |time: &mut f64, other: f64| *time = choose(*time, other);
     merge(&mut frame.seconds.prepare, other.seconds.prepare);

@@ -1,21 +1,21 @@
-//! An output as a layer of an EXR file: its channels, the room for what is known late, and colors as they are stored.
+//! An output as a layer of an EXR file: its channels, space for late metadata, and conversion of its colors.
 
 use crate::output_file::{OutputFile, layer};
 use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision};
 use trochoid_io::SampleType;
 
-/// Bytes kept free in a header for what is known only at the end, and for each output besides its name.
+/// Bytes reserved in a header for metadata that are known only at the end, and for each output in addition to its name.
 const LATE: (usize, usize) = (2048, 64);
 
-/// Bytes kept free in the header of a file of these outputs.
+/// Returns the bytes to reserve in the header of a file with these outputs.
 pub(crate) fn reserved<'s>(outputs: impl Iterator<Item = &'s OutputSpec>) -> usize {
     LATE.0 + outputs.map(|spec| spec.name.len() + LATE.1).sum::<usize>()
 }
 
-/// Names of an output's channels in an EXR file, and how their samples are stored.
+/// Returns the names of an output's channels in an EXR file, with the types of their samples.
 pub(crate) fn file_channels(graph: &CheckedGraph, spec: &OutputSpec, file: &OutputFile) -> Vec<(String, SampleType)> {
     let layer = layer(spec, file);
-    // Fields are measures: half would round a depth of a kilometer to half a meter.
+    // Fields are measurements: half would round a depth of a kilometer to half a meter.
     let default = if matches!(spec.kind, Kind::Field(_)) { Precision::Float } else { Precision::Half };
     let float = spec.precision.unwrap_or(default) == Precision::Float;
     let named = |name: String| if layer.is_empty() { name } else { format!("{layer}.{name}") };
@@ -23,7 +23,7 @@ pub(crate) fn file_channels(graph: &CheckedGraph, spec: &OutputSpec, file: &Outp
     channel_names(graph, spec).into_iter().map(|name| (named(name), sample_type)).collect()
 }
 
-/// Colors with every pixel converted in f64, a run of equal ones once: flat tones are cheap.
+/// Converts every pixel in f64. A run of equal pixels is converted once, so that flat areas are cheap.
 pub(crate) fn convert([r, g, b]: [&[f32]; 3], f: impl Fn([f64; 3]) -> [f64; 3]) -> [Vec<f32>; 3] {
     let mut converted = [0; 3].map(|_| Vec::with_capacity(r.len()));
     let mut last = None;
@@ -42,7 +42,8 @@ pub(crate) fn convert([r, g, b]: [&[f32]; 3], f: impl Fn([f64; 3]) -> [f64; 3]) 
     converted
 }
 
-/// EXR's names of an output's channels: as declared, such as `Z` for depth; `Y` is what viewers show as gray.
+/// Returns the names of an output's channels in EXR: those of the declaration, such as `Z` for depth, or else `Y`,
+/// which viewers show as gray.
 fn channel_names(graph: &CheckedGraph, spec: &OutputSpec) -> Vec<String> {
     let outputs = graph.node(spec.node).ty.declaration().outputs;
     let stored = outputs.get(spec.output).map(|output| output.stored).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Where files go: looked at before anything is evaluated, and written whole or not at all.
+//! Destinations of files: checked before anything is evaluated, and written whole or not at all.
 
 use crate::output_file::{ForeignFile, NoDestination, OutputError};
 use crate::{Form, is_ours};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use trochoid_graph::resolved;
 use trochoid_io::Target;
 
-/// The folder of a file; the current one for a bare name.
+/// Returns the folder of a file: the current one for a bare name.
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -21,21 +21,21 @@ fn refuse(path: &Path, reason: NoDestination) -> OutputError {
     OutputError::Destination { path: path.into(), reason }
 }
 
-/// Whether a file can be written there, as far as can be told beforehand; changes nothing.
+/// Checks whether a file can be written to a path, as far as that is possible in advance; changes nothing.
 ///
-/// Its folder need not exist: what counts then is the nearest one above that does.
+/// If the folder does not exist, its nearest existing ancestor is checked.
 ///
 /// # Errors
-/// Something else stands in its place, no file can have that name, or its folder takes no files.
+/// The path is a folder, a file cannot have that name, or the folder does not accept files.
 pub fn check_destination(path: &Path) -> Result<(), OutputError> {
     check_destinations([path]).pop().map_or(Ok(()), Err)
 }
 
-/// The same of many files: every name is looked at, and every folder once.
+/// Checks many files like [`check_destination`]: every name, and every folder once.
 pub fn check_destinations<'p>(paths: impl IntoIterator<Item = &'p Path>) -> Vec<OutputError> {
     let mut folders = HashSet::new();
     let fault = |path: &'p Path| {
-        // What counts is where the file will stand: a link to what is not there yet is followed.
+        // The final location of the file is checked: a link to a file that does not exist yet is followed.
         let leads_to = if path.is_symlink() { resolved(path) } else { path.into() };
         let checked = check_name(path, &leads_to).and_then(|folder| match folders.insert(folder.clone()) {
             true => check_folder(path, &folder),
@@ -46,7 +46,7 @@ pub fn check_destinations<'p>(paths: impl IntoIterator<Item = &'p Path>) -> Vec<
     paths.into_iter().filter_map(fault).collect()
 }
 
-/// The nearest folder above a file that exists, where a file can have that name.
+/// Checks the name of a file; returns its nearest existing ancestor.
 fn check_name(path: &Path, leads_to: &Path) -> Result<PathBuf, OutputError> {
     if path.is_dir() {
         return Err(refuse(path, NoDestination::Folder));
@@ -58,13 +58,13 @@ fn check_name(path: &Path, leads_to: &Path) -> Result<PathBuf, OutputError> {
     let mut names = vec![leads_to.file_name().unwrap_or_default().to_owned()];
     while fs::symlink_metadata(&folder).is_err() {
         names.extend(folder.file_name().map(ToOwned::to_owned));
-        // A path of missing folders alone starts at the current one.
+        // A relative path of missing folders starts at the current folder.
         folder = match folder.parent() {
             Some(above) if !above.as_os_str().is_empty() => above.into(),
             _ => ".".into(),
         };
     }
-    // Looked up where they will stand, or where their folders will: the system says which names it does not take.
+    // Looking a name up tells whether the system accepts it.
     let lookups = names.iter().map(|name| folder.join(name)).chain([leads_to.into()]);
     for error in lookups.filter_map(|path| fs::symlink_metadata(path).err()) {
         if matches!(error.kind(), ErrorKind::InvalidFilename | ErrorKind::InvalidInput) {
@@ -82,16 +82,17 @@ fn check_folder(path: &Path, folder: &Path) -> Result<(), OutputError> {
     tempfile::tempfile_in(folder).map(drop).map_err(cannot)
 }
 
-/// Whether a picture may be written where something may stand: nothing, a picture of the same kind that Trochoid
+/// Checks whether a picture may be written to a path: if nothing is there, or a picture of the same kind that Trochoid
 /// [wrote](is_ours), or, with `overwrites`, any file.
 ///
 /// # Errors
-/// It is another file.
+/// Another file is there.
 pub fn check_replaced(path: &Path, overwrites: bool) -> Result<(), OutputError> {
     check_replaced_by(path, Form::of_picture(path), overwrites)
 }
 
-/// The same of a file of any form: what Trochoid wrote in another form is not replaced unasked either.
+/// Checks a file of any form like [`check_replaced`]: a file that Trochoid wrote in another form needs `overwrites`,
+/// too.
 ///
 /// # Errors
 /// As [`check_replaced`].
@@ -104,36 +105,38 @@ pub fn check_replaced_by(path: &Path, form: Form, overwrites: bool) -> Result<()
     }
 }
 
-/// Where a file goes, over none but [ours](is_ours) of the same form unless `overwrites`: asked when the file is done.
+/// Returns a target that replaces only [our own files](is_ours) of the same form, unless `overwrites` is set. This is
+/// checked when the file is complete.
 pub fn target(path: &Path, form: Form, overwrites: bool) -> Target {
     let target = Target::from(path);
     if overwrites { target } else { target.replacing(move |found| is_ours(found, form)) }
 }
 
-/// As [`write_whole`], over none but [our own files](is_ours) of the same form unless `overwrites`.
+/// Writes a file like [`write_whole`], replacing only [our own files](is_ours) of the same form unless `overwrites` is
+/// set.
 ///
 /// # Errors
-/// As [`write_whole`]; another file stands there.
+/// As [`write_whole`], or another file is there.
 pub fn write_guarded(path: &Path, bytes: &[u8], form: Form, overwrites: bool) -> Result<(), OutputError> {
     write(path, bytes, target(path, form, overwrites))
 }
 
-/// Makes the folder of a file: where the file leads, if a link stands in its place.
+/// Creates the folder of a file; if the path is a link, the folder of its destination.
 pub(crate) fn make_folder_of(path: &Path) -> std::io::Result<()> {
     let leads_to = if fs::metadata(path).is_err() { resolved(path) } else { path.into() };
     fs::create_dir_all(folder_of(&leads_to))
 }
 
-/// The same, with an error that names it.
+/// Creates the folder of a file; the error names the folder.
 pub(crate) fn folder_of_file(path: &Path) -> Result<(), OutputError> {
     make_folder_of(path).map_err(|source| OutputError::Folder { path: path.parent().unwrap_or(path).into(), source })
 }
 
-/// Writes a file that appears whole or not at all; folders are made. What is no regular file (a pipe, a device) is
-/// written to as it stands.
+/// Writes a file, which appears whole or not at all, and creates missing folders. A pipe or a device is written to
+/// directly.
 ///
 /// # Errors
-/// The folder cannot be made, or the file cannot be written.
+/// The folder cannot be created, or the file cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     write(path, bytes, path.into())
 }
@@ -164,7 +167,7 @@ mod tests {
         assert_eq!(fs::read_dir(folder.path()).expect("there").count(), 0);
         fs::write(folder.path().join("file"), "").expect("written");
         let error = check_destination(&folder.path().join("file/a.exr")).expect_err("below a file");
-        assert!(error.to_string().contains("is no folder"), "{error}");
+        assert!(error.to_string().contains("is not a folder"), "{error}");
     }
 
     #[test]
@@ -189,7 +192,7 @@ mod tests {
         assert!(matches!(check_replaced_by(&path, Form::Report, false), Err(OutputError::Foreign(_))));
         check_replaced_by(&path, Form::Report, true).expect("asked for");
         let error = write_guarded(&path, b"{}", Form::Report, false).expect_err("theirs").to_string();
-        assert!(error.ends_with("move the file away that is there"), "{error}");
+        assert!(error.ends_with("move the existing file away"), "{error}");
         assert_eq!(fs::read_to_string(&path).expect("there"), "theirs");
         let ours = format!("{{\"status\": \"done\", \"trochoid\": \"{}\"}}", crate::VERSION);
         write_guarded(&path, ours.as_bytes(), Form::Report, true).expect("asked for");

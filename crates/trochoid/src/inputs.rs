@@ -1,26 +1,26 @@
-//! Files that a document reads, which none of its runs may write over.
+//! Files that a document reads, which none of its runs may overwrite.
 
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
 use trochoid_graph::{CheckedGraph, Item, NodeId, Takes, resolved};
 
-/// Two frames whose numbers differ in every digit, so that what two names share is the pattern.
+/// Two frame numbers that differ in every digit, so that the common part of their file names is the pattern.
 const PROBES: [i64; 2] = [1_111_111_111_111_111, 2_222_222_222_222_222];
 
-/// The files that any output of a document reads at any frame, and others that a run reads.
+/// Files that any output of a document reads at any frame, and other files that a run reads.
 ///
-/// Sequences count by their pattern, at frames beyond the document's range too: another run may ask for those. Links, and hard links, count as the
-/// file that they are.
+/// A sequence is matched by its pattern, including frames outside the document's range, since another run may request
+/// them. Links, including hard links, are matched by the file that they lead to.
 #[derive(Debug)]
 pub struct InputFiles {
-    /// Those that exist.
+    /// Files that exist.
     known: HashSet<Identity>,
-    /// Where those lead that have one name at all frames.
+    /// Resolved paths of files with the same name at all frames.
     paths: HashSet<PathBuf>,
     sequences: Vec<Sequence>,
 }
 
-/// What makes two names the same file.
+/// Identity of an existing file, which does not depend on its name.
 #[derive(Debug, PartialEq, Eq, Hash)]
 enum Identity {
     #[cfg(unix)]
@@ -30,7 +30,7 @@ enum Identity {
 }
 
 impl Identity {
-    /// Of a file that exists.
+    /// Returns the identity of a file; `None` if it does not exist.
     fn of(path: &Path) -> Option<Self> {
         #[cfg(unix)]
         {
@@ -45,21 +45,21 @@ impl Identity {
     }
 }
 
-/// The names of a file with the frame in them.
+/// File names that contain the frame.
 #[derive(Debug)]
 struct Sequence {
-    /// What stands before the part of the path that has the frame.
+    /// Folder of the path component that contains the frame.
     folder: PathBuf,
-    /// What stands in that part before and after the frame.
+    /// Text before and after the frame in that component.
     around: [String; 2],
-    /// Digits of the frame, at least.
+    /// Minimum number of digits of the frame.
     width: usize,
-    /// What stands behind that part.
+    /// Components after that one.
     rest: PathBuf,
 }
 
 impl Sequence {
-    /// The names that `path` gives frames; `None` where all frames have one.
+    /// Returns the sequence of the names that `path` gives to frames; `None` if all frames have the same name.
     fn of(path: &dyn Fn(i64) -> PathBuf) -> Option<Self> {
         let [one, other] = PROBES.map(path);
         let (one, other): (Vec<Component<'_>>, Vec<Component<'_>>) =
@@ -77,7 +77,7 @@ impl Sequence {
         Some(Self { folder, around, width, rest: one[at + 1..].iter().collect() })
     }
 
-    /// Whether the file of a frame has this name in the folder.
+    /// Returns whether a name in the folder is that of a frame.
     fn is_frame(&self, name: &str) -> bool {
         let [before, after] = &self.around;
         let digits = name.strip_prefix(before.as_str()).and_then(|name| name.strip_suffix(after.as_str()));
@@ -88,7 +88,7 @@ impl Sequence {
         digits == format!("{sign}{:0width$}", frame.unsigned_abs())
     }
 
-    /// Whether the file of a frame stands at a path, which is resolved.
+    /// Returns whether a resolved path is that of a frame.
     fn has(&self, path: &Path) -> bool {
         let Ok(rest) = path.strip_prefix(&self.folder) else { return false };
         let mut parts = rest.components();
@@ -96,7 +96,7 @@ impl Sequence {
         name.is_some_and(|name| self.is_frame(name)) && parts.as_path() == self.rest
     }
 
-    /// The files that there are.
+    /// Returns the existing files of the sequence.
     fn files(&self) -> impl Iterator<Item = PathBuf> {
         let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
         let named = entries.filter(|entry| entry.file_name().to_str().is_some_and(|name| self.is_frame(name)));
@@ -105,7 +105,7 @@ impl Sequence {
 }
 
 impl InputFiles {
-    /// Of a document, for a run that also reads other files, the document's own among them.
+    /// Returns the inputs of a document; `also` has other files that the run reads, such as the document itself.
     pub fn new(graph: &CheckedGraph, also: &[&Path]) -> Self {
         let first = graph.frames().0;
         let connected = graph.upstream(graph.outputs().iter().map(|output| output.node));
@@ -132,7 +132,7 @@ impl InputFiles {
         Self { known, paths, sequences }
     }
 
-    /// These and those of another state of the document.
+    /// Adds the inputs of another state of the document.
     #[must_use]
     pub fn and(mut self, other: Self) -> Self {
         self.known.extend(other.known);
@@ -141,7 +141,7 @@ impl InputFiles {
         self
     }
 
-    /// Whether a file is one of these, by whatever name; it need not exist.
+    /// Returns whether a path leads to one of the inputs. The file need not exist.
     pub fn contains(&self, path: &Path) -> bool {
         if Identity::of(path).is_some_and(|found| self.known.contains(&found)) {
             return true;

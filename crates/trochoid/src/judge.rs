@@ -1,47 +1,46 @@
-//! Requirements: what must hold on the pixels of an output, and whether it does.
+//! Requirements on the pixels of outputs, and checks of whether they are met.
 
 use std::fmt;
 use trochoid_engine::{Frame, Picture};
 use trochoid_graph::{CheckedGraph, Guarantee, Kind, OutputSpec};
 
-/// What an output's colors cannot leave; `None` for outputs that are no colors.
+/// Returns the guarantee on an output's colors; `None` for outputs that are not colors.
 ///
-/// Every color operation of the closed program has scalar weights, so it is the hull.
+/// It is always the hull, because all color operations of the program have scalar weights.
 pub fn guarantee(spec: &OutputSpec) -> Option<Guarantee> {
     (spec.kind == Kind::Color).then_some(Guarantee::Hull)
 }
 
-/// What must hold on an output: the stricter of its own requirement and of `required`, which counts for colors
-/// alone.
+/// Returns the requirement on an output: the stricter of its own and of `required`, which applies to colors only.
 pub fn requirement(spec: &OutputSpec, required: Option<Guarantee>) -> Option<Guarantee> {
     spec.require.max(required.filter(|_| spec.kind == Kind::Color))
 }
 
-/// The strongest guarantee that holds on a picture's pixels: its class, if no pixel is outside and none is NaN.
+/// Returns the guarantee that holds on a picture's pixels: that of its class, if no pixel is outside and none is NaN.
 pub fn held(picture: &Picture) -> Option<Guarantee> {
     picture.guarantee.filter(|_| picture.audit.hull_exits == 0 && picture.audit.nan_count == 0)
 }
 
-/// An output that misses its requirement at a frame.
+/// Output that misses its requirement at a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Miss {
-    /// The output's index in the graph.
+    /// Index of the output in the graph.
     pub output: usize,
-    /// Its name.
+    /// Name of the output.
     pub name: String,
-    /// The frame.
+    /// Number of the frame.
     pub frame: i64,
-    /// What was required.
+    /// Required guarantee.
     pub required: Guarantee,
-    /// The picture's class.
+    /// Guarantee of the picture's class.
     pub guarantee: Option<Guarantee>,
-    /// Pixels outside.
+    /// Number of pixels outside.
     pub exits: u64,
-    /// The largest distance of one of them.
+    /// Largest distance of a pixel outside.
     pub worst: f64,
-    /// Pixels that are not a number.
+    /// Number of pixels that are NaN.
     pub nan: u64,
-    /// Pixels judged.
+    /// Number of pixels.
     pub pixels: u64,
 }
 
@@ -55,7 +54,8 @@ impl fmt::Display for Miss {
     }
 }
 
-/// The pictures of a frame that miss what their outputs require, or what `required` demands of all colors.
+/// Returns the pictures of a frame that miss the requirement of their outputs, or `required`, which applies to all
+/// colors.
 pub fn misses(graph: &CheckedGraph, frame: &Frame, required: Option<Guarantee>) -> Vec<Miss> {
     let judged = frame.pictures.iter().filter_map(|picture| {
         let spec = &graph.outputs()[picture.output];

@@ -1,4 +1,4 @@
-//! What a file holds beside what a run would write into it.
+//! Outputs in an existing file that a run would not write again.
 
 use crate::exr_layer::file_channels;
 use crate::resume::OUTPUTS;
@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 use trochoid_graph::{CheckedGraph, resolved};
 use trochoid_io::Limits;
 
-/// The outputs of a document that a file holds which is there, and that would be gone if `file` were written: those that the
-/// document wants in the same file, that `file` leaves out, and whose channels are in it. Indices; empty where there is no such
+/// Returns the indices of the outputs that would be lost if `file` replaced the existing file: outputs that the
+/// document writes to the same path, that `file` leaves out, and that the existing file contains. Empty if there is no
 /// file.
 pub fn outputs_lost(graph: &CheckedGraph, file: &OutputFile, frame: i64) -> Vec<usize> {
     let others = (0..graph.outputs().len()).filter(|index| !file.outputs.contains(index));
@@ -29,11 +29,11 @@ pub fn outputs_lost(graph: &CheckedGraph, file: &OutputFile, frame: i64) -> Vec<
         let held: BTreeSet<&str> = held.split(", ").collect();
         return others.into_iter().filter(|index| held.contains(graph.outputs()[*index].name.as_str())).collect();
     }
-    // Of a file that does not say so, its channels tell.
+    // If the file does not name its outputs, its channels identify them.
     let Ok(info) = trochoid_io::info(&file.path, &Limits::default()) else { return Vec::new() };
     let parts = info.parts.into_iter().flat_map(|part| part.channels);
     let found: BTreeSet<String> = parts.map(|channel| channel.full_name).collect();
-    // An output that has a file for itself may have other names there than among several.
+    // The channel names of an output may depend on whether it shares the file.
     let channels = |index: usize, outputs: Vec<usize>| -> BTreeSet<String> {
         let file = OutputFile { path: file.path.clone(), outputs };
         file_channels(graph, &graph.outputs()[index], &file).into_iter().map(|(name, _)| name).collect()

@@ -23,21 +23,23 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Another renderer binds its own passes ([`Buffers`]) in place of nodes, or evaluates batches of shading
-//! samples ([`ShadingPlan`]).
+//! Other renderers bind their own passes ([`Buffers`]) in place of nodes, or evaluate batches of shading samples
+//! ([`ShadingPlan`]).
 //!
 //! # Features
 //!
-//! All are on by default. With `default-features = false` there are the back end, the engine, and the nodes that need
-//! nothing but the picture: enough for a renderer that binds its own passes. A document that names a node which is left
-//! out is refused like one with a node that does not exist.
+//! All features in this table are on by default. With `default-features = false`, the crate consists of the back end,
+//! the engine, and the nodes that need nothing but the picture, which suffices for a renderer that binds its own
+//! passes. A document with a node of a disabled feature is refused like one with an unknown node.
 //!
-//! | feature | without it there is no |
+//! | feature | provides |
 //! |---|---|
-//! | `scene` | camera, light, mesh, Render, nor any pass of a view |
-//! | `sea` | sea, spray, nor what they carry; `sea` brings `scene` |
-//! | `io` | Read, Texture, ViewFromPasses, nor writing of files, nor [`certificate`]; `io` brings `scene` |
-//! | `jit` | machine code for pointwise programs: they run as compiled kernels, with the same bits |
+//! | `scene` | cameras, lights, meshes, Render, and all passes of a view |
+//! | `sea` | seas, spray, and what they carry; implies `scene` |
+//! | `io` | Read, Texture, ViewFromPasses, writing of files, and [`certificate`]; implies `scene` |
+//! | `jit` | machine code for pointwise programs; without it they run as compiled kernels, with bit-identical results |
+//!
+//! The feature `machine`, which is off by default, provides `memory_share`, a memory limit for this machine.
 
 mod access;
 pub mod accuracy;
@@ -123,5 +125,5 @@ pub use trochoid_io as io;
 pub use trochoid_io::{clear_partial_files, discard_partial_files};
 pub use trochoid_memory::{Exhausted, Heap, exit_at_once};
 
-/// The version of Trochoid.
+/// Version of Trochoid.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -1,24 +1,26 @@
+//! Loading and checking of documents.
+
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use trochoid_graph::{CheckedGraph, Diagnostic, Document, MAX_BYTES, NodeId, Registry, Severity, check, escape_remedy};
 
-/// All node types of this build.
+/// Returns the registry of all node types in this build.
 pub fn registry() -> &'static Registry {
     static REGISTRY: OnceLock<Registry> = OnceLock::new();
     REGISTRY.get_or_init(|| Registry::new(trochoid_nodes::all()))
 }
 
-/// A checked graph, and what validation warned of.
+/// Checked graph with the warnings of its validation.
 #[derive(Clone, Debug)]
 pub struct Loaded {
-    /// The graph.
+    /// Checked graph.
     pub graph: CheckedGraph,
-    /// Warnings, in the order of the text.
+    /// Warnings, in document order.
     pub warnings: Vec<Diagnostic>,
 }
 
-/// Why a document cannot be evaluated.
+/// Reason that a document cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// The file cannot be read.
@@ -35,9 +37,9 @@ fn list(diagnostics: &[Diagnostic]) -> String {
 
 /// Loads and checks a document. Each of `set` is an assignment `NODE.KNOB=VALUE`, applied in order.
 ///
-/// The document may make the program read and write files beneath its own folder and, where that lies beneath the current
-/// one, beneath that ([`Access::usual`](crate::Access::usual)), and files that `set` names; evaluation refuses others. Another
-/// rule is set by [`CheckedGraph::with_access`].
+/// The document may read and write files under its own folder and, if that lies under the current folder, under the
+/// current folder ([`Access::usual`](crate::Access::usual)), and files that `set` names; evaluation refuses other
+/// files. [`CheckedGraph::with_access`] changes these rights.
 ///
 /// # Errors
 /// The file cannot be read, or the document is invalid.
@@ -49,7 +51,7 @@ pub fn load(path: &Path, set: &[String]) -> Result<Loaded, LoadError> {
             invalid(name.clone(), (0, 0), found, expected, "split the scene into several documents")
         }
         trochoid_io::Error::NotText { line, column, byte, .. } => {
-            let found = format!("the byte {byte:#04x}, which is no UTF-8");
+            let found = format!("the byte {byte:#04x}, which is not UTF-8");
             invalid(name.clone(), (line, column), found, "a document in UTF-8".into(), "save the document as UTF-8")
         }
         error => LoadError::Io(error),
@@ -74,8 +76,8 @@ fn invalid(file: String, place: (usize, usize), found: String, expected: String,
     }])
 }
 
-/// Checks a document's text; `name` stands for it in diagnostics, paths in it are relative to `folder`. Which files it may
-/// reach is as for [`load`].
+/// Checks the text of a document. `name` is its name in diagnostics; its paths are relative to `folder`. The files that
+/// it may access are those of [`load`].
 ///
 /// # Errors
 /// The document is invalid.
@@ -91,7 +93,7 @@ pub fn parse(name: &str, text: &str, folder: &Path, set: &[String]) -> Result<Lo
     }
 }
 
-/// Warns of input files that are not there at one of the document's frames (the first 10,000). Opens none.
+/// Returns warnings about input files that do not exist at one of the document's first 10,000 frames. Opens no files.
 pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
     let (first, last) = graph.frames();
     let roots = || graph.outputs().iter().map(|output| output.node);
@@ -107,7 +109,7 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
             let Some(path) = files.find(|path| !*exists.entry(path.clone()).or_insert_with(|| path.exists())) else {
                 continue;
             };
-            // What is connected, but not chosen at that frame, may be missing.
+            // A file may be missing if its node is connected but not chosen at that frame.
             let reached = reached.get_or_insert_with(|| graph.reached(roots(), frame));
             if !connected[index] || reached[index] {
                 missing.entry(index).or_insert((frame, path, 0)).2 += 1;
@@ -115,11 +117,11 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
         }
     }
     let fault = |(index, (frame, path, count)): (usize, (i64, PathBuf, usize))| {
-        let seen = if last - first >= FRAMES_CHECKED as i64 { " of the first 10000, which are looked at" } else { "" };
+        let seen = if last - first >= FRAMES_CHECKED as i64 { " of the first 10000, which are checked" } else { "" };
         let more = match count - 1 {
             0 => String::new(),
-            1 => format!(", and none at 1 more frame{seen}"),
-            more => format!(", and none at {more} more frames{seen}"),
+            1 => format!(", nor at 1 more frame{seen}"),
+            more => format!(", nor at {more} more frames{seen}"),
         };
         let node = &graph.nodes()[index];
         let item = node.file_item();
@@ -146,5 +148,5 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
     missing.into_iter().map(fault).collect()
 }
 
-/// Frames whose files [`missing_files`] looks for, at most.
+/// Maximum number of frames whose files [`missing_files`] looks for.
 const FRAMES_CHECKED: usize = 10_000;

@@ -1,7 +1,7 @@
-//! The machine that a program runs on.
+//! Memory limits of the machine that the program runs on.
 
-/// Three quarters of the memory that this machine, or the container that the process runs in, has, bytes: a limit that leaves
-/// the rest to others. 4 GiB where the system does not tell.
+/// Returns three quarters of the memory of this machine, or of the container that the process runs in, in bytes: a
+/// limit that leaves memory to other programs. 4 GiB if the system does not report its memory.
 ///
 /// ```
 /// let mut settings = trochoid::Settings::default();

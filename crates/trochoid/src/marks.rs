@@ -1,4 +1,4 @@
-//! Which files are Trochoid's own, so that no other is replaced unasked.
+//! Marks that identify files written by Trochoid, so that no other file is replaced without a request.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -6,74 +6,74 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 use trochoid_io::{OpenFile, open_file};
 
-/// How long a beginning and an end of a file are looked at for a mark.
+/// Number of bytes at the start and at the end of a file that are searched for a mark.
 const LOOKED_AT: u64 = 4096;
 
-/// How the mark begins with which pages (`generator`), pictures of graphs (a comment) and animations (`CreatorTool`) say
-/// what made them; the version follows.
+/// Start of the mark of pages (in `generator`), graph drawings (in a comment) and animations (in `CreatorTool`); the
+/// version follows.
 pub const GENERATOR: &str = "Trochoid ";
 
-/// The first columns of the table of a report: its header is its mark, since CSV has no comments.
+/// First columns of the table of a report, whose header is its mark, since CSV has no comments.
 pub const TABLE: &str = "scene,output,frame,settings,";
 
-/// The key that tells of what kind a picture is, where it is none of an output.
+/// Metadata key for the kind of a picture that does not show an output.
 const KIND: &str = "trochoid:kind";
 
-/// Keys of picture files' metadata begin so.
+/// Prefix of all metadata keys in picture files.
 pub(crate) const KEY: &str = "trochoid:";
 
-/// What the text of our JSON files says of itself at the top.
+/// Top-level fields that identify our JSON files.
 #[derive(Deserialize)]
 struct Marked {
-    /// The version of what wrote it; of a document, which people write, a number.
+    /// Version of the program that wrote the file; a number in documents, which users write.
     trochoid: Option<Version>,
     trochoid_plan: Option<IgnoredAny>,
-    /// Of certificates alone.
+    /// Present in certificates only.
     digest: Option<IgnoredAny>,
-    /// Of reports of runs alone.
+    /// Present in reports of runs only.
     status: Option<IgnoredAny>,
-    /// Of reports of measurements alone.
+    /// Present in reports of measurements only.
     rungs: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Version {
-    Text(#[expect(dead_code, reason = "that there is one is all")] String),
+    Text(#[expect(dead_code, reason = "only its presence matters")] String),
     Other(IgnoredAny),
 }
 
-/// The files that Trochoid writes, as they are told apart.
+/// Kind of a file that Trochoid writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// A picture as EXR.
+    /// Picture as EXR.
     Exr,
-    /// A picture as PNG.
+    /// Picture as PNG.
     Png,
-    /// A picture made small, as PNG.
+    /// Picture of reduced size as PNG.
     Preview,
-    /// How far a picture may lie from the references, as EXR.
+    /// Error bounds of a picture against the references, as EXR.
     Error,
-    /// A map of stability, as PNG.
+    /// Stability map as PNG.
     Map,
-    /// An animation.
+    /// Animation as WebP.
     WebP,
-    /// A picture of a graph.
+    /// Graph drawing as SVG.
     Svg,
-    /// A page.
+    /// Page of a report as HTML.
     Page,
-    /// A table.
+    /// Table of a report as CSV.
     Table,
-    /// A plan.
+    /// Plan as JSON.
     Plan,
-    /// A certificate.
+    /// Certificate as JSON.
     Certificate,
-    /// A report of a run, or of measurements.
+    /// Report of a run or of measurements as JSON.
     Report,
 }
 
 impl Form {
-    /// How metadata tell of pictures that are none of an output.
+    /// Returns the metadata value for pictures that do not show an output.
     fn kind(self) -> Option<&'static str> {
         match self {
             Self::Preview => Some("preview"),
@@ -83,23 +83,24 @@ impl Form {
         }
     }
 
-    /// Of a picture, by its name's ending.
+    /// Returns the form of a picture by its extension.
     pub fn of_picture(path: &Path) -> Self {
         let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
         if is_png { Self::Png } else { Self::Exr }
     }
 }
 
-/// Whether Trochoid wrote a file, and in this form, by a mark in what it holds; an empty file counts as well: there is
-/// nothing to lose.
+/// Returns whether Trochoid wrote a file in this form, judging by a mark in its contents. An empty file counts as ours,
+/// because nothing can be lost.
 ///
-/// EXR and PNG have metadata `trochoid:…`, which tell also where the rest is cut off; reports, certificates and plans their own keys; pages, pictures of graphs and
-/// animations name what generated them; a table has our header. Anything else is somebody else's, documents included.
+/// EXR and PNG have metadata `trochoid:…`, which are found even if the rest is cut off. Reports, certificates and plans
+/// have their own keys; pages, graph drawings and animations name their generator; a table has our header. All other
+/// files, including documents, are foreign.
 pub fn is_ours(path: &Path, form: Form) -> bool {
     open_file(path).is_ok_and(|found| found.length == 0 || form_of(path, found).is_ok_and(|found| found == Some(form)))
 }
 
-/// The form in which Trochoid wrote a file; `None` for others.
+/// Returns the form in which Trochoid wrote a file; `None` for foreign files.
 fn form_of(path: &Path, found: OpenFile) -> std::io::Result<Option<Form>> {
     let OpenFile { mut file, length } = found;
     let mut head = Vec::new();
@@ -141,25 +142,25 @@ fn form_of(path: &Path, found: OpenFile) -> std::io::Result<Option<Form>> {
     Ok(Some(other.unwrap_or(if head.starts_with(b"\x89PNG") { Form::Png } else { Form::Exr })))
 }
 
-/// The metadata of a picture, with the mark where they lack it.
+/// Returns the metadata of a picture, with the mark added if missing.
 pub(crate) fn with_mark(metadata: &[(String, String)]) -> Vec<(String, String)> {
     let mark = (!metadata.iter().any(|(key, _)| key.starts_with(KEY))).then(mark);
     metadata.iter().cloned().chain(mark).collect()
 }
 
-/// The same of a form.
+/// Returns the metadata of a picture of this form, with its marks added.
 pub(crate) fn with_marks(metadata: &[(String, String)], form: Form) -> Vec<(String, String)> {
     let kind = marks(form).into_iter().filter(|(key, _)| key == KIND);
-    // First, so that it is there as long as any mark is, wherever the file is cut off.
+    // The kind comes first, so that a truncated file with a mark has it, too.
     kind.chain(with_mark(metadata)).collect()
 }
 
-/// The metadata that every picture has at least.
+/// Returns the metadata entry that every picture has.
 pub fn mark() -> (String, String) {
     (format!("{KEY}version"), crate::VERSION.into())
 }
 
-/// The metadata that a picture of a form has at least.
+/// Returns the metadata entries that every picture of this form has.
 pub fn marks(form: Form) -> Vec<(String, String)> {
     let kind = form.kind().map(|kind| (KIND.into(), kind.into()));
     [mark()].into_iter().chain(kind).collect()
@@ -237,7 +238,7 @@ mod tests {
         let png = PngImage { metadata: vec![mark()], ..PngImage::new(1, 1, [channel(), channel(), channel()]) };
         let channels = vec![ExrChannel::half("Y", channel())];
         let exr = ExrImage { metadata: vec![mark()], channels, ..ExrImage::new(window) };
-        // Whatever their names say.
+        // The names of the files do not matter.
         let paths = ["a.exr", "b.png"].map(|name| folder.path().join(name));
         trochoid_io::write_png8(&paths[0], &png).expect("written");
         trochoid_io::write_exr(&paths[1], &exr).expect("written");

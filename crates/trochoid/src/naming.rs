@@ -1,4 +1,4 @@
-//! Names of the files of frames.
+//! Names of the output files of frames, and checks of their patterns.
 
 use crate::output_file::{NameFault, NamePlace, OutputError, OutputFile, layer};
 use std::path::{Component, Path, PathBuf};
@@ -6,7 +6,7 @@ use trochoid_graph::{
     CheckedGraph, Kind, Means, OutputSpec, escape_frame, expand_frame, one_frame_pattern, quoted, resolved,
 };
 
-/// Faults, each once: what is wrong with a pattern is said once, however many outputs it names.
+/// Faults without duplicates: the fault of a pattern is reported once, even if it names several outputs.
 #[derive(Default)]
 struct Faults(Vec<NameFault>);
 
@@ -27,12 +27,12 @@ impl Faults {
         }
     }
 
-    /// What is wrong with a pattern as it is written, of which `template` has the known placeholders filled in.
+    /// Adds the faults of a pattern. `written` is the pattern itself; `template` has the known placeholders replaced.
     fn of_pattern(&mut self, place: &NamePlace, written: &str, template: &str, several_frames: bool) {
         if let Some((_, rest)) = template.split_once('{') {
             let found = rest.split_once('}').map_or(rest, |(name, _)| name);
             let found = format!("\"{written}\" has the unknown placeholder {{{found}}}");
-            self.add(place, found, "write {output}, #### or %04d, which are known");
+            self.add(place, found, "use {output}, #### or %04d");
         }
         if let Some(one) = one_frame_pattern(written) {
             let found = format!("found two frame patterns in \"{written}\"; expected one");
@@ -51,13 +51,13 @@ impl Faults {
 
 /// Names the files of some outputs at a frame.
 ///
-/// `pattern` is relative to the current folder and knows `{output}` and `####` or `%04d`; without one, each
-/// output's own `file` counts, relative to the document, or else `{output}.####.exr`. Outputs of a document
-/// that name the same file share it as layers, by whatever links and names they lead there.
+/// `pattern` is relative to the current folder and may contain `{output}` and `####` or `%04d`. Without a pattern, each
+/// output's own `file` is used, relative to the document, or else `{output}.####.exr`. Outputs that lead to the same
+/// file, even by different links and names, share it as layers.
 ///
 /// # Errors
-/// A pattern that gives several outputs, or several frames, one name; an ending that cannot be written; a file of the
-/// document where it may not write.
+/// A pattern gives several outputs or several frames one name; an extension cannot be written; the document may not
+/// write to a file that it names.
 pub fn output_files(
     graph: &CheckedGraph,
     outputs: &[usize],
@@ -87,7 +87,7 @@ pub fn output_files(
         let lower = template.to_lowercase();
         let is_png = lower.ends_with(".png");
         if !lower.ends_with(".exr") && !is_png {
-            let found = format!("\"{written}\" has an ending that cannot be written");
+            let found = format!("\"{written}\" has an extension that cannot be written");
             faults.add(&place, found, "let the name end with .exr or .png");
         }
         if is_png && !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {
@@ -97,16 +97,16 @@ pub fn output_files(
         let asked = if pattern.is_none() { own_file(graph, spec, frame) } else { None };
         let is_asked = asked.is_some();
         let path = normalized(&asked.unwrap_or_else(|| expand_frame(&template, frame).into()));
-        // The very path that is written.
+        // The path is checked exactly as it is written.
         if is_asked && refused.is_none() {
             refused = graph.check_written(spec, &path).err();
         }
-        // By whatever links: names that are hard links stay two files, since writing one gives it a file of its own.
+        // Links are followed, except for hard links: writing to one of them creates a new file.
         let leads_to = if outputs.len() > 1 { resolved(&path) } else { path.clone() };
         match places.iter().position(|place| *place == leads_to) {
             Some(at) => {
                 let file = &mut files[at];
-                // A pattern without {output} was refused already.
+                // A pattern without {output} has been refused already.
                 if is_png && pattern.is_none_or(|pattern| pattern.contains("{output}")) {
                     let other = &graph.outputs()[file.outputs[0]].name;
                     let found = format!(
@@ -130,7 +130,7 @@ pub fn output_files(
     }
 }
 
-/// Refuses outputs of a file that are the same layer of it.
+/// Refuses outputs that are the same layer of a file.
 fn refuse_same_layers(graph: &CheckedGraph, file: &OutputFile, faults: &mut Faults) {
     let specs: Vec<&OutputSpec> = file.outputs.iter().map(|index| &graph.outputs()[*index]).collect();
     for (at, spec) in specs.iter().enumerate() {
@@ -147,25 +147,25 @@ fn refuse_same_layers(graph: &CheckedGraph, file: &OutputFile, faults: &mut Faul
     }
 }
 
-/// An item of an output in the document.
+/// Returns the place of an output's item in the document.
 fn place_of(graph: &CheckedGraph, spec: &OutputSpec, item: &'static str) -> NamePlace {
     let [line, column] = spec.place;
     NamePlace::Output { place: format!("{}:{line}:{column}", graph.name()), output: spec.name.clone(), item }
 }
 
-/// Where the document itself wants an output.
+/// Returns the path that the document itself gives to an output.
 pub(crate) fn own_file(graph: &CheckedGraph, spec: &OutputSpec, frame: i64) -> Option<PathBuf> {
     let template = spec.file.as_ref()?.replace("{output}", &escape_frame(&spec.name));
     Some(graph.folder().join(expand_frame(&template, frame)))
 }
 
-/// Names a further file for each file of a frame, such as its certificate.
+/// Names a companion, such as the certificate, for each file of a frame.
 ///
-/// `pattern` is relative to the current folder and knows `{output}` (the names of a file's outputs, with
-/// `+` between them) and `####` or `%04d`; `ending` is what the names must end with, such as ".json".
+/// `pattern` is relative to the current folder and may contain `{output}` (the names of a file's outputs, joined by
+/// `+`) and `####` or `%04d`. `ending` is the required extension, such as ".json".
 ///
 /// # Errors
-/// A pattern that gives several files, or several frames, one name; another ending.
+/// The pattern gives several files or several frames one name, or has another extension.
 pub fn companion_files(
     graph: &CheckedGraph,
     files: &[OutputFile],
@@ -180,7 +180,7 @@ pub fn companion_files(
         faults.add_shared(&place, found);
     }
     if !pattern.to_lowercase().ends_with(ending) {
-        faults.add(&place, format!("\"{pattern}\" has another ending than {ending}"), "add it");
+        faults.add(&place, format!("\"{pattern}\" has another extension than {ending}"), "add it");
     }
     faults.of_pattern(&place, pattern, &pattern.replace("{output}", ""), several_frames);
     if !faults.0.is_empty() {
@@ -197,7 +197,7 @@ fn is_same_at_all_frames(template: &str) -> bool {
     expand_frame(template, 0) == expand_frame(template, 1)
 }
 
-/// A name with the frame before its ending.
+/// Returns a name with the frame pattern before its extension.
 fn with_frame(written: &str) -> String {
     match written.rsplit_once('.') {
         Some((name, ending)) if !name.is_empty() && !ending.contains('/') => format!("{name}.####.{ending}"),
@@ -205,8 +205,8 @@ fn with_frame(written: &str) -> String {
     }
 }
 
-/// The path without `.` and without `folder/..`, so that two spellings of one file are one; as it is where the folder is a link,
-/// behind which `..` leads elsewhere.
+/// Returns the path without `.` and without `folder/..`, so that all spellings of a file are equal. The path is
+/// unchanged if the folder is a link, since `..` after a link leads elsewhere.
 fn normalized(path: &Path) -> PathBuf {
     let short = shortened(path);
     let crosses_out = path.components().filter(|part| *part == Component::ParentDir).count()

@@ -33,7 +33,7 @@ fn what_stands_behind_a_link_is_not_crossed_out() {
     let inner = folder.join("own/link/../k.exr");
     assert_eq!(normalized(&inner), inner);
     assert_eq!(normalized(&folder.join("own/in/../k.exr")), folder.join("own/k.exr"));
-    // Whatever a path looks like, what is checked is what is written.
+    // The path that is checked is the path that is written, whatever it looks like.
     let text = r##"{ "trochoid": 1, "format": { "width": 4, "height": 2 }, "nodes": { "x": { "type": "ScreenX" } },
         "outputs": { "a": { "weights": "x", "file": "FILE" } } }"##;
     for (file, written) in [

@@ -1,4 +1,4 @@
-//! From evaluated frames to files.
+//! Writing of evaluated frames to files.
 
 use crate::Form;
 use crate::exr_layer::{convert, file_channels, reserved};
@@ -10,14 +10,14 @@ use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision};
 use trochoid_image::{Plane, Window, WorkingSpace};
 use trochoid_io::{ExrChannel, ExrImage, PngImage, SampleType, Samples, write_exr, write_png8, write_png16};
 
-/// Writes one file of an evaluated frame; it appears whole or not at all. Folders are made.
+/// Writes one file of an evaluated frame, which appears whole or not at all, and creates missing folders.
 ///
-/// EXR holds linear light in the primaries of the working space (a display-encoded `srgb` is decoded), so that
-/// any reader shows it right. PNG is encoded as sRGB. Either says in its metadata that Trochoid made it, and takes the place
-/// of no other file unless the graph's [rule](trochoid_graph::Access::overwrites) says so.
+/// EXR stores linear light in the primaries of the working space (a display-encoded `srgb` is decoded), so that any
+/// reader shows it correctly. PNG is encoded as sRGB. The metadata of both name Trochoid. Foreign files are replaced
+/// only if the graph's [access rights](trochoid_graph::Access::overwrites) allow it.
 ///
 /// # Errors
-/// A value that the file's precision cannot hold, or input and output; a file of others is there.
+/// A value does not fit in the file's precision, the file cannot be written, or a foreign file is there.
 pub fn write_output(
     graph: &CheckedGraph,
     frame: &Frame,
@@ -63,7 +63,7 @@ fn write_layers(
         data: frame.window,
         channels,
         metadata: metadata.to_vec(),
-        // As in a file that is written while its rows are made: which way it came about must not show.
+        // As in a file that is written while its rows are computed, so that both files are equal.
         reserved: reserved(chosen.iter().map(|(spec, _)| *spec)),
         chromaticities: chosen.iter().any(|(_, p)| p.kind == Kind::Color).then(|| graph.space().chromaticities()),
     };
@@ -93,7 +93,7 @@ fn write_png(
     Ok(())
 }
 
-/// The channels of a color.
+/// Returns the channels of a color.
 fn color_rows(planes: &[Plane]) -> Option<[&[f32]; 3]> {
     match planes {
         [r, g, b] => Some([r.samples(), g.samples(), b.samples()]),
@@ -101,7 +101,7 @@ fn color_rows(planes: &[Plane]) -> Option<[&[f32]; 3]> {
     }
 }
 
-/// What is written of planes: their samples, or what these were converted to.
+/// Returns the samples to write: those of the planes, or the converted ones.
 fn samples_of<'s>(planes: &'s [Plane], converted: Option<&'s [Vec<f32>; 3]>) -> Vec<Samples<'s>> {
     match converted {
         Some(color) => color.iter().map(|channel| Samples::contiguous(channel)).collect(),

@@ -1,56 +1,57 @@
-//! A file of pictures that is to be written, and why it cannot be.
+//! Output files, and the reasons that they cannot be written.
 
 use std::fmt;
 use std::path::PathBuf;
 use trochoid_graph::{Means, OutputSpec, Refused, quoted};
 
-/// A file to be written for one frame, and the outputs that go into it.
+/// File to write for one frame, with its outputs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputFile {
-    /// Where.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Indices of outputs of the graph, each a layer of the file.
+    /// Indices of the outputs in the graph, each a layer of the file.
     pub outputs: Vec<usize>,
 }
 
-/// Why files cannot be named or written.
+/// Reason that files cannot be named or written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// Files cannot be named so: everything that is wrong, such as one name for several pictures.
+    /// The names of files have faults, such as one name for several pictures; lists all of them.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Pattern(Vec<NameFault>),
     /// The file cannot be written.
     #[error(transparent)]
     Io(#[from] trochoid_io::Error),
-    /// The document wants it where it may not write.
+    /// The document may not write to the path that it names.
     #[error("{}", .0.diagnostic())]
     Refused(Box<Refused>),
-    /// Trochoid did not write the file that is there, or as another kind of file, or so little is left that nobody can tell.
-    #[error("{0}\n  remedy: give another name, or move the file away that is there")]
+    /// The existing file was not written by Trochoid, is of another kind, or is truncated so that it cannot be
+    /// identified.
+    #[error("{0}\n  remedy: give another name, or move the existing file away")]
     Foreign(ForeignFile),
-    /// No file can be written there.
+    /// A file cannot be written to this path.
     #[error("{}: {reason}", path.display())]
     Destination {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Reason for the failure.
         #[source]
         reason: NoDestination,
     },
     /// The folder cannot be made.
     #[error("{}: the folder cannot be made: {source}", path.display())]
     Folder {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
-        /// Why.
+        /// Reason for the failure.
         source: std::io::Error,
     },
 }
 
-/// File in the way that Trochoid did not write.
+/// Existing file that does not bear Trochoid's mark.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{}: is there already, and does not bear Trochoid's mark of such a file: not written by it, of another kind, or cut off",
+    "{}: exists already and does not bear Trochoid's mark: it is a file of another program, of another kind, or cut off",
     path.display()
 )]
 pub struct ForeignFile {
@@ -86,20 +87,20 @@ pub enum NoDestination {
     Write(#[source] std::io::Error),
 }
 
-/// Why files cannot be named so.
+/// Fault in the name of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NameFault {
-    /// Where.
+    /// Place of the fault.
     pub place: NamePlace,
-    /// What is wrong.
+    /// Description of the fault.
     pub found: String,
-    /// What to do.
+    /// Suggested remedy.
     pub remedy: String,
-    /// What a front end can offer for that, if anything.
+    /// Means of the remedy that a front end can offer, if any.
     pub means: Option<Means>,
 }
 
-/// Place of a name that does not do.
+/// Place of a fault in a name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NamePlace {
     /// Item of an output of a document.
@@ -130,7 +131,8 @@ impl fmt::Display for NameFault {
     }
 }
 
-/// The layer of an output: its own name for one, else the output's name where several share the file.
+/// Returns the layer of an output: the one that the document names, else the name of the output if several outputs
+/// share the file, else none.
 pub(crate) fn layer<'s>(spec: &'s OutputSpec, file: &OutputFile) -> &'s str {
     match &spec.layer {
         Some(layer) => layer,

@@ -4,21 +4,21 @@ use serde_json::{Value, json};
 use trochoid_engine::{Frame, State};
 use trochoid_graph::CheckedGraph;
 
-/// How a run ended.
+/// Result of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunStatus {
-    /// Every frame is done.
+    /// All frames are complete.
     Done,
     /// A frame could not be evaluated or written.
     Failed,
-    /// Every frame is done, but a required guarantee was missed.
+    /// All frames are complete, but a required guarantee was missed.
     Missed,
-    /// The user stopped it.
+    /// The user stopped the run.
     Interrupted,
 }
 
 impl RunStatus {
-    /// The word in reports.
+    /// Returns the name of the status in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Done => "done",
@@ -29,7 +29,7 @@ impl RunStatus {
     }
 }
 
-/// What a run reports: one entry a frame.
+/// Report of a run, with one entry per frame.
 #[derive(Clone, Debug)]
 pub struct RunReport {
     document: String,
@@ -38,17 +38,17 @@ pub struct RunReport {
 }
 
 impl RunReport {
-    /// A report of a graph's run, without frames yet.
+    /// Creates a report of a run without frames.
     pub fn new(graph: &CheckedGraph) -> Self {
         Self { document: graph.name().into(), hash: graph.document_hash(), frames: Vec::new() }
     }
 
-    /// Adds a frame's report, as made by [`frame_report`].
+    /// Adds the report of a frame, made by [`frame_report`].
     pub fn push(&mut self, frame: Value) {
         self.frames.push(frame);
     }
 
-    /// The whole report.
+    /// Returns the whole report as JSON.
     pub fn to_json(&self, status: RunStatus) -> Value {
         json!({
             "trochoid": crate::VERSION,
@@ -61,7 +61,7 @@ impl RunReport {
     }
 }
 
-/// One frame's report: outputs with their guarantee and counts, nodes with their state and time.
+/// Returns the report of a frame: outputs with their guarantees and counts, nodes with their states and times.
 pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> Value {
     let repaired: u64 = frame.nodes.iter().map(|node| node.repaired).sum();
     let outputs: serde_json::Map<String, Value> = frame
@@ -118,26 +118,26 @@ pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> 
     })
 }
 
-/// What was needed and left out, for a picture's metadata: nothing that depends on what a cache held, so that equal
-/// renders make equal files.
+/// Summarizes the needed and omitted nodes for a picture's metadata, without anything that depends on the state of a
+/// cache, so that equal renders make equal files.
 #[cfg(feature = "io")]
 pub(crate) fn plan_summary(frame: &Frame) -> String {
     summary_of(frame.nodes.iter().map(|node| matches!(node.state, State::LeftOut(_))))
 }
 
-/// The same of all nodes, told for each whether it is left out.
+/// Summarizes the nodes of a plan; the iterator tells for each whether it is left out.
 #[cfg(feature = "io")]
 pub(crate) fn summary_of(left_out: impl Iterator<Item = bool>) -> String {
     let (out, kept): (Vec<bool>, Vec<bool>) = left_out.partition(|out| *out);
     format!("{} nodes evaluated, {} left out", kept.len(), out.len())
 }
 
-/// JSON has no infinity: the smallest weight of a picture without weights, and the like, become null.
+/// Returns a number as JSON, or null if it is infinite, such as the smallest weight of a picture without weights.
 fn number(value: f64) -> Value {
     if value.is_finite() { json!(value) } else { Value::Null }
 }
 
-/// Most memory that this process has held, bytes; `None` where the system does not tell.
+/// Returns the peak memory of this process in bytes; `None` if the system does not report it.
 fn peak_memory_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

@@ -1,4 +1,4 @@
-//! What a picture was made from, as a hash: the key of `--resume`.
+//! Fingerprints: hashes of everything that a picture was made from, which `--resume` compares.
 
 use crate::{Frame, OutputFile, Plan, Settings, Switches, VERSION, held, requirement};
 use std::collections::HashMap;
@@ -6,19 +6,19 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use trochoid_graph::{CheckedGraph, ContentKey, Guarantee, KeyHasher, NodeId};
 
-/// The metadata entry that holds the fingerprint.
+/// Metadata key of the fingerprint.
 pub(crate) const KEY: &str = "trochoid:fingerprint";
-/// The recipe of fingerprints. Files of another one are rendered again.
+/// Version of the fingerprint's definition. Files with another version are rendered again.
 const RECIPE: u32 = 2;
-/// The metadata entry that names the outputs that are in a file.
+/// Metadata key for the names of the outputs in a file.
 pub(crate) const OUTPUTS: &str = "trochoid:outputs";
-/// The metadata entry that holds the weakest guarantee found to hold on a color of the file.
+/// Metadata key of the weakest guarantee that was found to hold on a color of the file.
 const HELD: &str = "trochoid:held";
 
-/// Length and time of the last change: a file that has the same ones is the same, as for what an evaluation keeps.
+/// Length and modification time. A file with the same ones counts as unchanged, as in the cache of an evaluation.
 type State = Option<(u64, Option<SystemTime>)>;
 
-/// Fingerprints of the files of a run; hashes an input file once as long as nobody changes it.
+/// Fingerprints of the files of a run. An input file is hashed again only if it has changed.
 #[derive(Debug, Default)]
 pub struct Fingerprints {
     settings: Settings,
@@ -27,25 +27,25 @@ pub struct Fingerprints {
 }
 
 impl Fingerprints {
-    /// Of a run with the usual settings; no file hashed yet.
+    /// Creates fingerprints for a run with default settings.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Of a run with these settings.
+    /// Creates fingerprints for a run with these settings.
     pub fn with(settings: &Settings) -> Self {
         Self { settings: settings.clone(), ..Self::default() }
     }
 
-    /// Of a run whose pictures come [from the references](Plan::evaluate_by_reference).
+    /// Sets whether pictures are evaluated [by the references](Plan::evaluate_by_reference).
     #[must_use]
     pub fn by_reference(self, by_reference: bool) -> Self {
         Self { by_reference, ..self }
     }
 
-    /// The hash of everything that a file's bytes depend on: versions of program and nodes, document (`--set` included),
-    /// frame, outputs, settings that the picture or its metadata show, and the contents of all input files. An input that
-    /// cannot be read counts as such.
+    /// Returns the hash of everything that a file's bytes depend on: versions of the program and the nodes, the
+    /// document (including `--set`), the frame, the outputs, settings that affect the picture or its metadata, and the
+    /// contents of all input files. An input that cannot be read contributes the reason.
     pub fn of(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: i64) -> String {
         let context = graph.frame_context(frame, u64::MAX);
         let roots = file.outputs.iter().map(|index| graph.outputs()[*index].node);
@@ -57,7 +57,7 @@ impl Fingerprints {
         let nodes = graph.order().iter().filter(|id| reached[id.0]).map(|id| graph.node(*id).ty.declaration());
         let nodes: Vec<(&str, u32)> = nodes.map(|declaration| (declaration.name, declaration.revision)).collect();
         nodes.feed(&mut hasher);
-        // What the document may not read is not read for this either.
+        // Files that the document may not read are not read for the fingerprint, either.
         let may_read = |(index, reached): (usize, bool)| reached && graph.refused(NodeId(index), &context).is_none();
         let may_read: Vec<bool> = reached.into_iter().enumerate().map(may_read).collect();
         let files = graph.files(&may_read, &context);
@@ -73,15 +73,15 @@ impl Fingerprints {
         hasher.finish().to_hex()
     }
 
-    /// Feeds what of the settings shows in a file.
+    /// Feeds the settings that affect a file to the hash.
     fn shown(&self, hasher: &mut KeyHasher) {
         let Settings { switches, judge, region, .. } = &self.settings;
-        // What is left out is told in the metadata; how the rest is computed is not.
+        // The metadata list what is left out, but not how the rest is computed.
         let switches = Switches { hoist: true, fuse: true, compile: true, ..*switches };
         (switches, judge, region, self.by_reference).feed(hasher);
     }
 
-    /// What of a file's outputs is needed and left out, whatever else a run evaluates beside them.
+    /// Summarizes the needed and omitted nodes of a file's outputs, whatever other outputs the run evaluates.
     fn plan_summary(&self, graph: &CheckedGraph, file: &OutputFile, frame: &Frame) -> String {
         if frame.pictures.iter().all(|picture| file.outputs.contains(&picture.output)) {
             return crate::report::plan_summary(frame);
@@ -93,7 +93,8 @@ impl Fingerprints {
         }
     }
 
-    /// Whether the file is there already and whole, made from exactly this, and was found to hold what is required.
+    /// Returns whether the file exists already, is complete, has this fingerprint, and was found to meet the
+    /// requirement.
     pub fn is_current(
         &mut self,
         graph: &CheckedGraph,
@@ -108,12 +109,13 @@ impl Fingerprints {
             && entry(HELD).and_then(Guarantee::from_name) >= demanded
     }
 
-    /// Whether a file is there that was written with the [`metadata`](Self::metadata) of this fingerprint.
+    /// Returns whether a complete file exists that was written with the [`metadata`](Self::metadata) of this
+    /// fingerprint.
     pub fn is_marked(path: &Path, fingerprint: &str) -> bool {
         metadata_of_whole(path).iter().any(|(key, value)| key == KEY && value == fingerprint)
     }
 
-    /// The metadata of a file: what it was made from and what was found on its pixels.
+    /// Returns the metadata of a file: what it was made from, and what was found on its pixels.
     pub fn metadata(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: &Frame) -> Vec<(String, String)> {
         let pictures = || frame.pictures.iter().filter(|picture| file.outputs.contains(&picture.output));
         let held = pictures().filter(|picture| picture.guarantee.is_some()).map(held).min().flatten();
@@ -140,13 +142,13 @@ impl Fingerprints {
     }
 }
 
-/// The metadata of a picture of which nothing is missing and that nothing follows.
+/// Returns the metadata of a picture file that is complete and has nothing after its end; empty for other files.
 fn metadata_of_whole(path: &Path) -> Vec<(String, String)> {
     let whole = trochoid_io::check_whole(path).and_then(|()| trochoid_io::read_metadata(path));
     whole.unwrap_or_default()
 }
 
-/// The hash of a file's contents, or why there is none.
+/// Returns the hash of a file's contents, or the reason that it cannot be read.
 fn hash_of(path: &Path) -> String {
     let mut hasher = blake3::Hasher::new();
     let file = match trochoid_io::open_file(path) {

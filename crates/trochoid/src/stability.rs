@@ -1,9 +1,9 @@
-//! How the nodes of a graph that time moves behave in the long run.
+//! Long-term behavior of the time-dependent nodes of a graph.
 
 use trochoid_graph::{CheckedGraph, Dynamics, NodeId, Stability, Stage, Verdict};
 
-/// The stability of every node that depends on time without being keyed, in the order of the document, with knobs as
-/// they are at a frame: theory beside measurements. Takes some seconds a node.
+/// Returns the stability of every node that depends on time other than by keyframes, in document order, with its knobs
+/// at a frame: theory and measurements. Takes some seconds per node.
 ///
 #[cfg_attr(feature = "sea", doc = "```")]
 #[cfg_attr(not(feature = "sea"), doc = "```ignore")]
@@ -28,7 +28,7 @@ pub fn stability(graph: &CheckedGraph, frame: i64) -> Vec<(NodeId, Stability)> {
     ids.filter_map(|id| Some((id, stability_of(graph, id, frame)?))).collect()
 }
 
-/// The stability of one node; `None` of one that is disabled or that time does not move.
+/// Returns the stability of one node; `None` if it is disabled or does not depend on time.
 pub fn stability_of(graph: &CheckedGraph, id: NodeId, frame: i64) -> Option<Stability> {
     let node = graph.node(id);
     if node.disabled {
@@ -39,12 +39,12 @@ pub fn stability_of(graph: &CheckedGraph, id: NodeId, frame: i64) -> Option<Stab
     settled.node().dynamics().and_then(Dynamics::stability).or_else(|| timed.then(stateless))
 }
 
-/// Of a node that tells nothing itself.
+/// Returns the stability of a node that carries no state.
 fn stateless() -> Stability {
     Stability {
         verdict: Verdict::ClosedForm,
         says: vec![
-            "Every frame is worked out from its own time: nothing is carried from frame to frame, so no error can grow."
+            "Every frame is computed from its own time: no state is carried from frame to frame, so no error can grow."
                 .into(),
         ],
         figures: Vec::new(),

@@ -1,4 +1,4 @@
-//! Files written while their rows are made: memory does not grow with the picture.
+//! Files that are written while their rows are computed, so that memory does not grow with the picture.
 
 use crate::Form;
 use crate::exr_layer::{convert, file_channels, reserved};
@@ -11,7 +11,7 @@ use trochoid_graph::{CheckedGraph, Kind};
 use trochoid_image::{Window, WorkingSpace};
 use trochoid_io::{EncodeScratch, ExrHeader, ExrWriter};
 
-/// The EXR files of one frame, written band by band by [`Plan::evaluate_to`].
+/// Sink for the EXR files of one frame, which [`Plan::evaluate_to`] writes band by band.
 ///
 /// ```
 /// use trochoid::{Buffers, Cache, FileSink, OutputFile, Plan, Settings, Silent};
@@ -39,19 +39,20 @@ pub struct FileSink<'g> {
     failure: Mutex<Option<Arc<OutputError>>>,
 }
 
-/// A file being written.
+/// File being written.
 struct Open {
     file: OutputFile,
     writer: ExrWriter,
-    /// Its outputs by their place in the plan, and whether their colors are to be decoded to linear light.
+    /// Outputs by their index in the plan, and whether their colors are decoded to linear light.
     outputs: Vec<(usize, bool)>,
 }
 
 impl<'g> FileSink<'g> {
-    /// Starts the files of a plan's outputs; `None` if one of them is no EXR, which only a whole frame can be written to.
+    /// Creates the files of a plan's outputs; `None` if one of them is not an EXR file, since other files need the
+    /// whole frame.
     ///
     /// # Errors
-    /// A file cannot be made.
+    /// A file cannot be created.
     pub fn create(graph: &'g CheckedGraph, plan: &Plan<'_>, files: &[OutputFile]) -> Result<Option<Self>, OutputError> {
         let is_exr = |file: &OutputFile| file.path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
         if !files.iter().all(is_exr) {

@@ -1,4 +1,4 @@
-//! What is left of Trochoid without any feature still computes: `cargo test -p trochoid --no-default-features`.
+//! The library without any feature: `cargo test -p trochoid --no-default-features`.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -8,7 +8,7 @@ use trochoid::{Buffers, Cache, CheckedGraph, Kind, Plan, ReferenceFrame, Setting
 const WIDTH: usize = 7;
 const HEIGHT: usize = 3;
 
-/// Two passes that a renderer binds, and a picture mixed by them.
+/// Two passes that a renderer binds, and a picture that they mix.
 const LOOK: &str = r##"{
   "trochoid": 1,
   "format": { "width": 7, "height": 3 },
@@ -27,12 +27,12 @@ fn look() -> CheckedGraph {
     parse("look", LOOK, Path::new("."), &[]).unwrap().graph
 }
 
-/// A pass whose values run over all of [0, `most`], its ends among them.
+/// Returns a pass whose values cover [0, `most`], including both ends.
 fn pass(step: usize, most: f32) -> Vec<f32> {
     (0..WIDTH * HEIGHT).map(|at| (at * step % (WIDTH * HEIGHT)) as f32 / (WIDTH * HEIGHT - 1) as f32 * most).collect()
 }
 
-/// The picture's formula, written out in f64.
+/// Returns the value of the picture by its formula in f64.
 fn truth(light: f32, depth: f32) -> [f64; 3] {
     let color = |hex: u32| [16, 8, 0].map(|shift| f64::from(hex >> shift & 255) / 255.0);
     let mix = |a: [f64; 3], b: [f64; 3], t: f64| [0, 1, 2].map(|c| (1.0 - t) * a[c] + t * b[c]);
@@ -55,7 +55,7 @@ fn bound_passes_are_mixed_in_their_palette() {
             assert!((found - truth).abs() < 1e-6, "pixel {at}, channel {channel}: {found}, not {truth}");
         }
     }
-    // Single samples, for renderers that know no images.
+    // Single samples, for renderers without images.
     let shading = ShadingPlan::new(&graph, "beauty", 1, &["light", "depth"], &Settings::default()).unwrap();
     let mut out = [0; 3].map(|_| vec![0.0; WIDTH * HEIGHT]);
     let [r, g, b] = &mut out;

@@ -1,4 +1,4 @@
-//! Settings from a tolerance or a plan, for a run.
+//! Accuracy settings of a run, from a tolerance or a plan.
 
 use super::args::Args;
 use crate::failure::Failure;
@@ -11,18 +11,18 @@ use std::path::Path;
 use trochoid::accuracy::{PlanFile, Planned, allowed};
 use trochoid::{Certified, CheckedGraph, Item, Kind, LoadError, Settings, Tolerance, quoted_path};
 
-/// What a run was asked for, and the settings that it has for that.
+/// Requested tolerance of a run, and the settings chosen for it.
 #[derive(Default)]
 pub(super) struct Accuracy {
     pub(super) asked: Option<Tolerance>,
-    /// Assignments beyond `--set`.
+    /// Assignments in addition to `--set`.
     pub(super) set: Vec<String>,
-    /// What was found for the first frame.
+    /// First frame, and the settings found for it.
     planned: Option<(i64, Planned)>,
 }
 
 impl Accuracy {
-    /// Looks for settings at the first frame of a run, or takes those of a plan; prints what it chose.
+    /// Searches for settings at the first frame of a run and prints them, or takes the settings of a plan.
     pub(super) fn settle(
         args: &Args,
         graph: &CheckedGraph,
@@ -54,18 +54,18 @@ impl Accuracy {
         Ok(Self { asked, set: planned.set.clone(), planned: Some((frame, planned)) })
     }
 
-    /// What is wrong with a document as its settings have it: in those of a plan, which is named then.
+    /// Returns the failure of loading the document with these settings; faults in the settings of a plan name the plan.
     pub(super) fn refused(&self, args: &Args, error: LoadError) -> Failure {
         match (error, &args.plan) {
             (LoadError::Invalid(mut faults), Some(plan)) => {
                 for fault in faults.iter_mut().filter(|fault| fault.is_assigned) {
-                    // Those of the command line have been found to fit.
+                    // Assignments of the command line have been accepted before.
                     (fault.file, fault.is_assigned) = (format!("{}: set {}", plan.display(), fault.file), false);
                     fault.means = None;
                     fault.remedy = format!(
                         "plan again for this document: trochoid plan {} --tolerance 1/64 --out {}",
                         quoted_path(&args.graph),
-                        // Beside the document: the one that does not fit may be another's.
+                        // Next to the document: the plan that does not fit may belong to another document.
                         quoted_path(&args.graph.with_extension("plan.json"))
                     );
                 }
@@ -75,12 +75,12 @@ impl Accuracy {
         }
     }
 
-    /// Whether pictures come from the references themselves.
+    /// Returns whether the references themselves evaluate the pictures.
     pub(super) fn by_reference(&self) -> bool {
         self.asked == Some(Tolerance::Reference)
     }
 
-    /// The error that every frame has to stay below.
+    /// Returns the error that no frame may exceed.
     pub(super) fn error(&self) -> Option<f64> {
         match self.asked {
             Some(Tolerance::Error(error)) => Some(error),
@@ -88,14 +88,14 @@ impl Accuracy {
         }
     }
 
-    /// What is certain of some outputs at a frame, where planning has found it out already.
+    /// Returns the certified errors of outputs at a frame if planning has determined them already.
     pub(super) fn known(&self, frame: i64, outputs: &[usize]) -> Option<Vec<Certified>> {
         let (at, planned) = self.planned.as_ref()?;
         let find = |output: &usize| planned.certified.iter().find(|certified| certified.output == *output).cloned();
         if *at == frame { outputs.iter().map(find).collect() } else { None }
     }
 
-    /// The outputs that a frame's certificates do not grant the tolerance.
+    /// Returns messages for the outputs whose certified error at a frame exceeds the tolerance.
     pub(super) fn misses(&self, graph: &CheckedGraph, frame: i64, certified: &[Certified]) -> Vec<String> {
         let Some(error) = self.error() else { return Vec::new() };
         let miss = |certified: &Certified| {
@@ -107,15 +107,15 @@ impl Accuracy {
             let (name, max) = (&graph.outputs()[certified.output].name, certified.clear.max());
             (max > most).then(|| {
                 format!(
-                    "error: frame {frame}: output \"{name}\": found {max:.1e} certified; expected at most {most:.1e}, which the \
-                     tolerance allows\n  remedy: plan at this frame: trochoid plan --frame {frame}"
+                    "error: frame {frame}: output \"{name}\": found a certified error of {max:.1e}; expected at most \
+                     {most:.1e}, as the tolerance requires\n  remedy: plan at this frame: trochoid plan --frame {frame}"
                 )
             })
         };
         certified.iter().filter_map(miss).collect()
     }
 
-    /// What was chosen, predicted and taken at a frame, for the report.
+    /// Describes the tolerance, the settings, and the predicted and actual time of a frame, for the report.
     pub(super) fn described(&self, frame: i64, seconds: f64) -> Value {
         let planned = self.planned.as_ref().filter(|(at, _)| *at == frame);
         json!({
@@ -127,24 +127,25 @@ impl Accuracy {
     }
 }
 
-/// What a plan sets that no plan sets: a plan may come from anywhere, and what is set beside a document is trusted.
+/// Returns failures for assignments of a plan that do not set accuracy knobs. A plan may come from anywhere, but its
+/// assignments are trusted like those of the user.
 fn strange(path: &Path, plan: &PlanFile, graph: &CheckedGraph) -> Vec<Failure> {
     let is_accuracy = |knob: &str| {
         let Some((node, knob)) = knob.split_once('.') else { return true };
-        // What does not fit the document is told when it is set.
+        // An assignment that does not fit the document is reported when it is applied.
         let Some(id) = graph.find(node) else { return true };
         let mut items = graph.node(id).ty.declaration().items.iter();
         items.all(|item| !matches!(item, Item::Knob(found) if found.name == knob && !found.accuracy))
     };
     let strange = plan.set.keys().filter(|knob| !is_accuracy(knob));
     let fault = |knob: &String| {
-        let message = format!("{}: found \"{knob}\" set; expected knobs of accuracy alone", path.display());
+        let message = format!("{}: found an assignment to \"{knob}\"; expected accuracy knobs only", path.display());
         Failure::usage(message, "plan again, or set it with --set")
     };
     strange.map(fault).collect()
 }
 
-/// What a plan was not made for, of that which it is used for.
+/// Returns warnings if a plan is used for something that it was not made for.
 fn doubts(path: &Path, plan: &PlanFile, graph: &CheckedGraph, frames: &[i64]) -> Vec<String> {
     let warning = |found: &str, expected: &str, remedy: &str| {
         format!("warning: {}: found {found}; expected {expected}\n  remedy: {remedy}", path.display())
@@ -152,9 +153,9 @@ fn doubts(path: &Path, plan: &PlanFile, graph: &CheckedGraph, frames: &[i64]) ->
     let mut doubts = Vec::new();
     let hash = graph.document_hash();
     if plan.document_hash != hash {
-        let found = format!("a plan for another document, of the hash {}", short(&plan.document_hash));
-        let expected = format!("{}, which {} has as it is now", short(&hash), graph.name());
-        doubts.push(warning(&found, &expected, "plan again: what is certified in it may not hold"));
+        let found = format!("a plan for another document, with the hash {}", short(&plan.document_hash));
+        let expected = format!("{}, the current hash of {}", short(&hash), graph.name());
+        doubts.push(warning(&found, &expected, "plan again: its certified errors may not hold"));
     }
     let others: Vec<i64> = frames.iter().copied().filter(|frame| *frame != plan.frame).collect();
     let listed = match others[..] {
@@ -171,23 +172,19 @@ fn doubts(path: &Path, plan: &PlanFile, graph: &CheckedGraph, frames: &[i64]) ->
     if let (Some(planned), Some(asked)) = (planned, graph.tolerance())
         && is_tighter(asked, planned)
     {
-        let expected = format!("{asked}, for which the document asks");
-        doubts.push(warning(
-            &format!("a plan for the tolerance {planned}"),
-            &expected,
-            "plan again, or leave --plan away",
-        ));
+        let expected = format!("{asked}, which the document requires");
+        doubts.push(warning(&format!("a plan for the tolerance {planned}"), &expected, "plan again, or omit --plan"));
     }
     doubts
 }
 
-/// The first digits of a hash, of whatever a file says that it is.
+/// Returns the first digits of a hash, which may be any text of a file.
 fn short(hash: &str) -> String {
     let digits: String = hash.chars().take(12).collect();
     if digits.is_empty() { "nothing".into() } else { printable(&digits) + "…" }
 }
 
-/// Whether one tolerance asks for more than another.
+/// Returns whether one tolerance is stricter than another.
 fn is_tighter(asked: Tolerance, planned: Tolerance) -> bool {
     match (asked, planned) {
         (Tolerance::Error(asked), Tolerance::Error(planned)) => asked < planned,

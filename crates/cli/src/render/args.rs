@@ -8,7 +8,7 @@ use trochoid::{Guarantee, Tolerance};
 #[derive(Debug, Default, clap::Args)]
 #[command(after_help = "\
 Paths in a document are relative to it; PATTERN and FILE are relative to the current folder. {output} stands for the \
-output's name, #### or %04d for the frame. A certificate is of one image file: of several, name each by {output}.
+output's name, #### or %04d for the frame. A certificate covers one image file: for several, put {output} into FILE.
 
 Examples:
   trochoid render storm.json
@@ -23,43 +23,44 @@ pub(crate) struct Args {
     /// Render this output; may be repeated [default: all outputs]
     #[arg(long, value_name = "NAME")]
     pub(super) output: Vec<String>,
-    /// Frames, such as 1-10,20-40x2 (every second one) or -5--1 [default: all frames of the document]
+    /// Frames, such as 1-10,20-40x2 (every second frame) or -5--1 [default: all frames of the document]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<String>,
-    /// Where files go, such as out/{output}.####.exr [default: as the document says]
+    /// Pattern for the files to write, such as out/{output}.####.exr [default: the document's file names]
     #[arg(short, long, value_name = "PATTERN")]
     pub(super) out: Option<String>,
     /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3; may be repeated
     #[arg(long, value_name = "NODE.KNOB=VALUE")]
     pub(super) set: Vec<String>,
-    /// Number of threads; 0 takes all cores
+    /// Number of threads; 0 uses all cores
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub(super) threads: u16,
-    /// What must hold on every color, or its file is not written (exit code 3); the stricter of this and the
-    /// document's own counts
+    /// Guarantee that every color must meet, or its file is not written (exit code 3); if the document has a stricter
+    /// requirement, that applies
     #[arg(long, value_name = "GUARANTEE", value_parser = ["hull", "box"])]
     pub(super) require: Option<String>,
-    /// Meet this error in every displayed value, such as 1/512, by the cheapest settings that are certified to; or exact, or
-    /// reference: the f64 references themselves [default: as the document says]
+    /// Maximum error of every displayed value, such as 1/512, met by the cheapest settings that are certified to do so;
+    /// or exact; or reference, to render with the f64 references themselves [default: the document's tolerance]
     #[arg(long, value_name = "ERROR", value_parser = crate::plan::tolerance, allow_hyphen_values = true)]
     pub(super) tolerance: Option<Tolerance>,
-    /// Use the settings of this plan, as `trochoid plan` writes it; certifies nothing
+    /// Use the settings of this plan, written by `trochoid plan`; certifies nothing
     #[arg(long, value_name = "FILE", conflicts_with = "tolerance")]
     pub(super) plan: Option<PathBuf>,
-    /// Switch every optimization off; no bit of the pictures changes
+    /// Disable all optimizations; the pictures stay bit-identical
     #[arg(long)]
     pub(super) unoptimized: bool,
-    /// Write a report of the run as JSON, in folders that are made where there are none; - is stdout
+    /// Write a report of the run as JSON, creating missing folders; - means stdout
     #[arg(long, value_name = "FILE")]
     pub(super) report: Option<PathBuf>,
-    /// Certify each image: write as JSON what it was made from, how far it may lie from the f64 references, and hashes of it;
-    /// `trochoid verify` checks that
+    /// Certify each image: write what it was made from, its error bounds against the f64 references, and its hashes as
+    /// JSON, for `trochoid verify` to check
     #[arg(long, value_name = "FILE")]
     pub(super) certificate: Option<String>,
-    /// Write how far each pixel may lie from the f64 references as EXR, with the share of its samples that are ambiguous
+    /// Write the error bound of each pixel against the f64 references as EXR, with the share of its samples that are
+    /// ambiguous
     #[arg(long, value_name = "FILE")]
     pub(super) error: Option<String>,
-    /// Skip frames whose files were made from the same document, --set, inputs and frame
+    /// Skip frames whose files were made from the same document, --set assignments, inputs and frame
     #[arg(long)]
     pub(super) resume: bool,
     #[command(flatten)]
@@ -67,7 +68,7 @@ pub(crate) struct Args {
     /// Print nothing on stdout, and show no progress
     #[arg(long, conflicts_with = "json")]
     pub(super) quiet: bool,
-    /// Print one JSON object a frame
+    /// Print one JSON object per frame
     #[arg(long)]
     pub(super) json: bool,
 }

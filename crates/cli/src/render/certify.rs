@@ -1,4 +1,4 @@
-//! Certificates and error images beside the files of a run.
+//! Certificates and error images, written next to the files of a run.
 
 use super::accuracy::Accuracy;
 use super::args::Args;
@@ -13,7 +13,7 @@ use trochoid::{
     Monitor, OutputFile, Settings, companion_files, quoted_path, write_guarded,
 };
 
-/// What is written beside one file, where it is asked for.
+/// Companions of an output file: its certificate and error image, if requested.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Beside {
     pub(super) certificate: Option<PathBuf>,
@@ -21,7 +21,7 @@ pub(super) struct Beside {
 }
 
 impl Beside {
-    /// Of each file of a frame.
+    /// Returns the companions of each file of a frame.
     pub(super) fn of(
         graph: &CheckedGraph,
         args: &Args,
@@ -45,7 +45,7 @@ impl Beside {
         certificate.chain(self.error.iter().map(|path| ("--error", path, Form::Error)))
     }
 
-    /// What is wrong with writing there: over what is read, or over another file of the run.
+    /// Returns failures for companions that would overwrite an input or another file of the run.
     pub(super) fn refusals(&self, inputs: &InputFiles, written: &mut Written) -> Vec<Failure> {
         let faults = self.paths().filter_map(|(option, path, form)| {
             let taken = !take(path, form, written) || inputs.contains(path);
@@ -57,7 +57,7 @@ impl Beside {
         faults.collect()
     }
 
-    /// Whether everything is there already, made from exactly this.
+    /// Returns whether all companions exist already and are up to date.
     pub(super) fn is_current(
         &self,
         graph: &CheckedGraph,
@@ -70,7 +70,7 @@ impl Beside {
         certificate && self.error.as_ref().is_none_or(|path| Fingerprints::is_marked(path, &fingerprint))
     }
 
-    /// Names what was written in a file's entry of the report.
+    /// Adds the paths of the companions to the entry of a file in the report.
     pub(super) fn describe(&self, entry: &mut Value) {
         for (option, path, _) in self.paths() {
             entry[option.trim_start_matches('-')] = json!(path.display().to_string());
@@ -78,7 +78,7 @@ impl Beside {
     }
 }
 
-/// What certifying needs of a run.
+/// Data of a run that certifying needs.
 pub(super) struct Certifying<'a> {
     pub(super) graph: &'a CheckedGraph,
     pub(super) settings: &'a Settings,
@@ -87,7 +87,7 @@ pub(super) struct Certifying<'a> {
 }
 
 impl Certifying<'_> {
-    /// Certifies what was written of a frame, and writes what belongs beside each file.
+    /// Certifies the files that were written for a frame, and writes their companions.
     pub(super) fn run(
         &self,
         frame: &Frame,
@@ -130,7 +130,7 @@ impl Certifying<'_> {
     }
 }
 
-/// What is certain of an output's errors, for reports.
+/// Describes the certified errors of an output, for reports.
 pub(super) fn described(certified: &Certified) -> Value {
     let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
     let samples = certified.clear.total() + certified.unclear.total();
@@ -144,7 +144,7 @@ pub(super) fn described(certified: &Certified) -> Value {
     })
 }
 
-/// One half of a frame's work: rendering, then certifying.
+/// Monitor for one half of a frame's work: rendering, then certifying.
 pub(super) struct Half<'m> {
     pub(super) monitor: &'m dyn Monitor,
     pub(super) second: bool,

@@ -1,4 +1,4 @@
-//! The files of a run, looked at before anything is evaluated.
+//! Checks of the files of a run before anything is evaluated.
 
 use super::args::Args;
 use super::certify::Beside;
@@ -12,7 +12,7 @@ use trochoid::{
     refused_outputs, resolved,
 };
 
-/// What a run is to write.
+/// Outputs and frames that a run is to write.
 pub(super) struct Wanted<'a> {
     pub(super) graph: &'a CheckedGraph,
     pub(super) args: &'a Args,
@@ -21,13 +21,13 @@ pub(super) struct Wanted<'a> {
 }
 
 impl Wanted<'_> {
-    /// Whether every file can be written, none is an input or the document itself, no two are one, and none replaces somebody
-    /// else's or outputs that this run does not make; the folders into which they go.
+    /// Checks that every file can be written, that none is an input or the document itself, that no two are the same,
+    /// and that none replaces a foreign file or outputs that this run does not write. Returns the folders of the files.
     pub(super) fn check(&self, faults: &mut Vec<Failure>) -> BTreeSet<PathBuf> {
         let Self { graph, args, .. } = *self;
         let (files, beside) = match self.named() {
             Ok(named) => named,
-            // What is wrong with a pattern is wrong at every frame.
+            // A fault in a pattern is the same at every frame.
             Err(fault) => {
                 faults.push(fault);
                 return BTreeSet::new();
@@ -61,10 +61,10 @@ impl Wanted<'_> {
         written.keys().filter_map(|path| path.parent()).map(Path::to_path_buf).collect()
     }
 
-    /// The files of all frames that the run may write, and what stands beside them.
+    /// Returns the files of all frames that the run may write, and the companions of all files.
     #[expect(clippy::type_complexity, reason = "a pair of lists")]
     fn named(&self) -> Result<(Vec<(i64, OutputFile)>, Vec<Beside>), Failure> {
-        // What the document may not write is named all the same, so that all that is wrong is told at once.
+        // Files that the document may not write are named as well, so that all faults are reported at once.
         let named = self.graph.clone().with_access(Access::everything());
         let pattern = self.args.out.as_deref();
         let may_write = |path: &Path| pattern.is_some() || self.graph.access().check_for(path, Right::Write).is_ok();
@@ -78,8 +78,8 @@ impl Wanted<'_> {
         Ok((written, beside))
     }
 
-    /// What is wrong with files that hold outputs of the document which this run would not write again; of several that want
-    /// the same remedy, the last one has it.
+    /// Returns failures for files with outputs of the document that this run would not write again. Of consecutive
+    /// failures with the same remedy, only the last has it.
     fn lost(&self, files: &[(i64, OutputFile)]) -> Vec<Failure> {
         if self.args.files.over.overwrite {
             return Vec::new();
@@ -106,8 +106,8 @@ impl Wanted<'_> {
         let (path, held, made) = (file.path.display(), self.names(lost), self.names(&file.outputs));
         let plural = if held.len() == 1 { "" } else { "s" };
         format!(
-            "{path}: found the output{plural} {} in it, which this run of {} would throw away; expected a run of all that the \
-             file holds",
+            "{path}: found the output{plural} {} in it, which this run of {} would discard; expected a run of all outputs \
+             in the file",
             held.join(", "),
             made.join(", ")
         )
@@ -118,30 +118,30 @@ impl Wanted<'_> {
         let options: Vec<String> = all.iter().map(|name| format!("--output {}", quoted(name))).collect();
         let options = options.join(" ");
         match &self.args.out {
-            Some(_) => format!("give --out another name, or leave it out and give {options}; or allow it: --overwrite"),
+            Some(_) => format!("give --out another name, or omit it and give {options}; or allow it: --overwrite"),
             None => {
                 let name = if self.outputs.len() == 1 { all[0].to_owned() } else { "{output}".to_owned() };
                 let other = quoted(&format!("{name}.####.exr"));
                 format!(
-                    "make all of them: {options}; or give another name, such as --out {other}; or allow it: --overwrite"
+                    "render all of them: {options}; or give another name, such as --out {other}; or allow it: \
+                     --overwrite"
                 )
             }
         }
     }
 }
 
-/// What is wrong with a device or a pipe in place of a picture's file.
+/// Returns a failure if the path of a picture is a device or a pipe.
 fn no_file(path: &Path) -> Option<Failure> {
     let is_other = std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
     let message = || format!("{}: found a device or a pipe; expected a file", path.display());
     is_other.then(|| Failure::new(FAILED, message() + "\n  remedy: give the path of a file"))
 }
 
-/// What is wrong with a picture's file that another one of the run is too, by a link.
+/// Returns a failure if a link makes the file of a picture the same as another file of the run.
 fn taken_twice(path: &Path, written: &mut Written) -> Option<Failure> {
     let other = written.insert(resolved(path), (path.into(), Form::of_picture(path)))?;
     let (path, other) = (path.display(), other.0.display());
-    let message =
-        format!("{path}: is the same file as {other}, of which one picture would be lost; expected two files");
+    let message = format!("{path}: is the same file as {other}, so one picture would be lost; expected two files");
     Some(Failure::usage(message, "remove the link between them, or give another name"))
 }

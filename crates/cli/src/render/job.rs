@@ -1,4 +1,4 @@
-//! What a run has to do, looked at before anything is evaluated; and doing it.
+//! The work of a run, which is checked before anything is evaluated, and then done frame by frame.
 
 use super::accuracy::Accuracy;
 use super::args::Args;
@@ -18,11 +18,11 @@ use trochoid::{
     frame_report, misses, output_files, quoted, write_output,
 };
 
-/// How a plan becomes a frame; tests put another in its place.
+/// Function that evaluates a plan to a frame; tests replace it.
 pub(super) type Evaluate<'e> =
     dyn Fn(&Plan<'_>, Option<&dyn Sink>, &mut Cache, &dyn Monitor) -> Result<Frame, EvalError> + 'e;
 
-/// What a run has to do.
+/// Work of a run.
 pub(super) struct Job<'a> {
     graph: &'a CheckedGraph,
     args: &'a Args,
@@ -30,24 +30,24 @@ pub(super) struct Job<'a> {
     settings: Settings,
     outputs: Vec<usize>,
     frames: Vec<i64>,
-    /// Into which files go.
+    /// Folders of the files to write.
     folders: BTreeSet<PathBuf>,
     accuracy: Accuracy,
 }
 
-/// What became of a frame.
+/// Result of a frame.
 struct Done {
     report: Value,
     line: String,
-    /// What was missed.
+    /// Messages about missed requirements.
     misses: Vec<String>,
-    /// Nodes in which illegal values were replaced, and how many.
+    /// Names of nodes in which illegal values were replaced, with the number of values.
     replaced: Vec<(String, u64)>,
     skipped: bool,
 }
 
 impl<'a> Job<'a> {
-    /// Chooses outputs and frames and looks at every file to be written; adds all that is wrong to `faults`.
+    /// Chooses outputs and frames, and checks every file to be written; adds all faults to `faults`.
     pub(super) fn new(
         graph: &'a CheckedGraph,
         args: &'a Args,
@@ -67,12 +67,12 @@ impl<'a> Job<'a> {
         job
     }
 
-    /// The same for settings that are found, of which the graph has them already.
+    /// Returns the job with these accuracy settings, which the graph contains already.
     pub(super) fn with(self, accuracy: Accuracy) -> Self {
         Self { accuracy, ..self }
     }
 
-    /// The settings that a tolerance or a plan asks for.
+    /// Returns the settings that a tolerance or a plan requires.
     pub(super) fn accuracy(&self) -> Result<Accuracy, Failure> {
         Accuracy::settle(self.args, self.graph, &self.outputs, &self.frames, &self.settings)
     }
@@ -82,7 +82,7 @@ impl<'a> Job<'a> {
         Ok(output_files(self.graph, &self.outputs, frame, several, self.args.out.as_deref())?)
     }
 
-    /// What is written beside each of a frame's files.
+    /// Returns the companions of each file of a frame.
     fn beside(&self, files: &[OutputFile], frame: i64) -> Result<Vec<Beside>, Failure> {
         Beside::of(self.graph, self.args, files, frame, self.frames.len() > 1)
     }
@@ -91,7 +91,7 @@ impl<'a> Job<'a> {
         self.args.certificate.is_some() || self.args.error.is_some() || self.accuracy.error().is_some()
     }
 
-    /// Notes of names that a still is written under and that may not have been meant.
+    /// Returns notes on file names of a still in which `#` may not have been meant as the frame.
     pub(super) fn notes(&self) -> Vec<String> {
         let (first, last) = self.graph.frames();
         let [frame] = self.frames[..] else { return Vec::new() };
@@ -101,7 +101,7 @@ impl<'a> Job<'a> {
         if first == last { named.into_iter().filter_map(note).collect() } else { Vec::new() }
     }
 
-    /// Nodes whose first frame takes so long that it should be said, beside those that checking warned of.
+    /// Returns warnings for nodes whose first frame takes long, except for those that checking has warned of.
     pub(super) fn warnings(&self) -> Vec<String> {
         let known = self.graph.heavy(self.graph.frames().0);
         let begin = self.frames.first().copied().unwrap_or_default();
@@ -117,7 +117,7 @@ impl<'a> Job<'a> {
         news.map(text).collect()
     }
 
-    /// What is said of a node in which illegal values were replaced, unless its author asked for just that.
+    /// Returns the warning for a node in which illegal values were replaced, unless its author requested that.
     fn warning_of_replaced(&self, name: &str, count: u64, frame: i64) -> Option<String> {
         let id = self.graph.find(name)?;
         let asked = |item: &str| matches!(item, "repair" | "nan");
@@ -127,20 +127,20 @@ impl<'a> Job<'a> {
         let values = if count == 1 { "illegal value (NaN), which was" } else { "illegal values (NaN), which were" };
         Some(format!(
             "warning: {}: node \"{name}\", frame {frame}: found {count} {values} replaced; expected numbers\n  \
-             remedy: correct what it is given; a FieldMath's \"nan\" says what else is to stand there",
+             remedy: correct the inputs of the node, or set \"nan\" of a FieldMath to the value to use instead",
             self.graph.place_of(id, None)
         ))
     }
 
-    /// Renders frame after frame.
+    /// Renders all frames in order.
     pub(super) fn run(&self, evaluate: &Evaluate<'_>, report: &mut RunReport) -> Result<(), Failure> {
         let mut progress = Progress::new(self.frames.len(), self.args.quiet);
         let mut cache = Cache::new();
         let mut fingerprints = Fingerprints::with(&self.settings).by_reference(self.accuracy.by_reference());
-        // What was killed while it wrote there left its half.
+        // Runs that were killed while writing left partial files.
         self.folders.iter().for_each(|folder| clear_partial_files(folder));
         let mut missed = 0;
-        // Once is enough for each node.
+        // Each node is warned of once.
         let mut told = HashSet::new();
         for (index, &frame) in self.frames.iter().enumerate() {
             progress.begin(index, frame);
@@ -207,7 +207,7 @@ impl<'a> Job<'a> {
         let mut made_from =
             || -> Vec<String> { open.iter().map(|file| fingerprints.of(self.graph, file, number)).collect() };
         let before = made_from();
-        // EXR files are written while their rows are made; others need the whole picture.
+        // EXR files are written while their rows are computed; other files need the whole picture.
         let sink = FileSink::create(self.graph, &plan, &open)?;
         if sink.is_none() || self.certifies() {
             let account = plan.memory(Pictures::Files);
@@ -233,9 +233,9 @@ impl<'a> Job<'a> {
         })?;
         stop_if_asked()?;
         if made_from() != before {
-            // Nobody can tell what was read of it.
-            let message = "found an input that was changed meanwhile; expected the same files from beginning to end; nothing \
-                           is written\n  remedy: render the frame again, for example with --resume";
+            // It is unknown which version was read.
+            let message = "found an input that changed during rendering; expected the same files from start to end; \
+                           nothing is written\n  remedy: render the frame again, for example with --resume";
             return Err(failed(&message));
         }
         let taken = started.elapsed().as_secs_f64();
@@ -284,7 +284,8 @@ impl<'a> Job<'a> {
         }
         let misses = misses.iter().map(|miss| {
             format!(
-                "error: {miss}\n  remedy: its file was not written; render it without the requirement to look at it"
+                "error: {miss}\n  remedy: its file was not written; to inspect the picture, render it without the \
+                 requirement"
             )
         });
         let misses = misses.chain(self.accuracy.misses(self.graph, number, &certified));
@@ -302,7 +303,7 @@ impl<'a> Job<'a> {
     }
 }
 
-/// What is said of a lone `#` in a pattern that stands where no number of a frame is expected, such as in `take #3.png`.
+/// Returns a note on a lone `#` in a pattern at a place where a frame number is unlikely, such as in `take #3.png`.
 fn note_of_sign(option: &str, pattern: &str, frame: i64) -> Option<String> {
     let at = pattern.match_indices('#').map(|(at, _)| at).find(|at| !pattern[..*at].ends_with('\\'))?;
     let (before, after) = (pattern[..at].chars().next_back(), pattern[at + 1..].chars().next());
@@ -313,7 +314,7 @@ fn note_of_sign(option: &str, pattern: &str, frame: i64) -> Option<String> {
     let written = quoted(&expand_frame(pattern, frame));
     let meant = quoted(&format!("{}\\{}", &pattern[..at], &pattern[at..]));
     Some(format!(
-        "note: {option} {}: the # stands for the frame, so the file is {written}\n  remedy: if the name has a # of its own: \
+        "note: {option} {}: the # stands for the frame, so the file is {written}\n  remedy: if the # is part of the name: \
          {option} {meant}",
         quoted(pattern)
     ))

@@ -1,9 +1,10 @@
-//! One line a frame.
+//! The line that is printed for a frame.
 
 use crate::shell::printable;
 use trochoid::{Certified, CheckedGraph, Frame, OutputFile, held};
 
-/// `frame 12: beauty → out/storm.0012.exr  hull, 0 exits, 1.42 s`; where certified, with the error of what is not ambiguous.
+/// Formats the line of a rendered frame: `frame 12: beauty → out/storm.0012.exr  hull, 0 exits, 1.42 s`. If the frame
+/// is certified, the line has the error of the samples that are not ambiguous.
 pub(super) fn rendered(
     graph: &CheckedGraph,
     frame: &Frame,
@@ -33,7 +34,7 @@ pub(super) fn rendered(
     format!("frame {}: {}  {}\n", frame.number, places.join(", "), facts.join(", "))
 }
 
-/// `error ≤ 3.1e-7, 0.80 % ambiguous`: of all outputs together.
+/// Formats the certified error of all outputs together: `error ≤ 3.1e-7, 0.80 % ambiguous`.
 fn certainty(certified: &[Certified]) -> Option<String> {
     let [clear, unclear] =
         certified.iter().fold([0, 0], |[clear, unclear], c| [clear + c.clear.total(), unclear + c.unclear.total()]);
@@ -53,7 +54,7 @@ fn certainty(certified: &[Certified]) -> Option<String> {
     (!certified.is_empty()).then(|| format!("{error}, {share}"))
 }
 
-/// `frame 12: beauty → out/storm.0012.exr  up to date`.
+/// Formats the line of a skipped frame: `frame 12: beauty → out/storm.0012.exr  up to date`.
 pub(super) fn skipped(graph: &CheckedGraph, frame: i64, files: &[OutputFile]) -> String {
     let places: Vec<String> = files.iter().map(|file| place(graph, file, true)).collect();
     format!("frame {frame}: {}  up to date\n", places.join(", "))

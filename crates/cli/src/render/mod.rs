@@ -1,4 +1,4 @@
-//! `trochoid render`: documents into files.
+//! `trochoid render`: renders documents to files.
 
 mod accuracy;
 mod args;
@@ -15,11 +15,11 @@ pub(crate) use args::Args;
 use job::Job;
 use trochoid::{Form, RunReport, RunStatus};
 
-/// Renders the frames and outputs asked for.
+/// Renders the requested frames and outputs.
 ///
 /// # Errors
-/// Everything that is wrong beforehand, at once; then nothing has been written. Later, what stopped the run, or that a
-/// required guarantee was missed.
+/// All problems that can be found in advance, together, before anything is written; or the problem that stopped the
+/// run, or a missed guarantee.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     run_with(args, &|plan, sink, cache, monitor| match sink {
         Some(sink) => plan.evaluate_to(sink, &trochoid::Buffers::new(), cache, monitor),
@@ -32,13 +32,13 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
     if args.json && args.report_on_stdout() {
         faults.push(Failure::usage(
             "found --json and --report -, which both write JSON on stdout; expected one of them",
-            "give the report a file",
+            "write the report to a file",
         ));
     }
     let frames = match args.frames.as_deref().map(frames::parse).transpose() {
         Ok(frames) => frames,
         Err(pieces) => {
-            faults.extend(pieces.into_iter().map(|piece| Failure::usage(piece, "write for example 1-10,20-40x2")));
+            faults.extend(pieces.into_iter().map(|piece| Failure::usage(piece, "use a list such as 1-10,20-40x2")));
             None
         }
     };
@@ -54,14 +54,14 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
     Failure::all(faults)?;
     shell::tell(job.warnings().iter().chain(&job.notes()));
     let accuracy = job.accuracy()?;
-    // The document again, as its settings then are.
+    // The document is loaded again with the chosen settings.
     let settled = if accuracy.set.is_empty() {
         loaded.graph.clone()
     } else {
         let assignments = [&args.set[..], &accuracy.set].concat();
         args.files.load(&args.graph, &assignments).map_err(|error| accuracy.refused(args, error))?.graph
     };
-    // It may have been saved anew since.
+    // The document may have changed on disk since it was first loaded.
     let mut faults = Vec::new();
     let job = Job::new(&settled, args, frames, &mut faults).with(accuracy);
     Failure::all(faults)?;

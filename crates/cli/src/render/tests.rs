@@ -29,7 +29,7 @@ fn honest(
     plan.evaluate_to(sink.expect("EXR is streamed"), &Buffers::new(), cache, monitor)
 }
 
-/// An evaluation whose second frame has left the hull: no document can make one, so it is forged.
+/// Evaluates a plan, and forges the second frame to have left the hull, which no document can achieve.
 fn forged(
     plan: &Plan<'_>,
     sink: Option<&dyn Sink>,
@@ -150,7 +150,7 @@ fn a_frame_of_an_input_that_is_changed_meanwhile_is_not_written() {
     for name in ["beauty.2.exr", "mask.2.exr"] {
         std::fs::remove_file(folder.path().join(name)).unwrap();
     }
-    // Another picture of the same length, put there after the first was read.
+    // Another picture of the same length, written after the first was read.
     let args = Args { resume: true, ..args };
     let failure = run_with(&args, &|plan, sink, cache, monitor| {
         let frame = honest(plan, sink, cache, monitor);
@@ -160,7 +160,7 @@ fn a_frame_of_an_input_that_is_changed_meanwhile_is_not_written() {
     let failure = failure.unwrap_err();
     assert_eq!(failure.code, FAILED);
     assert!(!folder.path().join("beauty.2.exr").exists(), "nothing is written");
-    // With the first one back, the same bytes are written.
+    // With the first picture restored, the same bytes are written.
     picture(0.25, 1);
     run_with(&args, &honest).unwrap();
     assert!(std::fs::read(folder.path().join("beauty.2.exr")).unwrap() == whole);

@@ -1,10 +1,10 @@
-//! `report.csv`: one line a rung.
+//! `report.csv`: one line per rung.
 
 use super::data::{Report, columns};
 use serde_json::Value;
 use std::error::Error;
 
-/// A header and the rungs, by RFC 4180.
+/// Returns a header and the rungs in the format of RFC 4180.
 ///
 /// # Errors
 /// Rows differ in their number of fields.
@@ -20,7 +20,7 @@ pub(super) fn table(report: &Report<'_>) -> Result<Vec<u8>, Box<dyn Error>> {
     writer.into_inner().map_err(|error| error.into_error().into())
 }
 
-/// Text as it is, nothing for what is unknown.
+/// Formats a field: text unchanged, unknown values empty.
 fn field(value: &Value) -> String {
     match value {
         Value::Null => String::new(),

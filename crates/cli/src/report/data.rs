@@ -1,18 +1,18 @@
-//! What a report says: labels, sentences, columns, and JSON.
+//! The contents of a report: labels, sentences, columns, and JSON.
 
 use super::numbers::{percent, seconds, short};
 use serde_json::{Map, Value, json};
 use trochoid::accuracy::{Ladder, Limit, Rung, Saving};
 use trochoid::{CheckedGraph, Shading, Tolerance, VERSION, WorkingSpace};
 
-/// A ladder, and of what.
+/// Ladder, with what is needed to describe it.
 pub(super) struct Report<'a> {
     pub(super) ladder: &'a Ladder,
     pub(super) scene: String,
     pub(super) space: WorkingSpace,
-    /// Whether all of the picture is certified.
+    /// Whether the whole picture is certified, not only strips.
     pub(super) whole: bool,
-    /// By rung, what tells its settings from the others'.
+    /// Label of each rung, which tells its settings apart from the others.
     pub(super) labels: Vec<String>,
 }
 
@@ -28,30 +28,30 @@ impl<'a> Report<'a> {
         self.ladder.rungs.iter().zip(self.labels.iter().map(String::as_str))
     }
 
-    /// Of what errors are certified and measured: all of the picture, or strips of it.
+    /// Returns the area in which errors are certified and measured: the whole picture, or strips of it.
     pub(super) fn scope(&self) -> &'static str {
         if self.whole { "whole" } else { "strips" }
     }
 
-    /// What is said behind figures that hold on the strips alone; nothing where they hold everywhere.
+    /// Returns the suffix of figures that hold only on the strips; empty if they hold everywhere.
     pub(super) fn on_strips(&self) -> &'static str {
         if self.whole { "" } else { " on the strips" }
     }
 
-    /// Why nothing is certain, where that is so.
+    /// Returns a sentence on why nothing is certified, if that is the case.
     pub(super) fn uncertain(&self) -> Option<String> {
         let certain = self.ladder.rungs.iter().any(|rung| rung.certified.max.is_finite());
         let limit = self.ladder.attempts.iter().find_map(|attempt| attempt.limit.as_ref());
         let because = match limit {
-            Some(Limit::Unbounded { node, ty, why }) => format!(", since “{node}” ({ty}) knows no bound: {why}"),
-            Some(Limit::Unseen) => ", since what is seen is certain nowhere".into(),
+            Some(Limit::Unbounded { node, ty, why }) => format!(", because “{node}” ({ty}) has no error bound: {why}"),
+            Some(Limit::Unseen) => ", because visibility is not certain anywhere".into(),
             _ => String::new(),
         };
         let (output, strips) = (&self.ladder.output, self.on_strips());
-        (!certain).then(|| format!("Nothing is certain of “{output}”{strips}: all samples are in doubt{because}."))
+        (!certain).then(|| format!("Nothing is certified of “{output}”{strips}: all samples are ambiguous{because}."))
     }
 
-    /// What is left out, first that which saves most.
+    /// Returns the omitted work, largest savings first.
     pub(super) fn savings(&self) -> Vec<&'a Saving> {
         let mut savings: Vec<&Saving> = self.ladder.savings.iter().collect();
         let size = |saving: &Saving| saving.seconds.unwrap_or(f64::NEG_INFINITY);
@@ -59,7 +59,7 @@ impl<'a> Report<'a> {
         savings
     }
 
-    /// What is most useful to know, in a few sentences.
+    /// Returns the most useful results in a few sentences.
     pub(super) fn summary(&self) -> Vec<String> {
         let methods: Vec<_> = self.rungs().filter(|(rung, _)| rung.is_method).collect();
         let known = methods.iter().filter(|(rung, _)| rung.certified.max.is_finite());
@@ -68,7 +68,7 @@ impl<'a> Report<'a> {
             return self.uncertain().into_iter().collect();
         };
         let mut first = format!(
-            "{} is certified to {}{} in {} a frame, {} of its samples{} in doubt",
+            "{} is certified to {}{} in {} per frame, with {} of its samples{} ambiguous",
             in_words(label, &self.ladder.output),
             short(best.certified.max),
             self.on_strips(),
@@ -78,8 +78,8 @@ impl<'a> Report<'a> {
         );
         if let Some((coarse, label)) = methods.first().filter(|(coarse, _)| coarse.set != best.set) {
             let bound = match coarse.certified.max {
-                max if max.is_finite() => format!("is certain only to {}", short(max)),
-                _ => "is certain nowhere".into(),
+                max if max.is_finite() => format!("is certified only to {}", short(max)),
+                _ => "is not certified anywhere".into(),
             };
             first.push_str(&format!("; {label} takes {} and {bound}", seconds(coarse.seconds)));
         }
@@ -90,7 +90,7 @@ impl<'a> Report<'a> {
         all
     }
 
-    /// Settings as that which meets a tolerance.
+    /// Returns the name of the settings of a rung that meets a tolerance.
     pub(super) fn met_by(&self, rung: usize) -> &str {
         match self.labels[rung].as_str() {
             AS_IT_IS => "the document as it is",
@@ -98,7 +98,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Which of the tolerances are met.
+    /// Returns a sentence on the tolerances that are met.
     fn reached(&self) -> String {
         let attempts = &self.ladder.attempts;
         let finest = attempts.iter().filter_map(|attempt| Some((attempt, attempt.rung?)));
@@ -107,11 +107,11 @@ impl<'a> Report<'a> {
         let refused = refused.max_by(|a, b| a.tolerance.total_cmp(&b.tolerance)).map(|refused| {
             let why = match &refused.limit {
                 Some(Limit::Pass { node, ty }) => format!("“{node}” ({ty}) limits it"),
-                Some(Limit::Unbounded { node, ty, .. }) => format!("“{node}” ({ty}) knows no bound"),
-                Some(Limit::Unseen) => "what is seen is certain nowhere".into(),
-                Some(Limit::Rounding) | None => "the rounding of f32 limits it".into(),
+                Some(Limit::Unbounded { node, ty, .. }) => format!("“{node}” ({ty}) has no error bound"),
+                Some(Limit::Unseen) => "visibility is not certain anywhere".into(),
+                Some(Limit::Rounding) | None => "f32 rounding limits it".into(),
             };
-            format!("{} is refused, since {why}", Tolerance::Error(refused.tolerance))
+            format!("{} is refused, because {why}", Tolerance::Error(refused.tolerance))
         });
         let met = finest.map(|(attempt, rung)| {
             let (asked, by) = (Tolerance::Error(attempt.tolerance), self.met_by(rung));
@@ -120,7 +120,7 @@ impl<'a> Report<'a> {
         let sentence = match (met, refused) {
             (Some(met), Some(refused)) => format!("{met}; {refused}"),
             (Some(only), None) | (None, Some(only)) => only,
-            (None, None) => "no tolerance was asked for".into(),
+            (None, None) => "no tolerance was requested".into(),
         };
         capital(&sentence) + "."
     }
@@ -135,15 +135,16 @@ fn capital(text: &str) -> String {
     chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }
 
-/// What strips do not say.
-pub(super) const STRIPS: &str = "Errors are certified and measured on strips alone, an eighth of the picture together: elsewhere \
-                                 they may be larger. --whole certifies all of it, and so does trochoid plan.";
+/// Sentence on the limits of certifying strips.
+pub(super) const STRIPS: &str = "Errors are certified and measured only on strips, an eighth of the picture in total; \
+                                 elsewhere they may be larger. --whole certifies the whole picture, and so does \
+                                 trochoid plan.";
 
-/// Settings of a document without accuracy knobs.
+/// Label of a document without accuracy knobs.
 const AS_IT_IS: &str = "as it is";
 
-/// Assignments in few words: the nodes are left away where all that have a knob agree on it, and so are knobs on which all
-/// rungs agree. Labels that say too little for that are the assignments in full.
+/// Returns short labels for lists of assignments. A label has the knobs with their values, without the names of nodes
+/// and without assignments that all rungs share. A label that is not unique is replaced by the full assignments.
 fn labels(sets: &[&[String]]) -> Vec<String> {
     let short: Vec<String> = sets
         .iter()
@@ -168,12 +169,12 @@ fn labels(sets: &[&[String]]) -> Vec<String> {
     short.iter().zip(sets).map(full).collect()
 }
 
-/// JSON knows no infinity.
+/// Returns a number as JSON: null if it is not finite.
 fn finite(value: f64) -> Value {
     if value.is_finite() { json!(value) } else { Value::Null }
 }
 
-/// One row: a name and a value each, the same names for all.
+/// Returns the row of a rung: names and values of its columns. All rungs have the same names.
 pub(super) fn columns(report: &Report<'_>, rung: &Rung) -> Vec<(&'static str, Value)> {
     let ladder = report.ladder;
     let settings = if rung.set.is_empty() { AS_IT_IS.to_owned() } else { rung.set.join(" ") };
@@ -207,7 +208,7 @@ pub(super) fn columns(report: &Report<'_>, rung: &Rung) -> Vec<(&'static str, Va
     ]
 }
 
-/// A pass, with the reason why it knows no bound; or what else it is.
+/// Returns a limit as JSON: a pass, with the reason if it has no error bound; or a word for another limit.
 fn limited_by(limit: &Limit) -> Value {
     match limit {
         Limit::Pass { node, ty } => json!({ "node": node, "type": ty }),
@@ -217,7 +218,7 @@ fn limited_by(limit: &Limit) -> Value {
     }
 }
 
-/// Everything but pictures.
+/// Returns the whole report except for its pictures as JSON.
 pub(super) fn to_json(report: &Report<'_>) -> Value {
     let ladder = report.ladder;
     let rungs = ladder.rungs.iter().map(|rung| {

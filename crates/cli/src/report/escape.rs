@@ -1,8 +1,8 @@
-//! Texts within a page.
+//! Escaping of text in a page.
 
 use crate::shell::printable;
 
-/// Text of a document as text of the page.
+/// Escapes a text for HTML, and replaces its control characters.
 pub(super) fn escape(text: &str) -> String {
     let escaped = printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     escaped.replace('"', "&quot;").replace('\'', "&#39;")

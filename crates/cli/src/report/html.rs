@@ -1,4 +1,4 @@
-//! `report.html`: one page that needs no other file, no network and no script.
+//! `report.html`: one page that needs no other files, no network, and no scripts.
 
 use super::data::Report;
 use super::escape::escape;
@@ -9,10 +9,10 @@ use std::fmt::Write as _;
 use trochoid::accuracy::Rung;
 use trochoid::{GENERATOR, VERSION};
 
-/// Everything.
+/// Returns the whole page.
 ///
 /// # Errors
-/// A plot cannot be laid out, or a picture not be encoded.
+/// A plot cannot be laid out, or a picture cannot be encoded.
 pub(super) fn page(report: &Report<'_>) -> Outcome<String> {
     let ladder = report.ladder;
     let format = ladder.format;
@@ -27,7 +27,7 @@ pub(super) fn page(report: &Report<'_>) -> Outcome<String> {
     let _ = writeln!(
         page,
         "<p class=\"facts\">Output “{}”, frame {}, {} × {} pixels of {}, {}. Errors are in units of {}, where colors \
-         reach from 0 to 1.</p>",
+         range from 0 to 1.</p>",
         escape(&ladder.output),
         ladder.frame,
         format.width(),
@@ -42,63 +42,67 @@ pub(super) fn page(report: &Report<'_>) -> Outcome<String> {
         &mut page,
         "Error against time",
         &format!(
-            "What each of the settings costs, and how far its pixels may lie (certified) and do lie (measured){strips} from the f64 \
-             reference; down and to the left is better."
+            "The cost of each of the settings, and how far its pixels can be (certified) and are (measured){strips} from \
+             the f64 reference; lower and farther left is better."
         ),
         &plot(report, plots::time(report)?, "Error against time"),
     );
     section(
         &mut page,
         "Certified against measured",
-        "A bound holds if its point lies on the line or above; the higher above, the more cautious it is.",
+        "A bound holds if its point lies on or above the line; the farther above, the more conservative the bound.",
         &plot(report, plots::measured(report)?, "Certified against measured errors"),
     );
     section(
         &mut page,
-        "Tolerance asked, and achieved",
+        "Tolerance requested and achieved",
         &format!(
-            "Each tolerance of displayed values, at the error that it allows in the working space, and what the fastest method \
-             that meets it is certified to{strips}; or, of a refused one, the best that can be had. Methods are those among which \
-             <code>trochoid plan</code> chooses: a coarser or finer mesh is none, because it changes what is ambiguous."
+            "Each tolerance of displayed values, as the error that it allows in the working space, against the certified \
+             error{strips} of the fastest method that meets it; if a tolerance is refused, against the smallest certified \
+             error. Methods are the settings that <code>trochoid plan</code> chooses from; coarser and finer meshes are not \
+             among them, because they change which samples are ambiguous."
         ),
-        &plot(report, plots::asked(report)?, "Tolerance asked against error achieved"),
+        &plot(report, plots::asked(report)?, "Tolerance requested against error achieved"),
     );
     if let Some(svg) = plots::passes(report)? {
         section(
             &mut page,
             "Error by pass",
-            "Each pass's share: by how much the bound falls, on average over pixels in no doubt, if this pass alone has no \
-             errors of its own.",
+            "The share of each pass: how much the bound falls, averaged over pixels without ambiguous samples, if only \
+             this pass has no errors of its own.",
             &figure(&svg, "Error by pass"),
         );
     }
     let work = match plots::scalings(report)? {
         Some(svg) => figure(&svg, "Run time by knobs"),
-        None => "<p>No node that this output needs has a knob with which work grows.</p>".into(),
+        None => "<p>No node that this output needs has a knob that increases its work.</p>".into(),
     };
     section(
         &mut page,
         "Cost against waves and grid",
-        "Time of a frame over knobs with which work grows, one varied at a time from a quarter of its value to twice it.",
+        "Time per frame over the knobs that increase work, each varied alone from a quarter of its value to twice its \
+         value.",
         &work,
     );
     section(
         &mut page,
         "Picture and error",
-        "The picture beside what is certain of it: of each pixel, the largest bound of its channels, which holds in doubt as well.",
+        "The picture and its certified error: the largest bound of each pixel's channels, which holds for ambiguous \
+         samples, too.",
         &maps(report)?,
     );
     section(
         &mut page,
         "Left out",
-        "Nodes, or parts of their work, that this output does not need, and what they would take if they were not left out.",
+        "Nodes, or parts of their work, that this output does not need, and the time that they would take if not left \
+         out.",
         &tables::savings(report),
     );
     section(
         &mut page,
         "All settings",
-        "Every figure by settings, the coarsest first; in color those than which no others are both faster and certified to less. \
-         In italics coarser and finer meshes, among which <code>trochoid plan</code> does not choose.",
+        "All figures by settings, coarsest first. In color: no other settings are both faster and certified to a smaller \
+         error. In italics: coarser and finer meshes, which <code>trochoid plan</code> does not choose from.",
         &tables::rungs(report),
     );
     let _ = writeln!(page, "<footer>Trochoid {VERSION}</footer>\n</body>\n</html>");
@@ -114,18 +118,18 @@ fn figure(svg: &str, name: &str) -> String {
     format!("<figure>\n{named}</figure>")
 }
 
-/// A plot, or why there is none.
+/// Returns a plot, or the reason that there is none.
 fn plot(report: &Report<'_>, svg: Option<String>, name: &str) -> String {
     match svg {
         Some(svg) => figure(&svg, name),
         None => {
-            let why = report.uncertain().unwrap_or_else(|| "No settings have errors above 0 to be drawn.".into());
+            let why = report.uncertain().unwrap_or_else(|| "No settings have errors above 0 to draw.".into());
             format!("<p>{}</p>", escape(&why))
         }
     }
 }
 
-/// The picture, and where all is certified the maps of all methods on one scale.
+/// Returns the picture and, if the whole picture is certified, the error maps of all methods on one scale.
 fn maps(report: &Report<'_>) -> Outcome<String> {
     let methods: Vec<_> = report.rungs().filter(|(rung, _)| rung.is_method).collect();
     let Some((best, label)) = methods.last() else { return Ok(String::new()) };
@@ -141,8 +145,8 @@ fn maps(report: &Report<'_>) -> Outcome<String> {
         Some(scale) => figure(&plots::bar(scale)?, "Scale of errors"),
         None if mapped().next().is_some() => "<p>All bounds are 0.</p>".into(),
         None => {
-            "<p>Only strips, an eighth of the picture together, were certified: <code>--whole</code> certifies all of \
-                 it, and maps the errors here.</p>"
+            "<p>Only strips, an eighth of the picture in total, were certified: <code>--whole</code> certifies the \
+             whole picture, and maps its errors here.</p>"
                 .into()
         }
     };
@@ -150,7 +154,7 @@ fn maps(report: &Report<'_>) -> Outcome<String> {
 }
 
 fn worst(rung: &Rung) -> String {
-    format!(": at most {} where it is in no doubt", short(rung.certified.max))
+    format!(": at most {} where not ambiguous", short(rung.certified.max))
 }
 
 fn picture(data: &str, name: &str) -> String {

@@ -1,18 +1,20 @@
-//! `trochoid report`: error against run time, as data, as a table and as a page of plots.
+//! `trochoid report`: error against run time, as data, as a table, and as a page of plots.
 //!
-//! `report.json`: `trochoid`, the version; `scene`, `output`, `frame`, `format`, `space`, `threads`; `whole`, whether all of the
-//! picture is certified; `summary`, sentences; `rungs`, a list of settings, each with the columns of `report.csv` and `set`, `passes`, a list
-//! of `{node, type, drop}`; `attempts`, a list of `{tolerance, allowed, scope, met, set, certified_max, limited_by}`, where
-//! `limited_by` is a pass, `{node, type}`, with `why` where it knows no bound, or "rounding" or "what is seen"; `savings`, a list of
-//! `{node, type, why, seconds}`; `scalings`, a list of `{knob, points: [{value, seconds}]}`.
+//! `report.json` has `trochoid`, the version; `scene`, `output`, `frame`, `format`, `space`, `threads`; `whole`,
+//! whether the whole picture is certified; `summary`, sentences; `rungs`, a list of settings, each with the columns of
+//! `report.csv`, with `set`, and with `passes`, a list of `{node, type, drop}`; `attempts`, a list of `{tolerance,
+//! allowed, scope, met, set, certified_max, limited_by}`, where `limited_by` is a pass, `{node, type}`, with `why` if
+//! it has no error bound, or "rounding" or "what is seen"; `savings`, a list of `{node, type, why, seconds}`;
+//! `scalings`, a list of `{knob, points: [{value, seconds}]}`.
 //!
 //! Columns of a rung: `scene`, `output`, `frame`, `settings`, `is_method` (whether `plan` may choose them), `scope`
-//! ("whole" or "strips": on what errors are certified and measured, and tolerances are met); `certified_max`, `certified_p999`, `certified_median`; `measured_max`, `measured_rms`, `measured_p999`, `measured_median`, over
-//! `measured_pixels`; `certified_over_measured`; `ambiguous` and `ambiguous_beyond_8_bit`, shares of samples; `hull_exits`,
-//! `nan_count`; `seconds`, `seconds_spread`, `seconds_predicted`, `predicted_over_taken`; `bytes`, `threads`, `pareto`. Errors
-//! are in units of the working space. What is unknown is null, in CSV an empty field.
+//! ("whole" or "strips": the area in which errors are certified and measured, and tolerances met); `certified_max`,
+//! `certified_p999`, `certified_median`; `measured_max`, `measured_rms`, `measured_p999`, `measured_median`, over
+//! `measured_pixels`; `certified_over_measured`; `ambiguous` and `ambiguous_beyond_8_bit`, shares of samples;
+//! `hull_exits`, `nan_count`; `seconds`, `seconds_spread`, `seconds_predicted`, `predicted_over_taken`; `bytes`,
+//! `threads`, `pareto`. Errors are in units of the working space. Unknown values are null, in CSV empty fields.
 //!
-//! The picture, and with `--whole` maps of its bounds, are in `report.html` alone.
+//! The picture and, with `--whole`, maps of its error bounds are in `report.html` only.
 
 mod csv;
 mod data;
@@ -40,13 +42,13 @@ use trochoid::{CheckedGraph, EvalError, Form, Format, Kind, Settings, Tolerance}
 /// Options of `trochoid report`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Renders the output with settings from the coarsest to the most accurate, certifies each, holds pixels against the f64 \
-references, and times it. Writes report.html, report.json and report.csv. The references are slow: a sixth of a second a \
-pixel before a sea of 300 waves, and a minute before the first pixel of a toon sea.
+Renders the output with settings from the coarsest to the most accurate; certifies and times each, and compares pixels \
+with the f64 references. Writes report.html, report.json and report.csv. The references are slow: a sixth of a second per \
+pixel for a sea of 300 waves, and a minute before the first pixel for a toon sea.
 
-Bounds are certified on strips, an eighth of the picture together, and so is which tolerances are met: elsewhere errors may be \
-larger. --whole certifies all of it and draws where they lie. A tolerance is met by the fastest of the methods among which \
-`trochoid plan` chooses; coarser and finer meshes are measured beside them.
+Error bounds are certified and tolerances are judged on strips, an eighth of the picture in total; elsewhere errors may \
+be larger. --whole certifies the whole picture and draws a map of its errors. A tolerance is met by the fastest method \
+that `trochoid plan` may choose; coarser and finer meshes are measured for comparison.
 
 Examples:
   trochoid report storm.json --frame 36 -o report
@@ -55,28 +57,28 @@ pub(crate) struct Args {
     /// The document
     #[arg(value_name = "GRAPH")]
     graph: PathBuf,
-    /// The frame [default: the document's first]
+    /// Frame to report on [default: the document's first]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     frame: Option<i64>,
-    /// Report on this output, a Color or Weights [default: the first Color]
+    /// Output to report on, a Color or Weights [default: the first Color]
     #[arg(long, value_name = "NAME")]
     output: Option<String>,
-    /// The longest side at which all is measured; 0 takes the document's size
+    /// Longest side of the measured pictures, in pixels; 0 means the document's size
     #[arg(long, value_name = "PIXELS", default_value_t = 640)]
     size: u32,
-    /// Hold so many pixels against the references
+    /// Number of pixels to compare with the references
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pixels: u32,
-    /// Certify all of the picture, and draw where its errors are
+    /// Certify the whole picture, and draw a map of its errors
     #[arg(long)]
     whole: bool,
     /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3; may be repeated
     #[arg(long, value_name = "NODE.KNOB=VALUE")]
     set: Vec<String>,
-    /// Number of threads; 0 takes all cores
+    /// Number of threads; 0 uses all cores
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-    /// The folder to write to
+    /// Folder to write to
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
@@ -89,17 +91,18 @@ pub(crate) struct Args {
     json: bool,
 }
 
-/// From what a coarse mesh may hold to what f32 can.
+/// Tolerances from what a coarse mesh can meet to what f32 can meet.
 const TOLERANCES: [f64; 10] =
     [1.0 / 8.0, 1.0 / 32.0, 1.0 / 128.0, 1.0 / 256.0, 1.0 / 512.0, 1e-3, 1e-4, 1e-5, 3e-6, 1e-6];
 
-/// Of `report.json`, `report.csv` and `report.html`.
+/// Kinds of `report.json`, `report.csv` and `report.html`.
 const FORMS: [Form; 3] = [Form::Report, Form::Table, Form::Page];
 
-/// Measures, and writes what was found.
+/// Measures an output, and writes the report.
 ///
 /// # Errors
-/// Everything that is wrong beforehand, at once; later, what stopped the run. Files are whole or not there.
+/// All problems that can be found in advance, together; or the problem that stopped the run. Each file is written
+/// whole or not at all.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let loaded = args.files.load(&args.graph, &args.set)?;
     shell::tell(&remedies::texts(&loaded.warnings));
@@ -132,7 +135,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     shell::print(&format!("{}\nwritten: {written}, with report.json and report.csv beside it\n", text::table(&report)))
 }
 
-/// The index of the output: the first Color, if none is named.
+/// Returns the index of the output, which is the first Color if none is named.
 fn choose(graph: &CheckedGraph, name: Option<&String>, faults: &mut Vec<Failure>) -> usize {
     let Some(name) = name else {
         let color = graph.outputs().iter().position(|output| output.kind == Kind::Color);
@@ -146,17 +149,18 @@ fn choose(graph: &CheckedGraph, name: Option<&String>, faults: &mut Vec<Failure>
     let output = &graph.outputs()[index];
     if faults.len() == before && !matches!(output.kind, Kind::Color | Kind::Weights(_)) {
         let message = format!("--output: found \"{name}\", a {}; expected a Color or Weights", output.kind);
-        faults.push(Failure::usage(message, "choose another: a tolerance speaks of what is displayed"));
+        faults.push(Failure::usage(message, "choose another: tolerances apply to displayed values"));
     }
     index
 }
 
-/// At the size that was asked for, or, where files of the size of the picture are read, at the document's own.
+/// Measures at the requested size, or at the document's own size if it reads files that must have the size of the
+/// picture.
 fn measure(args: &Args, graph: &CheckedGraph, output: usize, frame: i64) -> Result<Ladder, Failure> {
     let mut settings = Settings::default();
     settings.threads = usize::from(args.threads);
     let names = [graph.outputs()[output].name.as_str()];
-    // Tolerances stand in the request of the ladder: this one does not count.
+    // The request of the ladder has the tolerances; this one is ignored.
     let request = Request { outputs: &names, frame, tolerance: Tolerance::Exact, settings: &settings };
     let load = |more: &[String]| args.files.load(&args.graph, &[args.set.as_slice(), more].concat());
     let mut progress = Progress::new(1, args.quiet);
@@ -188,7 +192,7 @@ fn measure(args: &Args, graph: &CheckedGraph, output: usize, frame: i64) -> Resu
     })
 }
 
-/// With a longest side of so many pixels; `None` where the format is no larger.
+/// Scales a format to a longest side of this many pixels; `None` if the format is not larger.
 fn smaller(format: Format, longest: u32) -> Option<Format> {
     let most = format.width().max(format.height());
     if longest == 0 || longest >= most {

@@ -1,6 +1,6 @@
-//! Numbers as people read them.
+//! Formatting of numbers for readers.
 
-/// Two digits: `0.085`, `8.5×10⁻⁵`.
+/// Formats a number with two digits: `0.085`, `8.5×10⁻⁵`.
 pub(super) fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
@@ -20,7 +20,7 @@ pub(super) fn short(value: f64) -> String {
     }
 }
 
-/// Digits of an exponent.
+/// Formats an exponent as superscript.
 fn raised(exponent: &str) -> String {
     let raise = |c: char| match c {
         '-' => '⁻',
@@ -29,7 +29,7 @@ fn raised(exponent: &str) -> String {
     exponent.chars().map(raise).collect()
 }
 
-/// `31 ms`, `1.4 s`.
+/// Formats a time: `31 ms`, `1.4 s`.
 pub(super) fn seconds(value: f64) -> String {
     match value {
         value if !value.is_finite() => "–".into(),
@@ -42,7 +42,7 @@ pub(super) fn seconds(value: f64) -> String {
     }
 }
 
-/// `1.45 %`; what is not 0 does not look like 0.
+/// Formats a share: `1.45 %`. Shares above 0 do not look like 0.
 pub(super) fn percent(share: f64) -> String {
     match 100.0 * share {
         part if !part.is_finite() => "–".into(),
@@ -52,12 +52,12 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
-/// `12.3 MiB`.
+/// Formats a size: `12.3 MiB`.
 pub(super) fn mebibytes(bytes: usize) -> String {
     format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
 }
 
-/// "1 sample", "4 samples".
+/// Formats a count: "1 sample", "4 samples".
 pub(super) fn count(number: usize, what: &str) -> String {
     format!("{number} {what}{}", if number == 1 { "" } else { "s" })
 }

@@ -1,4 +1,4 @@
-//! The picture, and maps of its bounds, as PNG within the page.
+//! The picture and maps of its error bounds, as PNG embedded in the page.
 
 use super::plots::decades;
 use base64::Engine as _;
@@ -11,10 +11,10 @@ use trochoid::accuracy::Rung;
 use trochoid::io::{PngImage, Samples, encode_png8};
 use trochoid::{Kind, Picture, WorkingSpace};
 
-/// Decades that a map shows at most: what lies further below its largest bound looks like none.
+/// Maximum number of decades that a map shows; smaller bounds have the color of the lowest.
 const DECADES: i32 = 8;
 
-/// The picture as it is displayed; of several weights, the first.
+/// Encodes the picture for display as a data URL; of several weights, the first.
 pub(super) fn shown(picture: &Picture, space: WorkingSpace) -> Result<String, Box<dyn Error>> {
     let color = picture.kind == Kind::Color;
     let channel = |channel: usize| picture.planes[if color { channel } else { 0 }].samples();
@@ -22,13 +22,13 @@ pub(super) fn shown(picture: &Picture, space: WorkingSpace) -> Result<String, Bo
     let pixels = red.iter().zip(green).zip(blue).map(|((r, g), b)| {
         let value = [r, g, b].map(|value| f64::from(*value));
         let shown = if color { space.to_display(value) } else { value };
-        // What is not a number is black, and counted in the table.
+        // NaN is black, and counted in the table.
         shown.map(|value| if value.is_nan() { 0.0 } else { value as f32 })
     });
     encode(&pixels.collect::<Vec<_>>(), picture)
 }
 
-/// The decades of all maps; `None` where no bound is known.
+/// Returns the range of all maps in whole decades; `None` if no finite bound is above 0.
 pub(super) fn scale<'r>(rungs: impl IntoIterator<Item = &'r Rung>) -> Option<Range<f64>> {
     let known = |bound: &&f32| bound.is_finite() && **bound > 0.0;
     let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
@@ -42,7 +42,7 @@ pub(super) fn scale<'r>(rungs: impl IntoIterator<Item = &'r Rung>) -> Option<Ran
     })
 }
 
-/// Bounds as colors, on a scale of logarithms.
+/// Encodes the error map of a rung as a data URL, with colors on a logarithmic scale.
 pub(super) fn map(rung: &Rung, scale: &Range<f64>) -> Result<String, Box<dyn Error>> {
     let pixels = rung.map.iter().map(|bound| {
         let RGBColor(r, g, b) = color(f64::from(*bound), scale);
@@ -51,7 +51,7 @@ pub(super) fn map(rung: &Rung, scale: &Range<f64>) -> Result<String, Box<dyn Err
     encode(&pixels.collect::<Vec<_>>(), &rung.picture)
 }
 
-/// Viridis: steps of the same size look the same.
+/// Returns the color of a bound: Viridis, in which equal steps look equal.
 pub(super) fn color(bound: f64, scale: &Range<f64>) -> RGBColor {
     let place = (bound / scale.start).ln() / (scale.end / scale.start).ln();
     ViridisRGB.get_color(if place.is_nan() { 1.0 } else { place.clamp(0.0, 1.0) as f32 })

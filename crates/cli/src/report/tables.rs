@@ -6,15 +6,15 @@ use super::numbers::{mebibytes, percent, seconds, short};
 use std::fmt::Write as _;
 use trochoid::accuracy::Rung;
 
-/// What is left out, why, and what that saves.
+/// Returns the table of omitted work, with reasons and time saved.
 pub(super) fn savings(report: &Report<'_>) -> String {
     let savings = report.savings();
     if savings.is_empty() {
-        return "<p>Nothing is left out: the output needs all of the document.</p>".into();
+        return "<p>Nothing is left out: the output needs the whole document.</p>".into();
     }
     let mut table = String::from(
         "<div class=\"wide\"><table>\n<thead><tr><th class=\"text\">node</th><th class=\"text\">type</th>\
-         <th class=\"text\">why</th><th>time saved, of all threads</th></tr></thead>\n<tbody>\n",
+         <th class=\"text\">why</th><th>time saved, all threads</th></tr></thead>\n<tbody>\n",
     );
     for saving in savings {
         let _ = writeln!(
@@ -29,20 +29,20 @@ pub(super) fn savings(report: &Report<'_>) -> String {
     table + "</tbody></table></div>"
 }
 
-/// Groups whose figures are of the strips where these alone are certified.
+/// Groups of columns whose figures apply to the strips if only strips are certified.
 const CERTIFIED: &str = "certified";
 const MEASURED: &str = "measured";
 const RATIO: &str = "ratio";
-const DOUBT: &str = "samples in doubt";
+const DOUBT: &str = "ambiguous samples";
 
-/// Columns of the full table, by what they tell of.
+/// Groups of columns of the full table.
 const GROUPS: &[(&str, &[&str])] = &[
     (CERTIFIED, &["largest", "99.9 %", "median"]),
     (MEASURED, &["largest", "RMS", "99.9 %", "median", "pixels"]),
     (RATIO, &["cert. ÷ meas."]),
     (DOUBT, &["all", "> 1/255"]),
-    ("pixels", &["outside hull", "no number"]),
-    ("time", &["median", "spread", "predicted", "÷ taken"]),
+    ("pixels", &["outside hull", "not a number"]),
+    ("time", &["median", "spread", "predicted", "÷ median"]),
     ("memory", &["held"]),
 ];
 
@@ -70,7 +70,7 @@ fn cells(rung: &Rung) -> Vec<String> {
     ]
 }
 
-/// All columns of all rungs.
+/// Returns the full table: all columns of all rungs.
 pub(super) fn rungs(report: &Report<'_>) -> String {
     let mut table =
         String::from("<div class=\"wide\"><table>\n<thead>\n<tr><th class=\"text\" rowspan=\"2\">settings</th>");
@@ -90,7 +90,7 @@ pub(super) fn rungs(report: &Report<'_>) -> String {
             (false, true) => "",
             (false, false) => " class=\"mesh\"",
         };
-        // The assignments in full, for whoever wants to make them.
+        // The full assignments, for use with `--set`.
         let _ = write!(
             table,
             "<tr{class}><td class=\"text\" title=\"{}\">{}</td>",

@@ -1,7 +1,7 @@
 use super::*;
 use std::path::Path;
 
-/// A sea in a picture so small that all is measured in a moment.
+/// A sea in a picture that is small enough to be measured quickly.
 const SEA: &str = r##"{ "trochoid": 1,
   "format": { "width": 64, "height": 36 }, "working_space": "srgb",
   "nodes": { "camera": { "type": "Camera", "position": [0, 6, 30], "target": [0, 1, 0] },
@@ -91,7 +91,7 @@ fn the_text_stays_within_a_terminal() {
     let loaded = trochoid::load(&args.graph, &[]).unwrap();
     let ladder = measure(&args, &loaded.graph, 0, 1).unwrap();
     let text = text::table(&Report::new(&loaded.graph, &ladder, false));
-    // One line names the document, however long its name is; escapes take no room.
+    // The line that names the document may be longer; escape sequences do not count.
     let long = text
         .lines()
         .filter(|line| !line.contains(".json"))
@@ -100,7 +100,7 @@ fn the_text_stays_within_a_terminal() {
     assert!(text.contains("points exact") && text.contains("1/512") && !text.contains("NaN"), "{text}");
 }
 
-/// A document, measured: what its report says as JSON, as a page and as text.
+/// Measures a document; returns its report as JSON, as a page and as text.
 fn forms(args: &Args) -> [String; 3] {
     let loaded = trochoid::load(&args.graph, &[]).unwrap();
     let ladder = measure(args, &loaded.graph, 0, 1).unwrap();
@@ -154,12 +154,14 @@ fn a_pass_that_knows_no_bound_is_named_and_plots_without_points_are_not_drawn() 
         assert!(limit["why"].is_string(), "{attempt}");
     }
     let summary = json["summary"][0].as_str().unwrap();
-    assert!(summary.contains("since “s” (Strokes) knows no bound: "), "{summary}");
-    for plot in ["Error against time", "Certified against measured errors", "Tolerance asked against error achieved"] {
+    assert!(summary.contains("because “s” (Strokes) has no error bound: "), "{summary}");
+    for plot in
+        ["Error against time", "Certified against measured errors", "Tolerance requested against error achieved"]
+    {
         assert!(!html.contains(&format!("aria-label=\"{plot}\"")), "{plot} has no points");
     }
-    assert_eq!(html.matches("Nothing is certain of “beauty”").count(), 4, "in the summary and for each plot");
-    assert!(text.contains("nothing: \"s\" (Strokes) knows no bound") && !text.contains("rounding"), "{text}");
+    assert_eq!(html.matches("Nothing is certified of “beauty”").count(), 4, "in the summary and for each plot");
+    assert!(text.contains("nothing: \"s\" (Strokes) has no error bound") && !text.contains("rounding"), "{text}");
 }
 
 #[test]

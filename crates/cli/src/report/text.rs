@@ -1,4 +1,4 @@
-//! The report as plain text, 100 columns wide at most.
+//! The report as plain text, at most 100 columns wide.
 
 use super::data::Report;
 use super::numbers::{count, seconds};
@@ -10,10 +10,10 @@ use trochoid::Tolerance;
 const LABEL: usize = 30;
 const NUMBER: usize = 11;
 const WIDTH: usize = 100;
-/// How many savings are told.
+/// Number of savings that are listed.
 const SAVINGS: usize = 3;
 
-/// The rungs, what became of each tolerance, and what is left out.
+/// Returns the rungs, the result of each tolerance, and the omitted work as text.
 pub(super) fn table(report: &Report<'_>) -> String {
     let ladder = report.ladder;
     let format = ladder.format;
@@ -41,12 +41,14 @@ pub(super) fn table(report: &Report<'_>) -> String {
         let mesh = if rung.is_method { ' ' } else { '+' };
         let _ = writeln!(text, "{best}{mesh}{:LABEL$}{cells}", clip(&printable(label), LABEL - 1));
     }
-    text.push_str("* no other settings are both faster and certified to less\n");
+    text.push_str("* no other settings are both faster and certified to a smaller error\n");
     if ladder.rungs.iter().any(|rung| !rung.is_method) {
-        text.push_str("+ a coarser or finer mesh: plan chooses none, since that changes what is ambiguous\n");
+        text.push_str(
+            "+ a coarser or finer mesh, which plan does not choose: it changes which samples are ambiguous\n",
+        );
     }
     if !report.whole {
-        text.push_str("† on strips, an eighth of the picture together; --whole certifies all of it\n");
+        text.push_str("† on strips, an eighth of the picture in total; --whole certifies the whole picture\n");
     }
     let by = format!("met{} by the fastest method that is certified to it", report.on_strips());
     let _ = writeln!(text, "\n{HEADING}  {:12}{:12}{by}{HEADING:#}", "tolerance", "allowed");
@@ -80,7 +82,7 @@ fn number(value: f64) -> String {
     if value.is_finite() { format!("{value:.1e}") } else { "–".into() }
 }
 
-/// At most so many characters.
+/// Clips a text to this many characters.
 fn clip(text: &str, width: usize) -> String {
     if text.chars().count() <= width {
         return text.into();

@@ -1,4 +1,5 @@
-//! The map of two coefficients: how fast the sea grows or dies away at each, where it is stable, and where the node is.
+//! The stability map over two coefficients: growth of the sea at each point, the stable region, and the node's own
+//! point.
 
 use crate::files::Over;
 use plotters::prelude::*;
@@ -11,13 +12,13 @@ use trochoid::{Form, StabilityMap, marks};
 const WIDTH: usize = 1200;
 const HEIGHT: usize = 1000;
 const FONT: &str = "labels";
-/// Growth in a step at the end of the scale.
+/// Growth per step at the upper end of the scale.
 const MOST: f64 = 2.5;
 
 const INK: RGBColor = RGBColor(24, 32, 44);
 const PAPER: RGBColor = RGBColor(250, 248, 243);
 
-/// What dies away is blue, paler the slower; what grows is warm, darker the faster.
+/// Returns the color of a growth: blue for decay, paler the slower; warm for growth, darker the faster.
 fn color(growth: f64) -> RGBColor {
     let mix = |a: [f64; 3], b: [f64; 3], t: f64| {
         let [r, g, b] = [0, 1, 2].map(|i| (a[i] + (b[i] - a[i]) * t).round() as u8);
@@ -30,10 +31,10 @@ fn color(growth: f64) -> RGBColor {
     }
 }
 
-/// Writes the map as PNG; folders are made.
+/// Writes the map as PNG, creating missing folders.
 ///
 /// # Errors
-/// The plot cannot be laid out, or written.
+/// The plot cannot be laid out or written.
 pub(super) fn write(path: &Path, over: Over, name: &str, map: &StabilityMap) -> Result<(), Box<dyn Error>> {
     let pixels = draw(name, map)?;
     if let Some(folder) = path.parent() {
@@ -47,7 +48,7 @@ pub(super) fn write(path: &Path, over: Over, name: &str, map: &StabilityMap) -> 
     Ok(write_png8(over.target(path, Form::Map), &image)?)
 }
 
-/// R, G, B pixel by pixel.
+/// Draws the map; returns interleaved R, G and B.
 fn draw(name: &str, map: &StabilityMap) -> Result<Vec<u8>, Box<dyn Error>> {
     // The font is part of the program, so that every machine draws the same labels.
     register_font(FONT, FontStyle::Normal, dejavu::sans::regular()).map_err(|_| "the font cannot be read")?;
@@ -70,7 +71,7 @@ fn plane(area: &Area<'_>, name: &str, map: &StabilityMap) -> Result<(), Box<dyn 
     let (title, sub) = area.split_vertically(84);
     let font = |size: i32| (FONT, size).into_font().color(&INK);
     title.draw(&Text::new(
-        format!("{name}: growth in a step over {} and {}", map.axes[0], map.axes[1]),
+        format!("{name}: growth per step over {} and {}", map.axes[0], map.axes[1]),
         (24, 16),
         font(28),
     ))?;
@@ -122,12 +123,12 @@ fn plane(area: &Area<'_>, name: &str, map: &StabilityMap) -> Result<(), Box<dyn 
     Ok(())
 }
 
-/// One decimal, and no −0.
+/// Formats a tick with one decimal, and without −0.
 fn tick(value: &f64) -> String {
     format!("{:.1}", (value * 10.0).round() / 10.0 + 0.0)
 }
 
-/// What the colors mean.
+/// Draws the scale of the colors.
 fn scale(area: &Area<'_>) -> Result<(), Box<dyn Error>> {
     let (_, sub) = area.split_vertically(84);
     let font = |size: i32| (FONT, size).into_font().color(&INK);
@@ -151,7 +152,7 @@ fn scale(area: &Area<'_>) -> Result<(), Box<dyn Error>> {
         .axis_style(INK)
         .label_style(font(19))
         .axis_desc_style(font(22))
-        .y_desc("growth in a step: below 1 waves die away")
+        .y_desc("growth per step: below 1, waves die away")
         .y_labels(11)
         .draw()?;
     chart.draw_series(LineSeries::new([(0.0, 1.0), (1.0, 1.0)], INK.stroke_width(3)))?;

@@ -1,4 +1,4 @@
-//! `trochoid stability`: how nodes behave that time moves, theory beside measurements.
+//! `trochoid stability`: compares theory and measurements of the long-term behavior of time-dependent nodes.
 
 mod map;
 mod text;
@@ -14,8 +14,8 @@ use trochoid::{CheckedGraph, Figure, Form, InputFiles, Loaded, NodeId, Offer, St
 /// Options of `trochoid stability`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-What is measured comes from runs of the code that makes pictures, and from powers of its step in f64: some seconds for \
-each node. If a measurement contradicts its prediction, the exit code is 1.
+Measurements run the code that makes pictures, and compute powers of its step in f64, which takes some seconds per \
+node. If a measurement contradicts its prediction, the exit code is 1.
 
 Examples:
   trochoid stability -o map.png
@@ -23,16 +23,16 @@ Examples:
   trochoid stability storm.json --set sea.c1=0.9 --set sea.c2=0.05 -o maps
   trochoid stability --json")]
 pub(crate) struct Args {
-    /// The document [default: a ToonSea as it is by default]
+    /// The document [default: a ToonSea with default knobs]
     #[arg(value_name = "GRAPH")]
     graph: Option<PathBuf>,
-    /// Write the map of each recurrence's coefficients: to a .png where there is one, or into a folder
+    /// Write the map of each recurrence's coefficients: a .png file for a single map, or a folder for all maps
     #[arg(short, long, value_name = "PATH")]
     out: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// The frame at which keyed knobs are taken [default: the first]
+    /// Frame at which keyframed knobs are evaluated [default: the document's first]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     frame: Option<i64>,
     /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
@@ -42,7 +42,7 @@ pub(crate) struct Args {
     over: Over,
 }
 
-/// What is looked at where no document is named.
+/// Document that is analyzed if none is named.
 const DEFAULT: &str = r#"{
   "trochoid": 1, "format": { "width": 16, "height": 16 },
   "nodes": {
@@ -52,7 +52,7 @@ const DEFAULT: &str = r#"{
   "outputs": { "height": { "field": "bake.height" } }
 }"#;
 
-/// Looks at every node that time moves.
+/// Analyzes every time-dependent node.
 ///
 /// # Errors
 /// The document is invalid or cannot be read, a map cannot be written, or a measurement contradicts its prediction.
@@ -65,13 +65,13 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         if let Some(ending) = out.extension().filter(|_| !is_png(out) && !out.is_dir()) {
             let message = format!(
-                "--out {}: found the ending .{}; expected .png, or a folder",
+                "--out {}: found the extension .{}; expected .png or a folder",
                 quoted_path(out),
                 ending.display()
             );
             return Err(Failure::usage(
                 message,
-                "name the map for example map.png, or a folder for the maps of all nodes",
+                "use a name such as map.png, or name a folder for the maps of all nodes",
             ));
         }
         let inputs = match &args.graph {
@@ -101,25 +101,26 @@ fn contradiction(name: &str, figure: &Figure) -> Failure {
     Failure::new(FAILED, format!("node \"{name}\", {}: measured {measured}; predicted {predicted}", figure.name.trim()))
 }
 
-/// The files that maps may be written to.
+/// Returns the files that maps may be written to.
 fn named(out: &Path, graph: &CheckedGraph) -> Vec<PathBuf> {
     if is_png(out) {
         return vec![out.into()];
     }
     let mapped = graph.nodes().iter().filter(|node| node.ty.declaration().offers.contains(&Offer::StabilityMap));
     let names: Vec<PathBuf> = mapped.map(|node| out.join(format!("{}.png", node.name))).collect();
-    // What there is to say of the folder itself is said where nothing has a map too.
+    // Faults of the folder itself are found even if no node has a map.
     if names.is_empty() { vec![out.join("map.png")] } else { names }
 }
 
+/// Node type that has a map.
 fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
 }
 
-/// What to do where there is nothing to draw.
-const NO_MAP: &str = "leave --out away: only the recurrence of a ToonSea has a map";
+/// Remedy if no node has a map.
+const NO_MAP: &str = "omit --out: only the recurrence of a ToonSea has a map";
 
-/// Writes the map of each node that has one, and says where.
+/// Writes the map of each node that has one; returns their paths.
 fn write_maps(
     args: &Args,
     graph: &CheckedGraph,
@@ -131,13 +132,14 @@ fn write_maps(
         let message = format!("--out {}: found {} nodes with a map; expected one", quoted_path(out), mapped.len());
         let remedy = match mapped.len() {
             0 => NO_MAP,
-            _ => "name a folder, into which all maps go",
+            _ => "name a folder for all maps",
         };
         return Err(Failure::usage(message, remedy));
     }
     if mapped.is_empty() {
         shell::tell(&[format!(
-            "warning: --out {}: found no node with a map; expected one at least: nothing is written there\n  remedy: {NO_MAP}",
+            "warning: --out {}: found no node with a map; expected at least one; nothing is written there\n  remedy: \
+             {NO_MAP}",
             quoted_path(out)
         )]);
     }
@@ -182,7 +184,7 @@ fn to_json(graph: &CheckedGraph, found: &[(NodeId, Stability)], maps: &[(NodeId,
     json!({ "document": graph.name(), "nodes": nodes.collect::<Vec<_>>() })
 }
 
-/// JSON knows no infinity.
+/// Returns a number as JSON: as a string if it is infinite, since JSON has no infinity.
 fn json_number(number: Option<f64>) -> Value {
     match number {
         Some(number) if number.is_finite() => json!(number),

@@ -1,16 +1,16 @@
-//! The report as plain text, 100 columns wide at most.
+//! The report as plain text, at most 100 columns wide.
 
 use crate::shell::{HEADING, printable, wrap};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use trochoid::{CheckedGraph, Figure, NodeId, Relation, Stability};
 
-/// Widths of the columns: names, numbers, and what becomes of the comparison.
+/// Widths of the columns: names, numbers, and results of comparisons.
 const NAME: usize = 32;
 const NUMBER: usize = 12;
 const HOLDS: usize = 2;
 
-/// Everything that was found.
+/// Formats the report on all nodes.
 pub(super) fn report(graph: &CheckedGraph, found: &[(NodeId, Stability)], maps: &[(NodeId, PathBuf)]) -> String {
     let mut text = String::new();
     for (index, (id, report)) in found.iter().enumerate() {
@@ -28,7 +28,7 @@ pub(super) fn report(graph: &CheckedGraph, found: &[(NodeId, Stability)], maps: 
         }
     }
     if found.is_empty() {
-        text.push_str("no node depends on time but by keyed knobs: nothing can grow\n");
+        text.push_str("no node depends on time except through keyframes: nothing can grow\n");
     }
     text
 }
@@ -52,7 +52,7 @@ fn row(figure: &Figure) -> String {
     format!("{}\n", line.trim_end())
 }
 
-/// Six digits, in the form that is shorter.
+/// Formats a number with six digits, or in scientific notation if it is very small or large.
 pub(super) fn number(value: f64) -> String {
     match value.abs() {
         0.0 => "0".into(),

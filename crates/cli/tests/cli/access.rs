@@ -1,10 +1,10 @@
-//! What a document may read and write.
+//! The files that a document may read and write.
 
 use crate::scene::{READS, Run, SCENE, Scene};
 use std::fs;
 use std::path::Path;
 
-/// A folder with `shot/a.json`, which reads `../shared/in.exr`, and that file.
+/// Creates a folder with `shot/a.json`, which reads `../shared/in.exr`, and with that file.
 fn beside() -> Scene {
     let scene = Scene::new("");
     for folder in ["shot", "shared", "other"] {
@@ -33,7 +33,7 @@ fn a_document_reads_beneath_its_folder_and_the_current_one() {
     scene.run(&["render", "shot/a.json"]).code(0);
     assert!(scene.path("shot/out.exr").exists());
     fs::remove_file(scene.path("shot/out.exr")).unwrap();
-    // Relative current folders, from which the document is reached by `..`, hold it no more than absolute ones.
+    // A document that is reached by `..` does not lie under the current folder.
     for folder in ["shot", "other"] {
         let document = if folder == "shot" { "a.json" } else { "../shot/a.json" };
         run_in(&scene, folder, &["render", document]).fails(2, &REFUSED);
@@ -66,7 +66,7 @@ fn what_the_command_line_names_is_allowed() {
     let out = scene.path("other/out.exr").display().to_string();
     run_in(&scene, "shot", &["render", "a.json", "--set", &set, "--out", &out, "--report", "../other/r.json"]).code(0);
     assert!(scene.path("other/out.exr").exists() && scene.path("other/r.json").exists());
-    // A plan is no command line.
+    // A plan has fewer rights than the command line.
     let plan = format!(
         r#"{{"trochoid_plan": 1, "document_hash": "", "frame": 1, "tolerance": "1/64", "set": {{"in.file": "{shared}"}},
             "predicted_seconds": 1, "certified": {{}}}}"#
@@ -74,7 +74,7 @@ fn what_the_command_line_names_is_allowed() {
     fs::write(scene.path("shot/plan.json"), plan).unwrap();
     fs::write(scene.path("shot/a.json"), READS).unwrap();
     let planned = run_in(&scene, "shot", &["render", "a.json", "--plan", "plan.json"]);
-    planned.fails(2, &["plan.json: found \"in.file\" set; expected knobs of accuracy alone"]);
+    planned.fails(2, &["plan.json: found an assignment to \"in.file\"; expected accuracy knobs only"]);
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn outputs_go_where_the_document_may_write() {
     run_in(&scene, "shot", &["render", "a.json"]).fails(2, &[place, "other/new/mask.0001.png", "--allow "]);
     run_in(&scene, "shot", &["check", "a.json"]).fails(2, &[place]);
     assert!(!scene.path("other/new").exists() && !scene.path("shot/out").exists());
-    // What is not written is not asked for.
+    // Outputs that are not written need no permission.
     run_in(&scene, "shot", &["render", "a.json", "--output", "beauty"]).code(0);
     run_in(&scene, "shot", &["preview", "a.json", "-o", "x.webp"]).code(0);
     run_in(&scene, "shot", &["render", "a.json", "--out", "{output}.##.exr"]).code(0);
@@ -114,7 +114,7 @@ fn every_command_that_opens_files_asks() {
         }
     }
     run_in(&scene, "shot", &["check", "a.json", "--allow", "../shared", "--explain"]).code(0);
-    // These open none of its files.
+    // These commands open none of the document's files.
     run_in(&scene, "shot", &["graph", "a.json", "-o", "-"]).code(0);
     run_in(&scene, "shot", &["stability", "a.json"]).code(0);
 }
@@ -167,7 +167,7 @@ fn links_count_by_where_they_lead() {
     fs::write(scene.path("shot/a.json"), SCENE.replace("out/mask", "within/new/mask")).unwrap();
     run_in(&scene, "shot", &["render", "a.json"]).fails(2, &["output \"mask\"", "shared/new/mask"]);
     assert!(!scene.path("shared/new").exists());
-    // A folder that is reached through a link is the document's own.
+    // A folder that is reached through a link is still the document's own.
     link(&scene.path("shot"), &scene.path("alias"));
     fs::write(scene.path("shot/a.json"), SCENE).unwrap();
     run_in(&scene, "other", &["render", "../alias/a.json"]).code(0);

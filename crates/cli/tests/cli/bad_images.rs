@@ -1,4 +1,5 @@
-//! Pictures that must not be read: exit code 1, and nothing is written. What each is told is stored in `tests/told/pictures`.
+//! Pictures that must not be read: the exit code is 1, and nothing is written. The messages are stored in
+//! `tests/told/pictures`.
 
 use crate::scene::Scene;
 use crate::told::Told;
@@ -25,7 +26,7 @@ fn gray(path: &Path) {
     exr(path, &RGB, |_, _| 0.5);
 }
 
-/// Changes a good EXR's bytes: `find` (the start of an attribute) and then `skip` bytes on.
+/// Writes a good EXR with `with` in place of its bytes, `skip` bytes after `find`, which is the start of an attribute.
 fn patched(path: &Path, find: &[u8], skip: usize, with: &[u8]) {
     gray(path);
     let mut bytes = fs::read(path).unwrap();
@@ -44,7 +45,7 @@ fn png(path: &Path) {
     write_png8(path, &PngImage::new(4, 2, Samples::rgb(&pixels))).unwrap();
 }
 
-/// A picture: the name of the case and of the file, how it is made, and the knobs of the Read.
+/// A bad picture: the name of the case and of the file, how it is made, and the knobs of the Read.
 struct Case {
     name: &'static str,
     file: &'static str,
@@ -56,7 +57,8 @@ const COLOR: &str = r#""as": "color""#;
 const FIELD: &str = r#""as": "field", "channels": ["G"]"#;
 const MASK: &str = r#""as": "weights", "channels": ["G"]"#;
 
-/// Attribute names end with a 0 byte, their types too, then four bytes of length stand before the value.
+/// The bad pictures. In an EXR header, the name and the type of an attribute end with a 0 byte each; four bytes of
+/// length and the value follow.
 const CASES: &[Case] = &[
     Case { name: "gone", file: "gone.exr", make: |_| (), knobs: COLOR },
     Case { name: "a_folder", file: "in.exr", make: |p| fs::create_dir(p).unwrap(), knobs: COLOR },
@@ -184,7 +186,7 @@ const CASES: &[Case] = &[
         make: |p| {
             png(p);
             let mut bytes = fs::read(p).unwrap();
-            // Width and height stand behind the signature and the length and name of the first chunk.
+            // Width and height follow the signature, and the length and name of the first chunk.
             bytes[16..24].copy_from_slice(&[0x7f, 255, 255, 255, 0x7f, 255, 255, 255]);
             fs::write(p, bytes).unwrap();
         },

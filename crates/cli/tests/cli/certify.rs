@@ -33,7 +33,7 @@ fn every_image_has_a_certificate_that_holds() {
             let run = scene.run(&["verify", &certificate, &image]).code(0);
             run.says(&[
                 &certificate,
-                "agrees with its own digest",
+                "matches its own digest",
                 &format!("of frame {frame}"),
                 "the certified pixels, in 1 block\n",
                 "all 128 pixels evaluated",
@@ -118,7 +118,7 @@ fn patterns_that_name_two_files_one_and_files_in_use_are_refused() {
     let patterns = ["\"c.json\" gives 2 files one name", "\"c.json\" gives all frames one name"];
     refused(&["--certificate", "c.json"], &patterns);
     refused(&["--error", "{outputs}.exr"], &["unknown placeholder {outputs}"]);
-    refused(&["--certificate", "{output}.##.txt"], &["another ending than .json"]);
+    refused(&["--certificate", "{output}.##.txt"], &["another extension than .json"]);
     let one = ["--frames", "1", "--output", "beauty"];
     refused(&[&one[..], &["--certificate", "a.json"]].concat(), &["--certificate a.json: is a file of the document"]);
     refused(&[&one[..], &["--error", "out/beauty.0001.exr"]].concat(), &["--error out/beauty.0001.exr: is a file"]);
@@ -162,7 +162,7 @@ fn files_that_cannot_be_read_have_their_own_codes() {
     scene.run(&["verify", "c.json", "none.exr"]).fails(1, &["none.exr"]);
     scene.run(&["verify", "a.json", "out.exr"]).fails(2, &["a.json: found JSON that does not begin with a digest"]);
     scene.run(&["verify", "c.json", "out.exr", "--all", "--pixels", "3"]).fails(2, &["cannot be used with"]);
-    // What evaluates nothing would hold whatever the pixels are.
+    // A check that evaluates nothing would hold for any pixels.
     scene.run(&["verify", "c.json", "out.exr", "--pixels", "0"]).fails(2, &["--pixels", "0 is not in 1.."]);
     scene.write_picture("in.exr", 0.5);
     let run = scene.run(&["verify", "./c.json", "out.exr"]);

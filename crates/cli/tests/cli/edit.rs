@@ -1,4 +1,4 @@
-//! `trochoid edit`: the editor is a program of its own, beside this one.
+//! `trochoid edit`: the editor is a separate program in the same folder.
 
 use crate::scene::Run;
 use std::fs;
@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
-/// A folder with `trochoid` in it. It lies beside what cargo built, so that a link will do: a copy might still be open for
-/// writing in a process that another test starts, and could not be run then.
+/// Creates a folder with `trochoid` in it, next to the build so that a hard link suffices: a copy could still be open
+/// for writing in a process that another test starts, and could not be run then.
 fn installed() -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let bin = folder.path().join("bin");
@@ -25,7 +25,7 @@ fn run(program: &Path, arguments: &[&str]) -> Run {
 #[test]
 fn the_editor_that_lies_beside_gets_the_arguments_and_gives_its_exit_code() {
     let (_folder, program) = installed();
-    // A shell in the editor's place does what its first argument, the document, says.
+    // A shell in place of the editor runs its first argument, the document.
     std::os::unix::fs::symlink("/bin/sh", program.with_file_name("trochoid-editor")).unwrap();
     let says = "printf '<%s>' \"$@\"\necho to stderr >&2\nexit 77\n";
     fs::write(program.with_file_name("a.json"), says).unwrap();
@@ -52,7 +52,7 @@ fn without_an_editor_the_command_that_makes_one_is_named() {
     let (folder, program) = installed();
     let missing = ["trochoid-editor: found no such program", "cargo install --path crates/editor"];
     run(&program, &["edit", "a.json"]).fails(1, &missing);
-    // As cargo builds.
+    // In the folders of cargo builds.
     for (profile, command) in [
         ("debug", "build it: cargo build -p trochoid-editor\n"),
         ("release", "build it: cargo build --release -p trochoid-editor\n"),

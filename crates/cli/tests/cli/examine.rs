@@ -1,9 +1,9 @@
-//! What `check` says of input files: what `render` then fails with.
+//! `check` reports faults of input files with the messages with which `render` fails.
 
 use crate::scene::{READS, Run, Scene};
 use std::fs;
 
-/// The lines of errors.
+/// Returns the lines with errors.
 fn errors(run: &Run) -> Vec<String> {
     run.err.lines().filter(|line| line.starts_with("error: ")).map(str::to_owned).collect()
 }
@@ -22,7 +22,7 @@ fn headers_that_do_not_fit_are_told_as_rendering_tells_them() {
             .replace("\"field\": \"in\"", "\"field\": \"d\"")
     };
     let cases = [
-        (wide.clone(), "say how to \"fit\" it"),
+        (wide.clone(), "set \"fit\" to"),
         (of(r#""type": "Read", "file": "in.exr", "as": "color", "channels": ["X"]"#), "in the node's \"channels\""),
         (of(r#""type": "Read", "file": "in.exr", "as": "color", "layer": "far""#), "no layer \"far\""),
         (
@@ -34,7 +34,7 @@ fn headers_that_do_not_fit_are_told_as_rendering_tells_them() {
         (of(r#""type": "Texture", "file": "in.exr", "as": "color", "part": "9", "u": 0, "v": 0"#), "no part"),
         (seen("\"Z\""), "no layer \"Z\""),
         (seen("\"RGB\""), "expected one; name the channel"),
-        (seen("\"R\"").replace("\"width\": 4", "\"width\": 5"), "say how to \"fit\" it"),
+        (seen("\"R\"").replace("\"width\": 4", "\"width\": 5"), "set \"fit\" to"),
         (of(r#""type": "Read", "file": "a.json", "as": "color""#), "found JSON"),
     ];
     for (document, words) in cases {
@@ -50,7 +50,7 @@ fn headers_that_do_not_fit_are_told_as_rendering_tells_them() {
     }
     fs::write(scene.path("a.json"), wide.replace("\"as\"", "\"fit\": \"nearest\", \"as\"")).unwrap();
     scene.run(&["check", "a.json"]).code(0).says(&["valid"]);
-    // What is not there yet may be made.
+    // A missing file may be made before rendering.
     fs::write(scene.path("a.json"), wide.replace("in.exr", "later.exr")).unwrap();
     scene.run(&["check", "a.json"]).code(0).says(&["valid, 1 warning"]);
 }

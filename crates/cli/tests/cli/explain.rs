@@ -2,7 +2,7 @@
 
 use crate::scene::{READS, Scene};
 
-/// A sea that no picture shows, behind a mask of a mask.
+/// A sea that is hidden by a mask of a mask.
 const HIDDEN: &str = r##"{ "trochoid": 1, "format": { "width": 96, "height": 54 }, "nodes": {
     "camera": { "type": "Camera" }, "storm": { "type": "GerstnerSea", "count": 40 },
     "view": { "type": "Render", "camera": "camera", "surfaces": ["storm"] },
@@ -31,7 +31,7 @@ fn every_node_is_accounted_for_with_its_proof() {
     ]);
     assert!(!run.out.contains("height (Field)") && !run.out.contains("Measured"), "{}", run.out);
     assert!(run.out.lines().all(|line| line.chars().count() <= 100), "{}", run.out);
-    // All outputs; what one leaves out, another needs.
+    // All outputs: one needs what another leaves out.
     let run = scene.run(&["check", "a.json", "--explain"]).code(0);
     let run = run.says(&["height (Field) at frame 1", "view (Render): 1 of 25 computed", "of \"storm\", "]);
     assert!(run.out.contains("Left out within nodes, at 96 × 54 pixels"), "{}", run.out);
@@ -54,7 +54,7 @@ fn machines_get_the_same_as_json() {
     assert_eq!((step(1, "node"), step(1, "low"), step(1, "high")), ("across".into(), 0.0.into(), 1.0.into()));
     assert_eq!(beauty["nodes"]["sky"]["fate"], "evaluated");
     assert_eq!(beauty["nodes"]["both"]["fate"], "hands_on");
-    // Measured: the sea takes no time where it is left out, and some where it is not.
+    // The sea takes no time if it is left out, and some time with nothing left out.
     assert!(storm["seconds"].is_null() && storm["seconds_in_full"].as_f64().unwrap() > 0.0, "{storm:#}");
     assert!(beauty["nodes"]["lost"]["seconds_in_full"].is_null());
     assert_eq!((&beauty["measured"]["width"], &beauty["measured"]["runs"]), (&96.into(), &3.into()));
@@ -70,13 +70,13 @@ fn machines_get_the_same_as_json() {
 #[test]
 fn what_cannot_be_told_is_said() {
     let scene = Scene::new(READS);
-    // The file is missing: all that planning tells is told, and why the rest is not.
+    // The file is missing: the results of planning are printed, with the reason that the rest is unknown.
     let run = scene.run(&["check", "a.json", "--explain", "--measure"]).code(0);
     run.says(&["Evaluated: 1 of 1 nodes", "is not known", "Not measured", "in.exr"]);
     let json = scene.run(&["check", "a.json", "--explain", "--measure", "--json"]).code(0).json();
     assert!(json["explained"][0]["not_prepared"].as_str().unwrap().contains("in.exr"));
     assert!(json["explained"][0]["measured"]["error"].as_str().unwrap().contains("in.exr"));
-    // Of a fixed size, so it is measured as large as it is.
+    // The input has a fixed size, so the picture is measured at its own size.
     scene.write_picture("in.exr", 0.5);
     scene.run(&["check", "a.json", "--explain", "--measure"]).code(0).says(&["Measured at 4 × 2 pixels"]);
     scene.run(&["check", "a.json", "--explain", "--output", "beaty"]).fails(2, &["did you mean beauty?"]);

@@ -1,4 +1,4 @@
-//! Which files a run writes, whatever their names lead to.
+//! Which files a run writes, wherever their names lead.
 
 use crate::scene::{SCENE, Scene};
 use std::fs;
@@ -19,7 +19,7 @@ fn outputs_of_a_shared_file_are_not_thrown_away_unasked() {
     let words = [
         "all.0001.exr: found the outputs beauty, w in it",
         "all.0003.exr: found the outputs beauty, w in it",
-        "remedy: make all of them: --output z --output beauty --output w; or give another name, such as --out 'z.####.exr'",
+        "remedy: render all of them: --output z --output beauty --output w; or give another name, such as --out 'z.####.exr'",
         "--overwrite",
     ];
     scene.run(&z).fails(2, &words);
@@ -27,7 +27,7 @@ fn outputs_of_a_shared_file_are_not_thrown_away_unasked() {
     let refused = scene.run(&[&z[..], &["--frames", "9,2"]].concat()).code(2);
     assert_eq!(refused.err.matches("error: ").count(), 1, "frame 9 is not there yet: {}", refused.err);
     assert_eq!(fs::read(scene.path("all.0002.exr")).unwrap(), whole);
-    // By another name of the file, and beside whatever else is wrong.
+    // By another name of the file, and together with other faults.
     let named = [&z[..], &["--out", "../{output}/all.####.exr"]].concat();
     let folder = scene.path("").canonicalize().unwrap().file_name().unwrap().to_str().unwrap().to_owned();
     let named: Vec<String> = named.iter().map(|part| part.replace("{output}", &folder)).collect();
@@ -35,11 +35,11 @@ fn outputs_of_a_shared_file_are_not_thrown_away_unasked() {
     scene.run(&named).fails(2, &["found the outputs beauty, w in it", "give --out another name"]);
     fs::write(scene.path("r.json"), "theirs").unwrap();
     scene.run(&[&z[..], &["--report", "r.json"]].concat()).fails(2, &["r.json", "beauty, w in it"]);
-    // What the remedies say.
+    // The commands that the remedies suggest.
     scene.run(&["render", "a.json", "--output", "z", "--output", "beauty", "--output", "w"]).code(0);
     scene.run(&[&z[..], &["--out", "z.####.exr"]].concat()).code(0);
     scene.run(&[&z[..], &["--overwrite"]].concat()).code(0);
-    // Of a file that holds nothing else there is nothing to lose.
+    // A file that contains nothing else has nothing to lose.
     scene.run(&z).code(0);
     scene.run(&[&z[..], &["--resume"]].concat()).code(0).says(&["up to date"]);
     scene.run(&["render", "a.json", "--output", "z", "--output", "w"]).code(0);
@@ -52,11 +52,11 @@ fn endings_are_looked_at_before_anything_is_done() {
     scene.run(&["render", "a.json"]).code(0);
     let before = fs::read(scene.path("out/mask.0002.png")).unwrap();
     let refused = |command: &[&str], words: &[&str]| scene.run(command).fails(2, words);
-    refused(&["graph", "a.json", "-o", "g"], &["--out g: found no ending; expected .svg", "name it g.svg"]);
-    refused(&["graph", "a.json", "-o", "out/mask.0002.png"], &["found the ending .png; expected .svg"]);
-    refused(&["render", "a.json", "--report", "r.exr"], &["--report r.exr: found the ending .exr; expected .json"]);
+    refused(&["graph", "a.json", "-o", "g"], &["--out g: found no extension; expected .svg", "name it g.svg"]);
+    refused(&["graph", "a.json", "-o", "out/mask.0002.png"], &["found the extension .png; expected .svg"]);
+    refused(&["render", "a.json", "--report", "r.exr"], &["--report r.exr: found the extension .exr; expected .json"]);
     let plan = ["plan", "a.json", "--tolerance", "1/8", "-o"];
-    refused(&[&plan[..], &["dusk.png"]].concat(), &["found the ending .png; expected .json", "name it dusk.json"]);
+    refused(&[&plan[..], &["dusk.png"]].concat(), &["found the extension .png; expected .json", "name it dusk.json"]);
     assert_eq!(fs::read(scene.path("out/mask.0002.png")).unwrap(), before);
     #[cfg(unix)]
     scene.run(&["graph", "a.json", "-o", "/dev/null"]).code(0);
@@ -89,7 +89,7 @@ fn two_pictures_do_not_land_in_one_file_by_a_link() {
     let outputs = r#""outputs": { "a": { "color": "mix", "file": "a.####.png" }, "b": { "weights": "across", "file": "b.####.png" } } }"#;
     let scene = Scene::new(&format!("{}{outputs}", SCENE.split("\"outputs\"").next().unwrap()));
     let one = ["render", "a.json", "--frames", "1"];
-    // To what is there, and to what is still to be made.
+    // Links to an existing file, and to a file that does not exist yet.
     for there in [true, false] {
         if there {
             scene.run(&["render", "a.json", "--frames", "1", "--output", "a"]).code(0);
@@ -100,7 +100,7 @@ fn two_pictures_do_not_land_in_one_file_by_a_link() {
         fs::remove_file(scene.path("b.0001.png")).unwrap();
         let _ = fs::remove_file(scene.path("a.0001.png"));
     }
-    // Another frame of the same output, and what is written beside pictures.
+    // Another frame of the same output, and companions of pictures.
     symlink("a.0001.png", scene.path("a.0002.png")).unwrap();
     let both = ["render", "a.json", "--frames", "1-2", "--output", "a"];
     scene.run(&both).fails(2, &["a.0002.png: is the same file as ", "a.0001.png", "remove the link"]);
@@ -137,7 +137,7 @@ fn links_to_what_is_not_there_yet_are_followed() {
     assert!(scene.path("g.svg").is_symlink() && scene.path("store/new/g.svg").is_file());
     symlink("loop.svg", scene.path("loop.svg")).unwrap();
     scene.run(&["graph", "a.json", "-o", "loop.svg"]).fails(1, &["loop.svg", "a link that leads to itself"]);
-    // Where it leads is where the document must be allowed to write.
+    // The document must be allowed to write where the link leads.
     let elsewhere = Scene::new("");
     symlink(elsewhere.path("new/x.exr"), scene.path("out/beauty.0002.exr")).unwrap();
     let two = ["render", "a.json", "--frames", "2", "--output", "beauty"];
@@ -189,7 +189,7 @@ fn names_that_cannot_be_say_where_they_stand_and_what_to_do() {
     let one = ["render", "a.json", "--frames", "1"];
     Scene::new(SCENE).run(&[&one[..], &["--out", "{output}.tif"]].concat()).fails(
         2,
-        &["--out '{output}.tif': \"{output}.tif\" has an ending that cannot be written\n  remedy: let the name end with .exr"],
+        &["--out '{output}.tif': \"{output}.tif\" has an extension that cannot be written\n  remedy: let the name end with .exr"],
     );
     Scene::new(SCENE).run(&[&one[..], &["--out", "x.exr"]].concat()).fails(
         2,

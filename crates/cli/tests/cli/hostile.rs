@@ -1,6 +1,6 @@
-//! Files and documents that are out for harm: each is refused in words, or does what it should, in little memory.
+//! Malicious files and documents: each is refused with a message, or works as it should, in little memory.
 //!
-//! What each takes is the resident memory of the whole process, as the system counts it. `-- --nocapture` prints it beside the
+//! The memory is the resident memory of the whole process as the system counts it. `-- --nocapture` prints it with the
 //! time.
 
 use crate::memory::write_large;
@@ -10,17 +10,17 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// The most that any of them may take, bytes.
+/// Memory limit of any run, in bytes.
 const MOST: u64 = 300_000_000;
-/// The most that reading a small file may take, bytes.
+/// Memory limit for reading a small file, in bytes.
 const SMALL: u64 = 50_000_000;
-/// A run that waits for something that never comes is ended after so long.
+/// Time after which a run is killed, in case it waits for something that never comes.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// What a command did, held against the memory that it may take.
+/// Runs a command, and checks its peak memory against a limit.
 ///
-/// The system's mark of the most that was resident is looked at while it runs; what a parent is told at the end counts the
-/// parent's own memory too.
+/// The system's high-water mark is read while the command runs, because the figure that a parent process gets at the
+/// end includes the parent's own memory.
 #[track_caller]
 fn within(most: u64, command: &mut Command) -> Run {
     let folder = tempfile::tempdir().unwrap();
@@ -129,7 +129,7 @@ fn a_pipe_is_no_file_to_wait_for() {
     }
 }
 
-/// An EXR of so few bytes that claims a chunk of 800 MB.
+/// Returns a small EXR that claims to have a chunk of 800 MB.
 fn claiming(compression: u8) -> Vec<u8> {
     let mut bytes = [0x0131_2f76_u32.to_le_bytes(), 2_u32.to_le_bytes()].concat();
     let channels: Vec<u8> = ["B", "G", "R"]
@@ -153,7 +153,7 @@ fn claiming(compression: u8) -> Vec<u8> {
         bytes.extend([name.as_bytes(), &[0], kind.as_bytes(), &[0], &length, value].concat());
     }
     bytes.push(0);
-    // One chunk of all rows, by the method with the largest chunks.
+    // One chunk with all rows, as with the compression method that has the largest chunks.
     let at = bytes.len() as u64 + 8;
     bytes.extend(at.to_le_bytes());
     bytes.extend([0_i32.to_le_bytes(), 16_i32.to_le_bytes()].concat());

@@ -1,4 +1,4 @@
-//! Runs that are killed, and resumed.
+//! Runs that are killed and resumed.
 
 use crate::scene::Scene;
 use std::collections::BTreeMap;
@@ -6,11 +6,11 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Kills of an ordinary run of the tests; `TROCHOID_KILLS` asks for another number.
+/// Default number of kills; the environment variable `TROCHOID_KILLS` sets another.
 const KILLS: usize = 20;
 
-/// Several frames, EXR and PNG of each: pointwise, and with a stage that takes a while; and EXR alone, which is written while its
-/// rows are made.
+/// Documents of several frames: EXR and PNG of a pointwise graph, EXR and PNG of a graph with a slow stage, and EXR
+/// only, which is written while its rows are computed.
 const DOCUMENTS: [&str; 3] = [
     r##"{ "trochoid": 1, "format": { "width": 320, "height": 180 }, "frames": { "first": 1, "last": 4 },
       "nodes": { "across": { "type": "ScreenX" }, "noise": { "type": "Noise", "scale": 0.3 },
@@ -35,7 +35,7 @@ const DOCUMENTS: [&str; 3] = [
                    "mask": { "weights": "mask", "file": "out/deep/mask.####.exr" } } }"##,
 ];
 
-/// Every file in a folder and below, hidden ones too.
+/// Returns every file under a folder with its contents, including hidden files.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut open = vec![folder.to_path_buf()];
@@ -56,7 +56,7 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn what_is_resumed_after_a_kill_is_the_whole_run_and_leaves_no_litter() {
     let kills = std::env::var("TROCHOID_KILLS").map_or(KILLS, |kills| kills.parse().expect("a number of kills"));
     let (mut killed, mut left) = (0, 0);
-    // A fixed sequence: multiples of the golden ratio fall evenly.
+    // A fixed sequence: the fractions of multiples of the golden ratio are evenly distributed.
     let moment = |kill: usize| (kill as f64 * 0.618_033_988_75).fract();
     for (number, document) in DOCUMENTS.iter().enumerate() {
         let scene = Scene::new(document);
@@ -65,12 +65,12 @@ fn what_is_resumed_after_a_kill_is_the_whole_run_and_leaves_no_litter() {
         scene.run(&["render", "a.json", "--threads", "1"]).code(0);
         let takes = started.elapsed();
         let whole = contents(&out);
-        // Shares that add up.
+        // Shares of the documents that add up to all kills.
         let share = kills * (number + 1) / DOCUMENTS.len() - kills * number / DOCUMENTS.len();
         let mut done = 0;
         while done < share {
             fs::remove_dir_all(&out).unwrap();
-            // Up to four kills before it may end, so that what is resumed was resumed itself.
+            // Up to four kills before a run may end, so that resumed runs are resumed, too.
             for _ in 0..(1 + done % 4).min(share - done) {
                 let mut child =
                     scene.command(&["render", "a.json", "--threads", "1", "--resume", "--quiet"]).spawn().unwrap();
@@ -89,6 +89,6 @@ fn what_is_resumed_after_a_kill_is_the_whole_run_and_leaves_no_litter() {
         }
     }
     println!("{kills} kills, {killed} of them before the end, {left} partial files left and cleared up");
-    // Machines differ in speed, but not so much that none is hit.
+    // Machines differ in speed, but not so much that every run ends before its kill.
     assert!(killed > 0);
 }

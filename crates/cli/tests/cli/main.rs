@@ -1,4 +1,4 @@
-//! The binary as a user meets it: exit codes, what goes to stdout and stderr, which files appear.
+//! The binary from a user's point of view: exit codes, stdout and stderr, and the files that appear.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 

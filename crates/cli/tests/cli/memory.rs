@@ -1,4 +1,4 @@
-//! How much a run may take, and what becomes of it where that does not suffice.
+//! Memory limits of runs, and runs that would exceed them.
 
 use crate::scene::{Run, Scene};
 use std::fs::File;
@@ -6,10 +6,10 @@ use std::io::Write;
 use std::path::Path;
 use std::process::Command;
 
-/// Pixels along a side of a picture that is small as a file alone.
+/// Width and height of a picture that is small only as a file.
 const SIDE: u32 = 16_000;
 
-/// A black picture of one bit a pixel.
+/// Writes a black picture with one bit per pixel.
 pub(crate) fn write_large(path: &Path) {
     let mut encoder = png::Encoder::new(File::create(path).unwrap(), SIDE, SIDE);
     encoder.set_color(png::ColorType::Grayscale);
@@ -22,7 +22,7 @@ pub(crate) fn write_large(path: &Path) {
     rows.finish().unwrap();
 }
 
-/// Twelve nodes that read the picture, averaged.
+/// Returns a document with the average of twelve nodes that read the picture.
 fn twelve(node: &str, side: u32) -> String {
     let nodes: Vec<String> = (0..12).map(|index| format!(r#""n{index}": {{ {node} }},"#)).collect();
     let names: Vec<String> = (0..12).map(|index| format!(r#""n{index}""#)).collect();
@@ -38,7 +38,7 @@ fn twelve(node: &str, side: u32) -> String {
 
 #[test]
 fn what_many_large_files_take_together_is_refused_before_it_is_taken() {
-    // Each its own frame of a sequence, so that no two are one.
+    // Each node reads another name of the picture, so that no two are merged.
     let texture = r#""type": "Texture", "file": "large.png", "as": "color", "u": "x", "v": "x""#;
     let scene = Scene::new(&twelve(texture, 8));
     write_large(&scene.path("large.png"));
@@ -57,7 +57,7 @@ fn what_many_large_files_take_together_is_refused_before_it_is_taken() {
     }
     scene.run(&["render", "a.json", "--memory", "8GB"]).fails(1, &["36.9 GB", "8.0 GB"]);
     assert!(!scene.path("out.png").exists());
-    // A Read keeps what the document's samples fall on.
+    // A Read keeps only the pixels that the document's samples need.
     let read = r#""type": "Read", "file": "large.png", "as": "color", "fit": "nearest""#;
     write(twelve(read, 8));
     scene
@@ -75,7 +75,7 @@ fn sizes_need_a_unit() {
     scene.run(&["render", "a.json", "--memory", "64MB", "--quiet"]).code(0);
 }
 
-/// A picture that stays in memory whole, with a filter and strokes before it.
+/// A picture that stays in memory as a whole, with a filter.
 const WHOLE: &str = r##"{ "trochoid": 1, "format": { "width": 1500, "height": 1500 }, "nodes": {
     "noise": { "type": "Noise", "scale": 0.3 },
     "mask": { "type": "Clamp", "field": "noise", "min": -1, "max": 1 },

@@ -1,4 +1,4 @@
-//! What may be written over.
+//! Files that may be overwritten.
 
 use crate::scene::{READS, SCENE, Scene};
 use std::fs;
@@ -29,7 +29,7 @@ fn files_of_others_stay_and_our_own_are_replaced() {
         assert_eq!((scene.files(), fs::read(scene.path(name)).unwrap()), (before, b"theirs".to_vec()), "{command:?}");
         scene.run(&[command, &["--overwrite"]].concat()).code(0);
         assert_ne!(fs::read(scene.path(name)).unwrap(), b"theirs", "{command:?}");
-        // What was written now is known by its mark.
+        // The file that was written now is recognized by its mark.
         scene.run(command).code(0);
     }
 }
@@ -53,7 +53,7 @@ fn reports_know_their_files() {
 fn a_file_of_others_that_appears_meanwhile_stays() {
     let scene = Scene::new(SCENE);
     scene.run(&["render", "a.json", "--out", "x.{output}.##.png", "--output", "beauty"]).code(0);
-    // Documents are files of people, whatever they are named.
+    // Documents are files of users, whatever their names are.
     fs::copy(scene.path("a.json"), scene.path("b.json")).unwrap();
     scene.run(&["plan", "a.json", "--tolerance", "1/8", "-o", "b.json"]).fails(2, &["b.json", "--overwrite"]);
     scene.run(&["render", "a.json", "--report", "b.json"]).fails(2, &["b.json", "--overwrite"]);
@@ -74,7 +74,7 @@ fn no_input_is_overwritten_by_any_run() {
     let ramp = |frames: &str, out: &str| {
         scene.run(&["render", "a.json", "--output", "ramp", "--frames", frames, "--out", out, "--overwrite"])
     };
-    // Of another output, at another frame, that is not there yet; and the document.
+    // Inputs of another output, of another frame, that do not exist yet; and the document.
     for (frames, out) in [("1", "seq.0002.exr"), ("2", "seq.####.exr"), ("7", "seq.####.exr"), ("1", "seq.9999999.exr")]
     {
         ramp(frames, out).fails(2, &is_input);
@@ -110,7 +110,7 @@ fn what_set_hides_is_an_input_all_the_same() {
     let set = ["--set", "in.file=other.exr", "--overwrite"];
     scene.run(&[&["render", "a.json", "--out", "in.exr"], &set[..]].concat()).fails(2, &is_input);
     scene.run(&[&["render", "a.json", "--out", "other.exr"], &set[..]].concat()).fails(2, &is_input);
-    // What the document alone would do wrong, `check` tells.
+    // `check` reports the fault of the document itself.
     fs::write(scene.path("a.json"), READS.replace("\"out.exr\"", "\"./in.exr\"")).unwrap();
     scene.run(&["check", "a.json"]).fails(2, &is_input);
     scene.run(&["render", "a.json", "--overwrite"]).fails(2, &is_input);
@@ -145,7 +145,7 @@ fn frames_are_not_replaced_by_previews_and_maps_unasked() {
 #[test]
 fn a_name_that_is_too_long_fails_before_anything_is_rendered() {
     let scene = Scene::new(SCENE);
-    // Short at the first frame.
+    // The name is short enough at the first frame.
     let pattern = format!("{}{{output}}.#.exr", "n".repeat(243 - "beauty".len()));
     scene.run(&["render", "a.json", "--output", "beauty", "--frames", "1,99999", "--out", &pattern]).code(0);
     fs::remove_file(scene.path(&pattern.replace("{output}.#", "beauty.1"))).unwrap();

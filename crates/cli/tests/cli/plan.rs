@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::fs;
 use trochoid::io::{Limits, Selection, read};
 
-/// A sea whose mesh is too coarse for most, in colors that are mixed as displayed.
+/// A sea whose mesh is too coarse for most tolerances, in colors that are mixed as displayed.
 const SEA: &str = r##"{ "trochoid": 1,
   "format": { "width": 64, "height": 36 }, "working_space": "srgb", "frames": { "first": 1, "last": 2 },
   "nodes": { "camera": { "type": "Camera", "position": [0, 6, 30], "target": [0, 1, 0] },
@@ -69,7 +69,8 @@ fn a_pass_without_a_bound_is_named_with_its_reason() {
         .replace("\"weight\": \"fresnel\"", "\"weight\": \"net.mask\"");
     let scene = Scene::new(&lined);
     let words = [
-        "output \"beauty\": found no sample whose error is certain, since \"net\" (SurfaceLines) knows no bound: the slope",
+        "output \"beauty\": found no sample with a certified error, because \"net\" (SurfaceLines) has no error bound: the \
+         slope",
         "remedy: plan an output",
     ];
     scene.run(&["plan", "a.json", "--tolerance", "1/64"]).fails(3, &words);
@@ -82,7 +83,7 @@ fn what_no_method_meets_is_refused_by_the_pass_that_limits_it() {
     scene.run(&["plan", "a.json", "--tolerance", "1e-9"]).fails(3, &words);
     scene.run(&["render", "a.json", "--tolerance", "1e-9"]).fails(3, &words);
     scene.has_no_files();
-    // What the remedy says is met.
+    // The tolerance that the remedy names is met.
     let refusal = scene.run(&["plan", "a.json", "--tolerance", "1e-9"]).err;
     let reachable = refusal.split("ask for ").nth(1).unwrap().split(' ').next().unwrap();
     assert!(reachable.starts_with("1/") && !reachable.contains('e'), "{reachable}");
@@ -98,7 +99,7 @@ fn exact_and_reference_are_within_what_is_certified() {
     scene.run(&reference).code(0).says(&["frame 1: beauty → r.exr  hull, 0 exits"]);
     let [exact, reference] = ["e.exr", "r.exr"].map(|name| pixels(&scene, name));
     let certified = json(&scene, "c.json")["outputs"][0]["error"]["samples"]["max"].as_f64().unwrap();
-    // Edges are in doubt, and stored values are rounded to 11 bits.
+    // Edges are ambiguous, and stored values are rounded to 11 bits.
     let within = exact.iter().zip(&reference).filter(|(a, b)| (**a - **b).abs() <= certified as f32 + 5e-4).count();
     assert!(within * 100 > 97 * exact.len(), "{within} of {}", exact.len());
     assert_ne!(
@@ -138,10 +139,10 @@ fn a_plan_is_written_over_nothing_that_the_document_reads_and_only_where_it_can_
     let plan = |out: &str| scene.run(&["plan", "a.json", "--tolerance", "1/64", "-o", out]);
     for input in ["a.json", "in.exr", "./in.exr"] {
         let before = fs::read(scene.path(input)).unwrap();
-        plan(input).fails(2, &[input, "is an input of the document, and would be written over"]);
+        plan(input).fails(2, &[input, "is an input of the document and would be overwritten"]);
         assert_eq!(fs::read(scene.path(input)).unwrap(), before);
     }
-    plan("in.exr/p.json").fails(1, &["in.exr/p.json", "is no folder"]);
+    plan("in.exr/p.json").fails(1, &["in.exr/p.json", "is not a folder"]);
     plan(".").fails(1, &["is a folder; name a file"]);
     plan("plans/p.json").code(0);
     assert_eq!(scene.files(), ["in.exr", "plans/p.json"]);
@@ -186,7 +187,7 @@ fn what_a_plan_was_not_made_for_is_told() {
         words.iter().for_each(|word| assert!(run.err.contains(word), "no \"{word}\" in: {}", run.err));
     };
     warned(&["a.json", "--frames", "1"], &[]);
-    let other = "found a plan for another document, of the hash ";
+    let other = "found a plan for another document, with the hash ";
     warned(&["a.json", "--frames", "1", "--set", "mix.b=#ffe"], &[other]);
     warned(&["a.json", "--frames", "2"], &["found a plan made at frame 1; expected one for frame 2 as well"]);
     warned(&["a.json"], &["found a plan made at frame 1; expected one for 2 other frames from 2 to 3 as well"]);
@@ -195,7 +196,7 @@ fn what_a_plan_was_not_made_for_is_told() {
         fs::write(scene.path("b.json"), text).unwrap();
     };
     asks("1/512");
-    let tighter = "found a plan for the tolerance 1/64; expected 1/512, for which the document asks";
+    let tighter = "found a plan for the tolerance 1/64; expected 1/512, which the document requires";
     warned(&["b.json", "--frames", "1"], &[other, tighter]);
     asks("1/8");
     warned(&["b.json", "--frames", "1"], &[other]);

@@ -1,6 +1,6 @@
-//! What is refused, with which exit code and which words; and that nothing is written then.
+//! Refused commands: their exit codes and messages, and that they write nothing.
 //!
-//! All that is told is stored, `crates/cli/tests/told/GROUP/NAME.txt`, and stored anew with `TROCHOID_UPDATE=1`.
+//! The messages are stored in `crates/cli/tests/told/GROUP/NAME.txt`; `TROCHOID_UPDATE=1` stores them again.
 
 use crate::scene::{READS, SCENE, Scene};
 use crate::told::Told;
@@ -92,7 +92,7 @@ fn input_output_and_bad_data_are_code_1() {
 fn pictures_beyond_memory_are_refused_by_their_place() {
     let scene = Scene::new(&SCENE.replace("\"width\": 16, \"height\": 8", "\"width\": 40000, \"height\": 40000"));
     let mut told = Told::new("memory");
-    // How many threads share the frame must not depend on the machine.
+    // The number of threads must not depend on the machine.
     told.is("render", 1, &scene, &["render", "a.json", "--frames", "1", "--memory", "8GB", "--threads", "1"]);
     let checked = scene.run(&["check", "a.json", "--memory", "8GB"]);
     told.stands("check", 2, &checked, &scene);

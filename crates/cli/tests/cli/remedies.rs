@@ -1,16 +1,16 @@
-//! Remedies work as they are told.
+//! Remedies work as printed.
 
 use crate::scene::{READS, Run, SCENE, Scene};
 use std::fs;
 
-/// What follows the last remedy of a run.
+/// Returns the text of the last remedy of a run.
 #[track_caller]
 fn remedy(run: &Run) -> &str {
     let (_, remedy) = run.err.rsplit_once("  remedy: ").unwrap_or_else(|| panic!("no remedy in: {}", run.err));
     remedy.trim_end()
 }
 
-/// Runs the program with words as a shell takes them, in a folder of the scene.
+/// Runs the program with arguments in shell syntax, in a folder of the scene.
 fn in_shell(scene: &Scene, folder: &str, words: &str) -> Run {
     let program = env!("CARGO_BIN_EXE_trochoid");
     let mut shell = std::process::Command::new("sh");
@@ -68,14 +68,14 @@ fn one_remedy_allows_all_that_is_refused() {
     }
     assert!(scene.path("new $HOME/more.exr").exists());
     let strict = scene.run(&["render", "shot/a.json", "--strict"]).code(2);
-    let told = remedy(&strict).strip_prefix("--strict leaves the document its own folder alone: add ").unwrap();
-    let (options, without) = told.split_once("; or leave --strict out").unwrap();
+    let told = remedy(&strict).strip_prefix("--strict restricts the document to its own folder: add ").unwrap();
+    let (options, without) = told.split_once("; or omit --strict").unwrap();
     assert!(without.contains("current folder"), "{told}");
     in_shell(&scene, "", &format!("render shot/a.json --strict {options}")).code(0);
     scene.run(&["render", "shot/a.json"]).code(0);
-    // From elsewhere, that would not do.
+    // From another folder, that would not help.
     let strict = Run::of(scene.command(&["render", "a.json", "--strict"]).current_dir(scene.path("shot"))).code(2);
-    assert!(!remedy(&strict).contains("or leave"), "{}", strict.err);
+    assert!(!remedy(&strict).contains("or omit"), "{}", strict.err);
     let json = Run::of(scene.command(&["check", "a.json", "--json"]).current_dir(scene.path("shot"))).code(2).json();
     let faults = json["diagnostics"].as_array().unwrap();
     assert!(faults.len() == 3 && faults.iter().all(|fault| fault["remedy"] == faults[0]["remedy"]), "{json:#}");
@@ -96,8 +96,8 @@ fn a_late_frame_beside_a_file_that_is_allowed_is_refused_before_the_first() {
 fn check_says_what_strict_demands() {
     let scene = Scene::new(READS);
     let run = scene.run(&["check", "a.json", "--strict"]).code(2);
-    assert!(run.err.contains("found 1 warning; expected none: --strict makes warnings errors"), "{}", run.err);
-    assert_eq!(remedy(&run), "do what the warnings say, or leave --strict out");
+    assert!(run.err.contains("found 1 warning; expected none: --strict treats warnings as errors"), "{}", run.err);
+    assert_eq!(remedy(&run), "fix the warnings, or omit --strict");
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn a_sign_in_the_name_of_a_still_is_told_with_the_name_that_is_written() {
         "{}",
         run.err
     );
-    let option = remedy(&run).strip_prefix("if the name has a # of its own: ").unwrap();
+    let option = remedy(&run).strip_prefix("if the # is part of the name: ").unwrap();
     in_shell(&scene, "", &format!("render a.json --output beauty {option}")).code(0);
     assert!(scene.path("take #3.png").exists());
     for plain in ["a.####.png", "a.#.png", r"take \#3.png", "a.png"] {

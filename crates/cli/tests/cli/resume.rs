@@ -1,9 +1,9 @@
-//! What `--resume` makes of files that are damaged.
+//! `--resume` with damaged files.
 
 use crate::scene::{SCENE, Scene};
 use std::fs;
 
-/// The end of the first mark in a file's bytes.
+/// Returns the end of the first mark in the bytes of a file.
 fn mark(bytes: &[u8]) -> usize {
     let mark = b"trochoid:version";
     bytes.windows(mark.len()).position(|found| found == mark).unwrap() + 60
@@ -30,7 +30,7 @@ fn what_is_cut_off_or_has_something_behind_it_is_made_again() {
             fs::write(scene.path(name), &bytes).unwrap();
             render().code(0);
             assert!(fs::read(scene.path(name)).unwrap() == whole, "{name} of {} bytes", bytes.len());
-            // Ours it is without --resume too.
+            // The damaged file still counts as ours without --resume.
             fs::write(scene.path(name), &bytes).unwrap();
             let error: &[&str] = &["--error", "out/e.{output}.exr"];
             scene.run(&[&["render", "a.json", "--frames", "1"], error].concat()).code(0);

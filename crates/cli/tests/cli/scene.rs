@@ -1,4 +1,4 @@
-//! A folder with a document in it, and commands run there.
+//! A folder with a document, and commands that run in it.
 
 use serde_json::Value;
 use std::fs;
@@ -8,19 +8,19 @@ use tempfile::TempDir;
 use trochoid::io::{ExrChannel, ExrImage, Samples, write_exr};
 use trochoid::{Plane, Window};
 
-/// A folder with the document `a.json`.
+/// Temporary folder with the document `a.json`.
 pub(crate) struct Scene {
     folder: TempDir,
 }
 
-/// What a command did.
+/// Result of a command.
 pub(crate) struct Run {
     pub(crate) code: i32,
     pub(crate) out: String,
     pub(crate) err: String,
 }
 
-/// Three frames of a color and of a mask.
+/// A document with three frames of a color and of a mask.
 pub(crate) const SCENE: &str = r##"{ "trochoid": 1,
   "format": { "width": 16, "height": 8 }, "frames": { "first": 1, "last": 3 },
   "nodes": { "across": { "type": "ScreenX" },
@@ -28,12 +28,12 @@ pub(crate) const SCENE: &str = r##"{ "trochoid": 1,
   "outputs": { "beauty": { "color": "mix", "file": "out/beauty.####.exr", "require": { "guarantee": "hull" } },
                "mask": { "weights": "across", "file": "out/mask.####.png" } } }"##;
 
-/// A scene that reads `in.exr`.
+/// A document that reads `in.exr`.
 pub(crate) const READS: &str = r##"{ "trochoid": 1, "format": { "width": 4, "height": 2 },
   "nodes": { "in": { "type": "Read", "file": "in.exr", "as": "color" } },
   "outputs": { "beauty": { "color": "in", "file": "out.exr" } } }"##;
 
-/// [`SCENE`] with a node that nothing needs.
+/// Returns [`SCENE`] with an unused node.
 pub(crate) fn with_unused() -> String {
     SCENE.replace("\"across\": {", "\"lost\": { \"type\": \"ScreenY\" }, \"across\": {")
 }
@@ -62,7 +62,7 @@ impl Scene {
         Run::of(&mut self.command(arguments))
     }
 
-    /// Every file below the folder but the document, sorted.
+    /// Returns all files under the folder except for the document, sorted.
     pub(crate) fn files(&self) -> Vec<String> {
         fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
             for entry in fs::read_dir(folder).unwrap() {
@@ -83,7 +83,7 @@ impl Scene {
         assert_eq!(self.files(), [""; 0]);
     }
 
-    /// A picture of 4 × 2 pixels of one gray.
+    /// Writes a picture of 4 × 2 pixels of a single gray.
     pub(crate) fn write_picture(&self, name: &str, value: f32) {
         let plane = Plane::filled(Window::sized(4, 2), value);
         let channels = ["R", "G", "B"].map(|name| ExrChannel::float(name, Samples::plane(&plane))).into();
@@ -105,7 +105,7 @@ impl Run {
         self
     }
 
-    /// It failed with this code and these words on stderr, and with nothing on stdout.
+    /// Asserts that the command failed with this code, these words on stderr, and nothing on stdout.
     #[track_caller]
     pub(crate) fn fails(self, code: i32, words: &[&str]) {
         let run = self.code(code);
@@ -115,7 +115,7 @@ impl Run {
         }
     }
 
-    /// Its stdout has all of these words.
+    /// Asserts that stdout contains all of these words.
     #[track_caller]
     pub(crate) fn says(self, words: &[&str]) -> Self {
         for word in words {

@@ -28,9 +28,9 @@ fn the_default_sea_is_stable_and_drawn() {
     assert_eq!((sea["node"].as_str(), sea["verdict"].as_str()), (Some("sea"), Some("stable")));
     let figures = sea["figures"].as_array().unwrap();
     assert!(figures.len() > 8 && figures.iter().all(|figure| figure["holds"] != false), "{json:#}");
-    // What has no coefficients has no map.
+    // A sea without coefficients has no map.
     let none = arguments(&["-o", "a.png", "--set", "sea.mode=physical"]);
-    scene.run(&none).fails(2, &["found 0 nodes with a map; expected one", "leave --out away"]);
+    scene.run(&none).fails(2, &["found 0 nodes with a map; expected one", "omit --out"]);
 }
 
 #[test]
@@ -65,6 +65,6 @@ fn graphs_are_looked_at_node_by_node() {
     assert!(run.err.contains("warning: --out maps: found no node with a map"), "{}", run.err);
     seas.has_no_files();
     for name in ["m.jpg", "map.PNGs"] {
-        seas.run(&["stability", "a.json", "-o", name]).fails(2, &[name, "found the ending .", "expected .png"]);
+        seas.run(&["stability", "a.json", "-o", name]).fails(2, &[name, "found the extension .", "expected .png"]);
     }
 }

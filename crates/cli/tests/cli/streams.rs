@@ -80,7 +80,7 @@ fn an_interrupt_stops_with_code_130_and_leaves_whole_files_alone() {
     assert!(!report["frames"].as_array().unwrap().is_empty());
 }
 
-/// A sea that takes far longer to compute than anyone waits for an interruption.
+/// A sea that takes much longer to compute than the process waits after an interrupt.
 #[cfg(unix)]
 const HEAVY: &str = r##"{ "trochoid": 1, "format": { "width": 3840, "height": 2160 },
   "nodes": { "camera": { "type": "Camera", "position": [0, 40, 0.1], "target": [0, 0, 0] },
@@ -92,7 +92,7 @@ const HEAVY: &str = r##"{ "trochoid": 1, "format": { "width": 3840, "height": 21
 #[cfg(unix)]
 #[test]
 fn an_interrupt_within_a_file_leaves_nothing_of_it() {
-    // Who asks once waits for the work to stop or for the end of patience; who asks twice waits for nothing.
+    // After one signal the process waits for work to stop, up to a limit; after two it does not wait.
     for interrupts in [1, 2] {
         let scene = Scene::new(HEAVY);
         let arguments = ["render", "a.json", "--out", "h.####.exr"];
@@ -103,7 +103,7 @@ fn an_interrupt_within_a_file_leaves_nothing_of_it() {
             std::thread::sleep(Duration::from_millis(10));
         }
         for _ in 0..interrupts {
-            // The second may find nobody left.
+            // The second signal may find that the process has ended.
             Command::new("kill").args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
         }
         let output = child.wait_with_output().unwrap();

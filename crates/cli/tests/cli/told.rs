@@ -1,10 +1,10 @@
-//! All that commands tell, held against what is stored.
+//! Messages of commands, compared with stored ones.
 
 use crate::scene::{Run, Scene};
 use crate::stored;
 use std::path::{Path, PathBuf};
 
-/// What the commands of one test tell: a folder with a text for each.
+/// Stored messages of the commands of one test: a folder with one text per command.
 pub(crate) struct Told {
     folder: PathBuf,
     faults: Vec<String>,
@@ -15,7 +15,7 @@ impl Told {
         Self { folder: Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/told").join(group), faults: Vec::new() }
     }
 
-    /// A command ends with this code, nothing on stdout, and all on stderr that is stored.
+    /// Checks that a command ends with this code, prints nothing on stdout, and prints the stored text on stderr.
     pub(crate) fn is(&mut self, name: &str, code: i32, scene: &Scene, arguments: &[&str]) {
         let run = scene.run(arguments);
         if !run.out.is_empty() {
@@ -25,7 +25,7 @@ impl Told {
         self.stands(name, code, &run, scene);
     }
 
-    /// A run ended with this code and all on stderr that is stored, whatever went to stdout.
+    /// Checks that a run ended with this code and the stored text on stderr, whatever it printed on stdout.
     pub(crate) fn stands(&mut self, name: &str, code: i32, run: &Run, scene: &Scene) {
         if run.code != code || run.err.contains("panicked") {
             self.faults.push(format!("{name}: found the code {}; expected {code}: {}", run.code, run.err));
@@ -35,7 +35,7 @@ impl Told {
         self.faults.extend(stored::holds_said(&path, &run.err, &scene.path("")).err());
     }
 
-    /// No command told other than before.
+    /// Asserts that all messages are the stored ones.
     #[track_caller]
     pub(crate) fn ends(self) {
         assert!(self.faults.is_empty(), "{}", self.faults.join("\n"));

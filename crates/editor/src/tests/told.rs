@@ -93,7 +93,7 @@ fn what_evaluation_alone_shows_is_counted_and_marked_and_names_the_documents_siz
     finished(&mut window);
     window.run_steps(3);
     let failed = editor(&window).state().seen.failed.clone().unwrap();
-    assert!(failed.contains("20 × 10 pixels, the document 48 × 27"), "{failed}");
+    assert!(failed.contains("20 × 10 pixels, expected 48 × 27"), "{failed}");
     window.get_by_label("Error in down");
     window.get_by_label("Error above dusk");
     window.get_by_label("1 error").click();

@@ -154,7 +154,7 @@ impl<'b> Buffers<'b> {
     }
 }
 
-/// Which samples a buffer of a kind may hold, and that in words.
+/// Returns a test of the samples that a buffer of a kind may hold, and its description.
 fn rule(kind: Kind) -> (fn(&f32) -> bool, &'static str) {
     match kind {
         Kind::Color => (|v| v.is_finite() && *v >= 0.0, "finite numbers ≥ 0"),

@@ -12,7 +12,7 @@ use trochoid_image::{Format, Window};
 /// # Edge cases
 /// # Source
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(image: Kind::Color = ""))]
+#[node(stage, end = Back, revision = 1, output(image: Kind::Color = ""))]
 pub(super) struct Smear {
     /// Color to blend.
     image: One<port::Color>,
@@ -24,7 +24,7 @@ pub(super) struct Smear {
 /// # Edge cases
 /// # Source
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(image: Kind::Color = ""))]
+#[node(stage, end = Back, revision = 1, output(image: Kind::Color = ""))]
 struct Sharpen {
     /// Color to sharpen.
     image: One<port::Color>,
@@ -32,11 +32,7 @@ struct Sharpen {
 
 macro_rules! filter {
     ($ty:ident, $lobe:literal) => {
-        impl Node for $ty {
-            fn body(&self) -> Body<'_> {
-                Body::Stage(self)
-            }
-        }
+        impl Node for $ty {}
 
         impl Stage for $ty {
             fn regions_of_interest(&self, _port: PortId, window: Window, _format: Format) -> Window {

@@ -8,7 +8,7 @@ use trochoid_graph::*;
 /// # Edge cases
 /// # Source
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(field: Kind::Field(1) = ""))]
+#[node(stage, end = Front, revision = 1, output(field: Kind::Field(1) = ""))]
 pub(super) struct Slope;
 
 /// Clamps a field to [0, 1].
@@ -17,7 +17,7 @@ pub(super) struct Slope;
 /// # Edge cases
 /// # Source
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(mask: Kind::MASK = ""))]
+#[node(pointwise, end = Back, revision = 1, output(mask: Kind::MASK = ""))]
 pub(super) struct Gate {
     /// Field to clamp.
     field: One<port::Scalar>,
@@ -29,7 +29,7 @@ pub(super) struct Gate {
 /// # Edge cases
 /// # Source
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(color: Kind::Color = ""))]
+#[node(pointwise, end = Back, revision = 1, output(color: Kind::Color = ""))]
 pub(super) struct Mix {
     /// Color where the weight is 0.
     a: One<port::Color>,
@@ -45,7 +45,7 @@ pub(super) struct Mix {
 /// # Edge cases
 /// # Source
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(color: Kind::Color = ""))]
+#[node(pointwise, end = Back, revision = 1, output(color: Kind::Color = ""))]
 pub(super) struct Thirds {
     /// Three colors to blend.
     #[port(3..=3)]
@@ -63,11 +63,7 @@ pub(super) fn registry() -> Registry {
     Registry::new(&TYPES)
 }
 
-impl Node for Slope {
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
-    }
-}
+impl Node for Slope {}
 
 impl Stage for Slope {
     fn variance(&self, _output: usize) -> Variance {
@@ -94,17 +90,9 @@ impl Prepared for Sloping {
     }
 }
 
-macro_rules! pointwise {
-    ($($ty:ident)*) => {$(
-        impl Node for $ty {
-            fn body(&self) -> Body<'_> {
-                Body::Pointwise(self)
-            }
-        }
-    )*};
-}
-
-pointwise! { Gate Mix Thirds }
+impl Node for Gate {}
+impl Node for Mix {}
+impl Node for Thirds {}
 
 impl Pointwise for Gate {
     fn lower(&self, lowering: &mut Lowering<'_>) -> Value {

@@ -76,6 +76,8 @@ pub enum Expected {
     Width,
     /// Values of equal numbers of components, or a single number combined with others.
     EqualWidths,
+    /// Values of equal numbers of components.
+    SameWidths,
 }
 
 /// What to do about a fault.
@@ -107,10 +109,10 @@ impl Display for Found {
             Self::TooDeep => write!(f, "more than {MAX_DEPTH} levels"),
             Self::Letters(letters, of) => write!(f, "\".{letters}\" of {}", Components(*of)),
             Self::Number(text) => write!(f, "'{text}'"),
-            Self::Unconnected(input) => write!(f, "input {input}, to which nothing is connected"),
+            Self::Unconnected(input) => write!(f, "the unconnected input {input}"),
             Self::Name(name) => write!(f, "\"{name}\""),
             Self::Width(width) => Components(*width).fmt(f),
-            Self::Widths(a, b) => write!(f, "{} beside {}", Components(*a), Components(*b)),
+            Self::Widths(a, b) => write!(f, "{} combined with {}", Components(*a), Components(*b)),
             Self::Arguments(count, function) => write!(f, "{count} arguments of {function}"),
         }
     }
@@ -133,7 +135,8 @@ impl Display for Expected {
             Self::FunctionName => write!(f, "a function: {}, dot or length", Function::names().join(", ")),
             Self::Arguments(count) => write!(f, "{count}"),
             Self::Width => write!(f, "at most {MAX_WIDTH} components"),
-            Self::EqualWidths => f.write_str("equally many, or a single number"),
+            Self::SameWidths => f.write_str("the same number of components"),
+            Self::EqualWidths => f.write_str("the same number of components, or a single number"),
         }
     }
 }

@@ -69,7 +69,7 @@ impl Parser {
                     (Some(a), Some(b)) if a.width == b.width => {
                         Ok(Expression { tree: Tree::Dot(Box::new(a), Box::new(b)), width: 1 })
                     }
-                    (Some(a), Some(b)) => Err(unlike(at, a.width, b.width)),
+                    (Some(a), Some(b)) => Err(fault_at(at, Found::Widths(a.width, b.width), Expected::SameWidths)),
                     _ => unreachable!("two arguments were counted"),
                 }
             }

@@ -35,6 +35,9 @@ impl NoiseKind {
     }
 
     /// Returns the measured mean on lattices with this number of axes.
+    ///
+    /// # Panics
+    /// If there are fewer than 2 axes or more than 4.
     pub fn mean(self, axes: usize) -> f64 {
         let by_axes = match self {
             Self::Fbm => [0.0; 3],

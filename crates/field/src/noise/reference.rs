@@ -4,6 +4,9 @@ use super::{AMPLITUDE, Noise, NoiseKind, Octave, extend, feature, gradient};
 
 impl Noise {
     /// Returns the noise at a point of two or three coordinates, for a footprint in the unit of the coordinates.
+    ///
+    /// # Panics
+    /// If the point has fewer than two coordinates or more than three.
     pub fn reference(&self, point: &[f64], footprint: f64) -> f64 {
         let axes = point.len() + usize::from(self.evolution.is_some());
         let mean = self.kind.mean(axes);

@@ -7,6 +7,9 @@ use trochoid_graph::Span;
 impl Noise {
     /// Returns the span of the noise at a point of two or three coordinates, over spans of the coordinates and the
     /// footprint.
+    ///
+    /// # Panics
+    /// If the point has fewer than two coordinates or more than three.
     pub fn span(&self, point: &[Span], footprint: Span) -> Span {
         let axes = point.len() + usize::from(self.evolution.is_some());
         let mean = self.kind.mean(axes);

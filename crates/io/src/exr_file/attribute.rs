@@ -1,10 +1,10 @@
-//! Attribute values: little-endian fields, and their text for people.
+//! Attribute values: little-endian fields, and their readable text.
 
 use trochoid_image::{Chromaticities, Window};
 
 use crate::{Compression, Levels};
 
-/// Takes little-endian fields off the front of an attribute's bytes; `None` where they end.
+/// Reader of little-endian fields from an attribute's bytes; returns `None` at the end.
 pub(super) struct Fields<'a>(pub(super) &'a [u8]);
 
 impl<'a> Fields<'a> {
@@ -34,7 +34,7 @@ impl<'a> Fields<'a> {
         self.take().map(f64::from_le_bytes)
     }
 
-    /// Bytes up to a zero, which is taken too.
+    /// Takes the bytes up to a zero, and the zero.
     pub(super) fn name(&mut self) -> Option<&'a [u8]> {
         let end = self.0.iter().position(|&byte| byte == 0)?;
         let name = &self.0[..end];
@@ -51,7 +51,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// A `box2i`, whose corners are inclusive, as a half-open window.
+/// Converts a `box2i`, whose corners are inclusive, to a half-open window.
 pub(super) fn window(bytes: &[u8]) -> Option<Window> {
     let [x0, y0, x1, y1] = Fields(bytes).array(Fields::i32)?.map(i64::from);
     Some(Window::new(x0, y0, x1 + 1, y1 + 1))
@@ -62,7 +62,7 @@ pub(super) fn chromaticities(bytes: &[u8]) -> Option<Chromaticities> {
     Some(Chromaticities { red: [rx, ry], green: [gx, gy], blue: [bx, by], white: [wx, wy] })
 }
 
-/// Width, height and levels of a `tiledesc`, and whether levels round up.
+/// Returns width, height and levels of a `tiledesc`, and whether the sizes of levels are rounded up.
 pub(super) fn tiles(bytes: &[u8]) -> Option<(u32, u32, Levels, bool)> {
     let mut fields = Fields(bytes);
     let (width, height, mode) = (fields.u32()?, fields.u32()?, fields.u8()?);
@@ -79,7 +79,7 @@ pub(super) fn tiles(bytes: &[u8]) -> Option<(u32, u32, Levels, bool)> {
     }
 }
 
-/// The value as text; types without one are named with their size.
+/// Returns a value as text; for types without one, the name of the type and the size.
 pub(super) fn text(kind: &str, bytes: &[u8]) -> String {
     known(kind, bytes).unwrap_or_else(|| format!("({kind}, {} bytes)", bytes.len()))
 }
@@ -124,7 +124,7 @@ fn known(kind: &str, bytes: &[u8]) -> Option<String> {
         }
         _ => return None,
     };
-    // Bytes left over: not the type it says.
+    // Bytes are left over, so the value does not have the stated type.
     fields.0.is_empty().then_some(text)
 }
 
@@ -147,7 +147,7 @@ fn string_vector(mut bytes: &[u8]) -> Option<String> {
     Some(strings.join(", "))
 }
 
-/// SMPTE time code: binary-coded decimals.
+/// Formats an SMPTE time code, which consists of binary-coded decimals.
 fn time_code(bits: u32) -> String {
     let decimal = |shift: u32, tens_mask: u32| ((bits >> (shift + 4)) & tens_mask) * 10 + ((bits >> shift) & 0xf);
     format!("{:02}:{:02}:{:02}:{:02}", decimal(24, 3), decimal(16, 7), decimal(8, 7), decimal(0, 3))

@@ -1,4 +1,4 @@
-//! A decoded band: samples as stored, turned into f32 where they are wanted.
+//! Decoded bands, whose samples are kept as stored and converted to f32 on request.
 
 use half::f16;
 use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
@@ -9,56 +9,57 @@ use super::codec::Target;
 use super::zip::Inflater;
 use crate::SampleType;
 
-/// The wanted channels of one band of a file, in memory that is used again for the next band.
+/// Reusable buffer with the selected channels of one band of a file.
 ///
-/// [`ExrReader::decode`](crate::ExrReader::decode) fills it; each thread has its own. Samples stay as they are stored, half
-/// as half, and become f32 where rows are asked for.
+/// [`ExrReader::decode`](crate::ExrReader::decode) fills it; each thread has its own. Samples are kept as stored, for
+/// example as half, and are converted to f32 when rows are requested.
 #[derive(Default)]
 pub struct BandBuffer {
     pub(super) window: Window,
-    /// The channels wanted, in the order of the selection.
+    /// Selected channels, in the order of the selection.
     pub(super) channels: Vec<Stored>,
-    /// Channel after channel, row after row; 32-bit samples as two words, the low one first.
+    /// Samples by channel, then by row; 32-bit samples as two words, low word first.
     pub(super) words: Vec<u16>,
     pub(super) packed: Part,
     pub(super) inflater: Inflater,
 }
 
-/// Where a band has the samples of a channel.
+/// Place of a channel's samples in a band.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stored {
     pub(super) sample_type: SampleType,
-    /// Words of the channels before, of one pixel.
+    /// Words per pixel of all channels before this one.
     pub(super) before: usize,
 }
 
 impl BandBuffer {
-    /// An empty buffer.
+    /// Creates an empty buffer.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Pixels of the band that was decoded last: whole rows of the data window; empty if there is none.
+    /// Returns the window of the band that was decoded last: whole rows of the data window; empty if there is none.
     pub fn window(&self) -> Window {
         self.window
     }
 
-    /// Exchanges the decoded samples with those of another buffer. What decoding needs besides stays, so that one buffer can
-    /// decode many bands that are kept.
+    /// Swaps the decoded samples with those of another buffer. The scratch memory for decoding stays, so that one
+    /// buffer can decode many bands that are kept elsewhere.
     pub fn exchange(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.window, &mut other.window);
         std::mem::swap(&mut self.channels, &mut other.channels);
         std::mem::swap(&mut self.words, &mut other.words);
     }
 
-    /// Memory held, bytes.
+    /// Returns the memory held, in bytes.
     pub fn bytes(&self) -> usize {
         size_of::<u16>() * self.words.capacity() + self.packed.bytes()
     }
 
-    /// Samples of row `y` from column `x0` on, as many as `out` holds.
+    /// Copies samples of row `y` from column `x0` on, as many as fit in `out`.
     ///
-    /// `channel` counts the channels of [`ExrReader::info`](crate::ExrReader::info); `x0` and `y` are pixels of the picture.
+    /// `channel` is an index into the channels of [`ExrReader::info`](crate::ExrReader::info); `x0` and `y` are pixel
+    /// coordinates of the picture.
     ///
     /// # Panics
     /// The band has no such channel or pixels.
@@ -74,17 +75,17 @@ impl BandBuffer {
         match sample_type {
             SampleType::Float => out.iter_mut().zip(pairs).for_each(|(out, bits)| *out = f32::from_bits(bits)),
             SampleType::Uint => out.iter_mut().zip(pairs).for_each(|(out, bits)| *out = bits as f32),
-            // EXR has no others.
+            // EXR has no other types.
             SampleType::Half | SampleType::U16 | SampleType::U8 => {
                 samples.reinterpret_cast::<f16>().convert_to_f32_slice(out);
             }
         }
     }
 
-    /// All samples of `window`, row by row.
+    /// Copies all samples of `window`, row by row.
     ///
     /// # Panics
-    /// The band has no such channel or pixels, or `out` is not as large as the window.
+    /// The band has no such channel or pixels, or `out` has another size than the window.
     pub fn copy_rows(&self, channel: usize, window: Window, out: &mut [f32]) {
         assert!(out.len() == window.area(), "{} samples for the window {window}", out.len());
         if window.is_empty() {
@@ -102,13 +103,14 @@ impl std::fmt::Debug for BandBuffer {
     }
 }
 
-/// A chunk's place within the words of its band.
+/// Place of a chunk in the words of its band.
 pub(super) struct ChunkTarget<'a> {
     pub(super) words: &'a mut [u16],
-    /// For each channel of the file, words of the wanted ones before it, of one pixel; none where it is not wanted.
+    /// For each channel of the file, the words per pixel of the selected channels before it; `None` if it is not
+    /// selected.
     pub(super) places: &'a [Option<usize>],
     pub(super) band: Window,
-    /// Pixels of the chunk, counted like the band's.
+    /// Window of the chunk, in the same coordinates as the band.
     pub(super) chunk: Window,
 }
 

@@ -1,4 +1,4 @@
-//! Finding and reading compressed chunks.
+//! Locating and reading of compressed chunks.
 
 use std::io::{BufRead, Seek};
 use std::ops::Range;
@@ -14,13 +14,14 @@ use crate::Error;
 use crate::limits::grow;
 use crate::source::{ReadAt, Source};
 
-/// Least bytes that are read at once: chunks of single rows are small, and each request costs as much as many bytes.
+/// Minimum number of bytes that are read at once: chunks of single rows are small, and each request costs as much as
+/// many bytes.
 const AHEAD: usize = 64 << 10;
 
-/// Part of a file in memory, used again for the next part.
+/// Reusable buffer with a section of a file.
 #[derive(Default)]
 pub(super) struct Part {
-    /// The [`Chunks`] it belongs to; 0 if none.
+    /// Identifier of the [`Chunks`] that it belongs to; 0 if none.
     file: u64,
     position: u64,
     length: usize,
@@ -28,35 +29,37 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Memory held, bytes.
+    /// Returns the memory held, in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.bytes.capacity()
     }
 }
 
-/// The chunks of one part's full resolution, and where they stand in the file.
+/// Chunks of a part at full resolution, and their positions in the file.
 pub(super) struct Chunks {
-    /// For messages.
+    /// Path of the file, for messages.
     pub(super) path: PathBuf,
-    /// The part, for messages.
+    /// Description of the part, for messages.
     pub(super) place: String,
     pub(super) layout: Layout,
     part: usize,
     multi_part: bool,
-    /// Row by row of chunks.
+    /// Offsets of the chunks, in row order.
     offsets: Vec<u64>,
-    /// Where the last table ends and chunks begin.
+    /// End of the last table of offsets, where chunks begin.
     first: u64,
-    /// Bytes of the file.
+    /// Length of the file in bytes.
     pub(super) length: u64,
-    /// Not shared with any other.
+    /// Unique identifier.
     id: u64,
 }
 
-/// Whether a file of one part of scanlines has all its chunks, one after another in order, and ends with the last.
+/// Checks that a file with one part of scanlines has all its chunks, one after another in order, and ends with the
+/// last.
 ///
 /// # Errors
-/// Something is missing, stands elsewhere, or comes behind; or it is a file of another kind, which this crate does not write.
+/// A chunk is missing or out of place, or bytes follow the last; or the file is of a kind that this crate does not
+/// write.
 pub(crate) fn check_whole<R: BufRead + Seek>(source: &mut Source<R>) -> Result<(), Error> {
     let header = Header::read(source)?;
     let chunks = Chunks::find(source, &header, 0)?;
@@ -96,7 +99,7 @@ pub(crate) fn check_whole<R: BufRead + Seek>(source: &mut Source<R>) -> Result<(
     Ok(())
 }
 
-/// One chunk of a part, at full resolution.
+/// Place of a chunk in a part, at full resolution.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Position {
     pub(super) column: usize,
@@ -112,7 +115,7 @@ impl Chunks {
             let expected = format!("{} for its window and tiles", layout.chunks);
             return Err(Error::invalid(&source.path, place, format!("a chunk count of {stated}"), expected));
         }
-        // Tables follow each other, one for each part; parts of unknown kind can only be skipped by their own count.
+        // The tables of all parts follow each other; parts of unknown kind can only be skipped by their stated count.
         let counts: Vec<u64> =
             header.details.iter().map(|detail| detail.stated_chunks.unwrap_or(detail.layout.chunks)).collect();
         let bytes = |counts: &[u64]| counts.iter().fold(0_u64, |sum, &n| sum.saturating_add(n.saturating_mul(8)));
@@ -123,7 +126,7 @@ impl Chunks {
             return Err(Error::invalid(&source.path, place, format!("{} bytes in all", source.length), expected));
         }
         source.seek(header.tables + before)?;
-        // The full resolution comes first, whatever other levels there are.
+        // The full resolution comes before all other levels.
         let wanted = (layout.columns() * layout.bands()) as u64;
         let table = source.bytes(wanted * 8, &format!("{place}, chunk offsets"))?;
         let offsets = table.as_chunks::<8>().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect();
@@ -133,7 +136,7 @@ impl Chunks {
         Ok(Self { path, place, layout, part, multi_part, offsets, first, length, id })
     }
 
-    /// The chunk for messages: its number and rows.
+    /// Returns a description of the chunk for messages: its number and rows.
     pub(super) fn place(&self, at: Position) -> String {
         let rectangle = self.rectangle(at);
         let y0 = self.layout.window.y0;
@@ -141,12 +144,12 @@ impl Chunks {
         format!("{}, chunk {} ({rows})", self.place, self.number(at))
     }
 
-    /// Pixels of the chunk, counted from the data window's corner.
+    /// Returns the window of the chunk, relative to the corner of the data window.
     pub(super) fn rectangle(&self, at: Position) -> Window {
         self.layout.rectangle(at.column, at.band)
     }
 
-    /// The chunk's compressed bytes, at most `limit` of them, read by way of `memory`.
+    /// Returns the compressed bytes of the chunk, at most `limit` of them, using `memory` as buffer.
     pub(super) fn read<'m>(
         &self,
         file: &dyn ReadAt,
@@ -173,7 +176,7 @@ impl Chunks {
             wanted.push(self.layout.window.y0 + self.rectangle(at).y0);
         }
         let head_size = 4 * (wanted.len() + 1);
-        // Where chunks follow each other, head and bytes come at once.
+        // If chunks follow each other, the head and the bytes are read at once.
         let next = self.offsets.get(self.number(at) + 1).and_then(|next| next.checked_sub(offset));
         let ahead = next.map_or(0, |next| next.min((head_size + limit) as u64) as usize).max(AHEAD);
         let mut fields = Fields(self.bytes(file, at, offset..offset + head_size as u64, ahead, memory)?);
@@ -190,7 +193,8 @@ impl Chunks {
         self.bytes(file, at, start..start + size as u64, 0, memory)
     }
 
-    /// The bytes of this range; where they must be read, `ahead` from its start on. Memory only for bytes that are there.
+    /// Returns the bytes of this range. If they must be read, up to `ahead` bytes are read from its start on. Memory is
+    /// taken only for bytes that exist.
     fn bytes<'m>(
         &self,
         file: &dyn ReadAt,

@@ -1,4 +1,4 @@
-//! From the bytes of one chunk to samples: ZIP by [`zip`](super::zip), other methods by the `exr` crate.
+//! Decoding of chunks to samples: ZIP by [`zip`](super::zip), other methods by the `exr` crate.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -16,21 +16,21 @@ use super::layout::Layout;
 use super::zip::{Inflater, Words};
 use crate::{Compression, SampleType};
 
-/// One channel as the header describes it.
+/// Channel as described by the header.
 pub(super) struct Described<'a> {
     pub(super) name: &'a [u8],
     pub(super) sample_type: SampleType,
     pub(super) linear: bool,
 }
 
-/// Knows what the chunks of one part look like.
+/// Decoder for the chunks of one part.
 pub(super) struct Codec {
     header: Header,
     bytes_per_pixel: usize,
 }
 
 impl Codec {
-    /// The codec of a part; `None` where the method or a sample type is not supported.
+    /// Creates the codec of a part; `None` if the method or a sample type is not supported.
     pub(super) fn new<'a>(
         compression: Compression,
         layout: &Layout,
@@ -81,15 +81,15 @@ impl Codec {
         Some(Self { header, bytes_per_pixel })
     }
 
-    /// Bytes of a chunk's samples.
+    /// Returns the size of a chunk's samples in bytes.
     pub(super) fn raw_size(&self, rectangle: Window) -> usize {
         rectangle.area() * self.bytes_per_pixel
     }
 
-    /// Refuses a chunk whose bytes cannot stand for all its samples, before memory is taken for these.
+    /// Refuses a chunk whose bytes cannot represent all its samples, before memory is taken for them.
     pub(super) fn check(&self, rectangle: Window, packed: &[u8]) -> Result<(), Failure> {
         let size = self.raw_size(rectangle);
-        // Writers store what does not shrink as it is, so a larger chunk is damaged.
+        // Writers store incompressible data unchanged, so a larger chunk is damaged.
         if packed.is_empty() || packed.len() > size {
             return Err(Failure::invalid(format!("{} bytes", packed.len()), format!("1 to {size}")));
         }
@@ -110,12 +110,12 @@ impl Codec {
         Ok(())
     }
 
-    /// Bytes of samples that a file of this length can hold at most.
+    /// Returns the maximum size of the samples in a file of this length, in bytes.
     pub(super) fn most(&self, length: u64) -> u64 {
         length.saturating_mul(densest(self.header.compression))
     }
 
-    /// Takes a chunk apart that was checked: for each row, for each channel in the file's order, the row's words.
+    /// Decodes a checked chunk: for each row, and for each channel in the order of the file, the words of the row.
     pub(super) fn unpack(
         &self,
         rectangle: Window,
@@ -145,25 +145,26 @@ impl Codec {
         Ok(())
     }
 
-    /// Samples of a chunk as little-endian bytes, by the `exr` crate: for each row, for each channel, the row's samples.
+    /// Decodes a chunk to little-endian bytes by the `exr` crate: for each row, and for each channel, the samples of
+    /// the row.
     fn decompress(&self, rectangle: Window, packed: Vec<u8>) -> Result<Vec<u8>, Failure> {
         let size = self.raw_size(rectangle);
-        // The B44 decoder of `exr` 1.74 subtracts below zero on damaged blocks, which panics wherever overflow is checked.
-        // It only reads the header, so nothing half-changed is left behind.
+        // The B44 decoder of `exr` 1.74 underflows on damaged blocks, which panics if overflow checks are on.
+        // The decoder only reads the header, so a panic leaves nothing half-changed.
         let decode = AssertUnwindSafe(|| {
             let section = bounds(rectangle);
             let native =
                 self.header.compression.decompress_image_section_from_le(&self.header, packed, section, false)?;
-            // Without compression, this only turns bytes around where the processor has them the other way.
+            // Without compression, this only swaps bytes on big-endian processors.
             Method::Uncompressed.compress_image_section_to_le(&self.header, native, section)
         });
-        let samples = catch_unwind(decode).map_err(|_| Failure::invalid("bytes that upset the decoder", WHOLE))??;
+        let samples = catch_unwind(decode).map_err(|_| Failure::invalid("bytes that crash the decoder", WHOLE))??;
         if samples.len() == size { Ok(samples) } else { Err(Failure::invalid("too few samples", WHOLE)) }
     }
 
-    /// Holds the sizes that a DWA chunk claims against its bytes and against what its pixels can need.
+    /// Checks the sizes that a DWA chunk claims against its length and against the needs of its pixels.
     ///
-    /// The decoder allocates what these counters say, and would abort the process over a few damaged bytes.
+    /// The decoder allocates what these counters claim, so a few damaged bytes would abort the process.
     fn check_dwa(&self, rectangle: Window, packed: &[u8]) -> Result<(), Failure> {
         let counters = packed.as_chunks::<8>().0.first_chunk::<11>().map(|all| all.map(u64::from_le_bytes));
         let Some([_, unknown, unknown_packed, ac_packed, dc_packed, runs_packed, run_lengths, raw_runs, ac, dc, _]) =
@@ -180,7 +181,7 @@ impl Codec {
         let claims = [
             ("packed bytes", parts.iter().fold(0, |sum: u64, part| sum.saturating_add(*part)), rest),
             ("samples", unknown, size.min(deflated(unknown_packed))),
-            // At worst every byte is its own run of two.
+            // In the worst case every byte is a run of its own, which takes two bytes.
             ("run lengths", run_lengths, (2 * size + 2).min(deflated(runs_packed))),
             ("samples in runs", raw_runs, size.min(run_lengths.saturating_mul(RUN))),
             ("AC coefficients", ac, (64 * blocks).min(deflated(ac_packed) / 2)),
@@ -191,7 +192,7 @@ impl Codec {
                 return Err(Failure::invalid(format!("{found} {what}"), format!("at most {most}")));
             }
         }
-        // Each sample is stored as it is, in runs, or in a block of 64 with one DC coefficient.
+        // Each sample is stored unchanged, in runs, or in a block of 64 with one DC coefficient.
         let held = unknown.saturating_add(raw_runs).saturating_add(dc.saturating_mul(64 * 4));
         if held < size {
             return Err(Failure::invalid(format!("room for {held} bytes"), format!("{size}")));
@@ -200,12 +201,12 @@ impl Codec {
     }
 }
 
-/// No byte of DEFLATE stands for more: two bits at best for a match of 258 bytes.
+/// Maximum number of bytes per byte of DEFLATE: at best two bits represent a match of 258 bytes.
 pub(super) const DEFLATE: u64 = 1032;
-/// The longest run of bytes, which takes two.
+/// Longest run of bytes, which is stored in two bytes.
 const RUN: u64 = 64;
 
-/// Most bytes of samples that a byte of a chunk stands for, by the method. Pictures of zeros come close to these.
+/// Returns the maximum number of sample bytes per byte of a chunk, by method. Pictures of zeros come close.
 fn densest(method: Method) -> u64 {
     match method {
         Method::Uncompressed => 1,
@@ -213,7 +214,7 @@ fn densest(method: Method) -> u64 {
         Method::ZIP1 | Method::ZIP16 => DEFLATE,
         // Three bytes of each float are deflated.
         Method::PXR24 => DEFLATE * 4 / 3,
-        // A code of one bit, one for "repeat" and 8 bits of how often: 256 words in 10 bits, 410 bytes a byte.
+        // A code of one bit, one for "repeat" and 8 bits of how often: 256 words in 10 bits, 410 bytes per byte.
         Method::PIZ => 512,
         // Flat blocks of 16 half samples take 3 bytes.
         Method::B44 | Method::B44A => 11,
@@ -222,13 +223,13 @@ fn densest(method: Method) -> u64 {
     }
 }
 
-/// Where the words of a chunk go.
+/// Destination of the words of a chunk.
 pub(super) trait Target {
-    /// The place for these `words` of a channel and a row of the chunk; none if they are not wanted.
+    /// Returns the place for these `words` of a channel and a row of the chunk; `None` if they are not needed.
     fn row(&mut self, channel: usize, row: usize, words: usize) -> Option<&mut [u16]>;
 }
 
-/// Samples of a chunk, taken from the front.
+/// Reader of a chunk's samples from the front.
 enum Raw<'a> {
     Plain(&'a [u8]),
     Split(Words<'a>),
@@ -256,7 +257,7 @@ impl Raw<'_> {
     }
 }
 
-/// A chunk's rectangle, counted from the data window's corner; windows are checked to lie within 31 bits.
+/// Returns a chunk's rectangle relative to the corner of the data window; windows have been checked to fit in 31 bits.
 fn bounds(rectangle: Window) -> IntegerBounds {
     let position = Vec2(rectangle.x0 as i32, rectangle.y0 as i32);
     IntegerBounds::new(position, Vec2(rectangle.width(), rectangle.height()))

@@ -11,7 +11,7 @@ fn codec(compression: Compression, sample_type: SampleType, window: Window) -> C
     Codec::new(compression, &layout, described.into_iter()).unwrap()
 }
 
-/// Keeps all words of a chunk, or those of its second channel.
+/// Destination that keeps all words of a chunk, or those of its second channel.
 struct Keep {
     words: Vec<u16>,
     second: bool,
@@ -35,7 +35,7 @@ fn unpack(codec: &Codec, window: Window, packed: &[u8], second: bool) -> Result<
     Ok(keep.words)
 }
 
-/// What the `exr` crate makes of samples.
+/// Compresses samples with the `exr` crate.
 fn pack(codec: &Codec, window: Window, samples: Vec<u8>) -> Vec<u8> {
     codec.header.compression.compress_image_section_to_le(&codec.header, samples, bounds(window)).unwrap()
 }
@@ -44,7 +44,7 @@ fn to_words(bytes: &[u8]) -> Vec<u16> {
     bytes.as_chunks().0.iter().map(|bytes| u16::from_le_bytes(*bytes)).collect()
 }
 
-/// Samples of three kinds: constant, smooth, and noise that does not shrink.
+/// Returns samples of three kinds: constant, smooth, and incompressible noise.
 fn samples(random: &mut Pcg64Mcg, size: usize, kind: usize) -> Vec<u8> {
     let mut bytes = vec![60; size];
     match kind {
@@ -101,7 +101,7 @@ fn hostile_zip_is_refused_like_the_exr_crate_does_or_sooner() {
             }
             _ => random.fill_bytes(&mut bytes[2..]),
         }
-        // Whatever is taken, the other decoder takes too, and finds the same.
+        // The other decoder accepts the same chunks, with the same result.
         if let Ok(words) = unpack(&codec, window, &bytes, false) {
             assert_eq!(words, to_words(&codec.decompress(window, bytes).unwrap()), "round {round}");
         }
@@ -122,7 +122,7 @@ fn zip_of_the_wrong_size_is_refused() {
     };
     assert_eq!(message(&[1; 1279]), "2558 bytes when inflated, 2560");
     assert_eq!(message(&[1; 1281]), "more than 2560 bytes when inflated, 2560");
-    // A chunk of gigabytes out of a few bytes is refused before memory is taken for it.
+    // A few bytes that claim to be a chunk of gigabytes are refused before memory is taken.
     let huge = Window::sized(1 << 20, 16);
     assert!(matches!(unpack(&codec, huge, &[0x78; 600], false), Err(Failure::Invalid { .. })));
 }

@@ -1,6 +1,6 @@
-//! Why a chunk cannot be decoded.
+//! Failures of decoding a chunk.
 
-/// Why a chunk cannot be decoded.
+/// Reason that a chunk cannot be decoded.
 #[derive(Debug)]
 pub(super) enum Failure {
     Invalid {
@@ -8,7 +8,7 @@ pub(super) enum Failure {
         expected: String,
     },
     Unsupported(&'static str),
-    /// So many bytes of memory are not available.
+    /// This many bytes of memory are not available.
     Memory(u64),
 }
 
@@ -18,14 +18,14 @@ impl Failure {
     }
 }
 
-/// What every chunk is expected to be.
+/// Expectation for every chunk, for messages.
 pub(super) const WHOLE: &str = "a chunk that decodes to its pixels";
 
 impl From<exr::error::Error> for Failure {
     fn from(error: exr::error::Error) -> Self {
         match error {
             exr::error::Error::NotSupported(_) => Self::Unsupported("a chunk of a kind that is not known"),
-            // Not in the library's words, which say nothing of what to do.
+            // The library's own message does not say what to do.
             _ => Self::invalid("bytes that do not decode", WHOLE),
         }
     }

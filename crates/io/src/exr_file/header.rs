@@ -1,4 +1,4 @@
-//! Headers of all parts, every claim held against the file's length before anything is allocated for it.
+//! Headers of all parts. Every claim is checked against the file's length before anything is allocated for it.
 
 use std::io::{BufRead, Read, Seek};
 
@@ -11,43 +11,43 @@ use crate::error::printable;
 use crate::source::Source;
 use crate::{ChannelInfo, Compression, Encoding, Error, Levels, PartInfo, SampleType, Storage, names};
 
-/// Bytes of all headers together; a hundred times the largest Cryptomatte manifests.
+/// Maximum size of all headers together, in bytes: a hundred times the largest Cryptomatte manifests.
 const MAX_HEADER: u64 = 64 << 20;
 const MAX_PARTS: usize = 4096;
 const MAX_CHANNELS: usize = 16_384;
 
-/// The headers of an EXR file.
+/// Headers of an EXR file.
 #[derive(Debug)]
 pub(crate) struct Header {
-    /// Parts for the user.
+    /// Descriptions of the parts for users.
     pub(crate) parts: Vec<PartInfo>,
-    /// What decoding needs to know of each part besides.
+    /// Further data of each part for decoding.
     pub(super) details: Vec<Detail>,
-    /// Whether chunks begin with the number of their part.
+    /// Whether chunks start with the number of their part.
     pub(super) multi_part: bool,
-    /// Where the first part's table of chunk offsets begins.
+    /// Position of the first part's table of chunk offsets.
     pub(crate) tables: u64,
 }
 
-/// What decoding needs to know of a part and a user does not.
+/// Data of a part that only decoding needs.
 #[derive(Debug)]
 pub(super) struct Detail {
-    /// How the part is cut into chunks.
+    /// Division of the part into chunks.
     pub(super) layout: Layout,
-    /// Number of chunks that the file states.
+    /// Number of chunks stated by the file.
     pub(super) stated_chunks: Option<u64>,
-    /// What decoding needs to know of each channel.
+    /// Data of each channel for decoding.
     pub(super) channels: Vec<ChannelDetail>,
-    /// String attributes, in order.
+    /// String attributes in order.
     pub(super) strings: Vec<(String, String)>,
 }
 
-/// What decoding needs to know of a channel and a user does not.
+/// Data of a channel that only decoding needs.
 #[derive(Debug)]
 pub(super) struct ChannelDetail {
-    /// The name, which need not be UTF-8.
+    /// Name, which need not be UTF-8.
     pub(super) name: Vec<u8>,
-    /// Whether lossy methods quantize it linearly.
+    /// Whether lossy methods quantize the channel linearly.
     pub(super) linear: bool,
 }
 
@@ -108,13 +108,13 @@ impl Header {
         self.parts
     }
 
-    /// String attributes of the first part, in the file's order.
+    /// Returns the string attributes of the first part, in the order of the file.
     pub(crate) fn into_strings(self) -> Vec<(String, String)> {
         self.details.into_iter().next().map(|detail| detail.strings).unwrap_or_default()
     }
 }
 
-/// What [`Header::into_strings`] gives, as far as the file can be read.
+/// Returns the attributes of [`Header::into_strings`], as far as the file can be read.
 pub(crate) fn readable_strings<R: BufRead + Seek>(source: &mut Source<R>) -> Vec<(String, String)> {
     let mut attributes = Vec::new();
     if source.seek(8).is_ok() {
@@ -123,20 +123,20 @@ pub(crate) fn readable_strings<R: BufRead + Seek>(source: &mut Source<R>) -> Vec
     strings(&attributes)
 }
 
-/// String attributes, but for those that the format gives a meaning.
+/// Returns the string attributes except for those that the format defines.
 fn strings(attributes: &[Attribute]) -> Vec<(String, String)> {
     let strings = attributes.iter().filter(|a| a.kind == "string" && a.name != "name" && a.name != "type");
     strings.map(|a| (a.name.clone(), String::from_utf8_lossy(&a.bytes).into_owned())).collect()
 }
 
-/// Reads attributes, and counts the bytes.
+/// Reader of attributes, which counts the bytes.
 struct Reader<'a, R> {
     source: &'a mut Source<R>,
     position: u64,
 }
 
 impl<R: BufRead + Seek> Reader<'_, R> {
-    /// Collects all attributes of one part; none where the list of parts ends.
+    /// Reads all attributes of one part; none at the end of the list of parts.
     fn attributes(&mut self, part: usize, attributes: &mut Vec<Attribute>) -> Result<(), Error> {
         loop {
             let place = format!("part {part}, attribute {}", attributes.len());
@@ -199,7 +199,7 @@ impl<R: BufRead + Seek> Reader<'_, R> {
     }
 }
 
-/// Makes a part of its attributes.
+/// Creates a part from its attributes.
 struct Builder<'a, R> {
     source: &'a Source<R>,
     index: usize,
@@ -231,7 +231,7 @@ impl<R> Builder<'_, R> {
         };
         let chromaticities: Option<Chromaticities> =
             find("chromaticities").and_then(|attribute| attribute::chromaticities(&attribute.bytes));
-        // Room that a writer kept free says nothing.
+        // Space that a writer reserved has no meaning.
         let shown = attributes.iter().filter(|attribute| attribute.name != "channels" && attribute.kind != "free");
         let info = PartInfo {
             name: string("name"),
@@ -261,9 +261,9 @@ impl<R> Builder<'_, R> {
         Ok(window)
     }
 
-    /// The storage, and whether levels round up.
+    /// Returns the storage, and whether the sizes of levels are rounded up.
     fn storage(&self, kind: Option<String>, tiles: Option<&Attribute>) -> Result<(Storage, bool), Error> {
-        // A single flat part is described by the version's flag; some writers get its type attribute wrong.
+        // For a single flat part the version's flag counts; some writers get its type attribute wrong.
         let flag = if self.version & TILED != 0 { "tiledimage" } else { "scanlineimage" };
         let kind = match kind {
             Some(kind) if self.version & (MULTI_PART | NON_IMAGE) != 0 => kind,
@@ -303,7 +303,7 @@ impl<R> Builder<'_, R> {
             if name.len() > NAME_LENGTH {
                 return Err(self.invalid(&place, format!("{} bytes", name.len()), "a name of at most 255 bytes"));
             }
-            // Rows store channels in order of their names; in any other order nobody can say which is which.
+            // Rows store channels in the order of their names; in any other order the channels could not be identified.
             if details.last().is_some_and(|last| last.name.as_slice() >= name) {
                 return Err(self.invalid(&place, "a name out of order", "channels sorted by name, each once"));
             }

@@ -1,4 +1,4 @@
-//! How a part is cut into chunks.
+//! Division of a part into chunks.
 
 use trochoid_image::Window;
 
@@ -7,15 +7,15 @@ use crate::{Compression, Levels, Storage};
 /// Chunks of a part: blocks of whole rows, or tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Layout {
-    /// The data window.
+    /// Data window of the part.
     pub(super) window: Window,
-    /// Width of a chunk, in pixels; the last column's may be narrower.
+    /// Width of a chunk in pixels; chunks of the last column may be narrower.
     pub(super) width: usize,
-    /// Height of a chunk, in pixels; the last row's may be lower.
+    /// Height of a chunk in pixels; chunks of the last row may be lower.
     pub(super) height: usize,
-    /// Whether chunks are tiles, which carry column, row and level.
+    /// Whether chunks are tiles, which have a column, a row and a level.
     pub(super) tiled: bool,
-    /// Chunks of all levels together.
+    /// Number of chunks of all levels together.
     pub(super) chunks: u64,
 }
 
@@ -44,37 +44,37 @@ impl Layout {
         Self { window, width: window.width(), height, tiled: false, chunks: full_height.div_ceil(height as u64) }
     }
 
-    /// Chunks across, at full resolution.
+    /// Returns the number of columns of chunks, at full resolution.
     pub(super) fn columns(&self) -> usize {
         self.window.width().div_ceil(self.width)
     }
 
-    /// Rows of chunks, at full resolution.
+    /// Returns the number of rows of chunks, at full resolution.
     pub(super) fn bands(&self) -> usize {
         self.window.height().div_ceil(self.height)
     }
 
-    /// Where chunk (`column`, `band`) of the full resolution stands, counted from the data window's corner.
+    /// Returns the window of chunk (`column`, `band`) at full resolution, relative to the corner of the data window.
     pub(super) fn rectangle(&self, column: usize, band: usize) -> Window {
         let (x, y) = ((column * self.width) as i64, (band * self.height) as i64);
         let whole = Window::new(0, 0, self.window.width() as i64, self.window.height() as i64);
         Window::new(x, y, x + self.width as i64, y + self.height as i64).intersect(whole)
     }
 
-    /// A row of chunks as pixels of the picture; empty where there is none.
+    /// Returns the window of a row of chunks in the picture; empty if there is no such row.
     pub(super) fn band(&self, band: usize) -> Window {
         let y0 = self.window.y0 + self.height.saturating_mul(band).min(self.window.height()) as i64;
         let y1 = self.window.y1.min(y0.saturating_add(self.height as i64));
         Window { y0, y1, ..self.window }
     }
 
-    /// Samples of the largest chunk, of one channel.
+    /// Returns the number of samples per channel in the largest chunk.
     pub(super) fn largest(&self) -> u64 {
         (self.width.min(self.window.width()) as u64) * (self.height.min(self.window.height()) as u64)
     }
 }
 
-/// Sizes of all levels: halved down to one pixel.
+/// Returns the sizes of all levels, halved down to one pixel.
 fn level_sizes(size: u64, round_up: bool) -> impl Iterator<Item = u64> {
     let halve = move |&size: &u64| (size > 1).then(|| if round_up { size.div_ceil(2) } else { size / 2 });
     std::iter::successors(Some(size), halve)

@@ -1,5 +1,5 @@
-//! EXR: headers read here, so that every claim is checked before it is believed; ZIP by libdeflate, other
-//! methods by the `exr` crate.
+//! EXR files. Headers are read here, so that every claim is checked before it is used; ZIP is decoded by libdeflate,
+//! other methods by the `exr` crate.
 
 mod attribute;
 mod band;
@@ -23,14 +23,14 @@ pub use write::{ExrChannel, ExrImage, write_exr};
 pub use write_header::ExrHeader;
 pub use writer::{EncodeScratch, EncodedBand, ExrWriter};
 
-/// The first bytes of every EXR file.
+/// First bytes of every EXR file.
 const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// Flags of the version field.
 const TILED: u32 = 0x200;
 const LONG_NAMES: u32 = 0x400;
 const NON_IMAGE: u32 = 0x800;
 const MULTI_PART: u32 = 0x1000;
-/// Longest name of an attribute or channel, in bytes.
+/// Maximum length of the name of an attribute or channel, in bytes.
 const NAME_LENGTH: usize = 255;
-/// Windows lie within ± this, as in the reference implementation.
+/// Maximum magnitude of window coordinates, as in the reference implementation.
 const MAX_COORDINATE: i64 = (i32::MAX / 2) as i64;

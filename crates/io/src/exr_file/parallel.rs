@@ -1,13 +1,13 @@
-//! Bands shared out to threads.
+//! Distribution of bands to threads.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
-/// Does all items, started in their order, `at_once` of them at a time, until one fails.
+/// Processes all items, started in order, `at_once` of them at a time, until one fails.
 ///
-/// Each thread keeps its scratch from item to item. Items near each other are in work at the same time, so whoever puts
-/// results back in order holds few of them.
+/// Each thread keeps its scratch from item to item. Nearby items are processed at the same time, so a caller that
+/// restores the order of the results holds few of them.
 pub(super) fn in_order<I, S, E>(
     items: I,
     at_once: usize,
@@ -25,7 +25,7 @@ where
         let mut scratch = S::default();
         while let Some(item) = next() {
             if let Err(error) = work(&mut scratch, item) {
-                // The others stop after the item they have.
+                // The other threads stop after their current item.
                 *lock(&queue) = None;
                 return Err(error);
             }
@@ -34,7 +34,7 @@ where
     })
 }
 
-/// The guarded value, also after a panic elsewhere: what is guarded here is changed by single steps.
+/// Returns the guarded value, even after a panic in another thread: the values guarded here change in single steps.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! Pixels of one part, band by band, from any thread.
+//! Reading of one part's pixels, band by band, from any thread.
 
 use std::io::{BufRead, Seek};
 use std::path::Path;
@@ -16,16 +16,16 @@ use crate::limits::{grow, zeroed};
 use crate::source::{self, ReadAt, Shareable, Source};
 use crate::{Error, FileKind, Limits, PartInfo, Picture, PictureInfo, Selection, Storage};
 
-/// What to do about a file that is valid but not read.
+/// Remedy for a valid file that is not supported.
 const REMEDY: &str = "re-save it as flat scanlines or tiles with ZIP compression";
 
-/// Rows that one thread reads in a go, at least.
+/// Minimum number of rows that one thread reads in a row.
 const GROUP: usize = 16;
 
-/// An EXR file opened for reading band by band: a few rows at a time, by any number of threads, in any order.
+/// EXR file opened for reading band by band: a few rows at a time, by any number of threads, in any order.
 ///
-/// A band is one block of rows as the file stores them (16 for ZIP, 1 for ZIPS), or one row of tiles. Memory is held by
-/// the [`BandBuffer`]s alone.
+/// A band is one block of rows as stored in the file (16 for ZIP, 1 for ZIPS), or one row of tiles. Only the
+/// [`BandBuffer`]s hold memory.
 ///
 /// ```
 /// use trochoid_image::{Plane, Window};
@@ -52,30 +52,31 @@ const GROUP: usize = 16;
 /// ```
 pub struct ExrReader {
     info: PictureInfo,
-    /// The part with all its channels.
+    /// Part with all its channels.
     part: Arc<PartInfo>,
     file: Arc<dyn ReadAt>,
     chunks: Arc<Chunks>,
     codec: Arc<Codec>,
-    /// The wanted channels, in the order of the selection.
+    /// Selected channels, in the order of the selection.
     stored: Vec<Stored>,
-    /// Their numbers in the part.
+    /// Indices of the selected channels in the part.
     channels: Vec<usize>,
-    /// For each channel of the file, words of the wanted ones before it, of one pixel; none where it is not wanted.
+    /// For each channel of the file, the words per pixel of the selected channels before it; `None` if it is not
+    /// selected.
     places: Vec<Option<usize>>,
-    /// Words of the wanted channels, of one pixel.
+    /// Words per pixel of the selected channels.
     words: usize,
     limits: Limits,
-    /// Bands that threads may decode at the same time and stay within the limits together.
+    /// Number of bands that threads may decode at the same time within the limits.
     at_once: usize,
 }
 
 impl ExrReader {
-    /// Opens a file and reads its header and table of chunks; no pixels.
+    /// Opens a file, and reads its header and table of chunks, but no pixels.
     ///
     /// # Errors
-    /// The file cannot be opened, is not an EXR, its header is damaged, holds something that is not supported, lacks what
-    /// is selected, or exceeds the limits: [`Limits::bytes`] counts here for one band.
+    /// The file cannot be opened, is not an EXR, has a damaged header, is not supported, lacks what is selected, or
+    /// exceeds the limits, where [`Limits::bytes`] applies to one band.
     pub fn open(path: impl AsRef<Path>, selection: &Selection, limits: &Limits) -> Result<Self, Error> {
         let mut source = source::open(path.as_ref())?;
         match source.kind()? {
@@ -99,10 +100,10 @@ impl ExrReader {
         let bytes_per_pixel: u64 = part.channels.iter().map(|channel| channel.sample_type.bytes() as u64).sum();
         let largest = layout.largest().saturating_mul(bytes_per_pixel);
         let place = part.place(found.part);
-        // The format states sizes of chunks in 31 bits.
+        // The format stores the sizes of chunks in 31 bits.
         let step = Limits { bytes: limits.bytes.min(i32::MAX as u64), ..*limits };
         step.check_bytes(&source.path, &format!("{place}, one chunk"), largest)?;
-        // Decoding a chunk takes it several times over.
+        // Decoding a chunk needs several times its size.
         let at_once = usize::try_from(limits.bytes / largest.saturating_mul(4).max(1)).unwrap_or(usize::MAX).max(1);
 
         let chunks = Chunks::find(&mut source, &header, found.part)?;
@@ -122,7 +123,7 @@ impl ExrReader {
         reader.choose(found.channels)
     }
 
-    /// The same open file with these channels of the part.
+    /// Returns a reader of the same open file with these channels of the part.
     fn choose(&self, channels: Vec<usize>) -> Result<Self, Error> {
         let (part, layout) = (&self.part, self.chunks.layout);
         let mut places = vec![None; part.channels.len()];
@@ -130,7 +131,7 @@ impl ExrReader {
         let mut words = 0;
         for &index in &channels {
             let sample_type = part.channels[index].sample_type;
-            // A channel may be wanted twice.
+            // A channel may be selected twice.
             let before = *places[index].get_or_insert(words);
             if before == words {
                 words += sample_type.bytes() / 2;
@@ -154,10 +155,10 @@ impl ExrReader {
         })
     }
 
-    /// The same open file with some of the channels, by their positions in [`ExrReader::info`].
+    /// Returns a reader of the same open file with some of the channels, by their positions in [`ExrReader::info`].
     ///
     /// # Errors
-    /// None that opening had not met.
+    /// Only errors that opening the file can return.
     ///
     /// # Panics
     /// There is no channel at a position.
@@ -165,14 +166,14 @@ impl ExrReader {
         self.choose(channels.iter().map(|&channel| self.channels[channel]).collect())
     }
 
-    /// The same open file with the channels of this reader and some of another one of the same part, which are decoded
-    /// together; and where among all the latter are.
+    /// Returns a reader of the same open file with the channels of this reader and some of another reader of the same
+    /// part, which are decoded together; and the positions of the latter among all channels.
     ///
     /// # Errors
-    /// The other one reads something else, or both together exceed the limits.
+    /// The other reader reads another file or part, or both together exceed the limits.
     ///
     /// # Panics
-    /// The other one has no channel at a position.
+    /// The other reader has no channel at a position.
     pub fn joined(&self, other: &Self, channels: &[usize]) -> Result<(Self, Vec<usize>), Error> {
         let looks = |reader: &Self| (reader.info.part, reader.part.data, reader.part.display, reader.part.compression);
         if looks(self) != looks(other)
@@ -195,22 +196,22 @@ impl ExrReader {
         Ok((self.choose(all)?, found))
     }
 
-    /// What the file says of the selected channels.
+    /// Returns the description of the selected channels.
     pub fn info(&self) -> &PictureInfo {
         &self.info
     }
 
-    /// Rows of a band; the last one may have fewer.
+    /// Returns the number of rows in a band; the last band may have fewer.
     pub fn rows_per_band(&self) -> usize {
         self.chunks.layout.height
     }
 
-    /// Bytes that a decoded band takes, at most.
+    /// Returns the maximum size of a decoded band, in bytes.
     pub fn band_bytes(&self) -> usize {
         2 * self.words * self.info.data.width() * self.rows_per_band().min(self.info.data.height())
     }
 
-    /// Bytes that decoding the picture takes at most, besides what is kept of it.
+    /// Returns the maximum memory for decoding the picture, in bytes, in addition to the result.
     pub(crate) fn decoding(&self) -> u64 {
         let layout = self.chunks.layout;
         let chunk = layout.largest().saturating_mul(self.codec.raw_size(Window::sized(1, 1)) as u64);
@@ -218,17 +219,17 @@ impl ExrReader {
         threads.saturating_mul(chunk.saturating_mul(4).saturating_add(self.band_bytes() as u64))
     }
 
-    /// Number of bands, from the top down.
+    /// Returns the number of bands, which are counted from the top.
     pub fn bands(&self) -> usize {
         self.chunks.layout.bands()
     }
 
-    /// Pixels of a band: whole rows of the data window; empty for a band that does not exist.
+    /// Returns the window of a band: whole rows of the data window; empty for a band that does not exist.
     pub fn band_window(&self, band: usize) -> Window {
         self.chunks.layout.band(band)
     }
 
-    /// The band that holds row `y` of the picture; none outside the data window.
+    /// Returns the band that contains row `y` of the picture; `None` outside the data window.
     pub fn band_at(&self, y: i64) -> Option<usize> {
         let data = self.info.data;
         (data.y0..data.y1).contains(&y).then(|| (y - data.y0) as usize / self.rows_per_band())
@@ -268,7 +269,7 @@ impl ExrReader {
         Ok(())
     }
 
-    /// All bands, by all threads.
+    /// Decodes all bands on all threads.
     pub(crate) fn picture(&self) -> Result<Picture, Error> {
         let Chunks { path, place, .. } = &*self.chunks;
         let data = self.info.data;
@@ -281,10 +282,10 @@ impl ExrReader {
         }
         let mut planes: Vec<Vec<f32>> = Vec::new();
         for _ in &self.stored {
-            // Only touched band by band, so that memory is taken for pixels that the file really holds.
+            // Touched band by band, so that memory is taken only for pixels that the file really contains.
             planes.push(zeroed(path, place, data.area())?);
         }
-        // Neighbors by the same thread, where bands are single rows: they are read together.
+        // If bands are single rows, one thread decodes neighbors, which are read together.
         let bands_at_once = GROUP.div_ceil(self.rows_per_band());
         let area = self.rows_per_band().saturating_mul(bands_at_once).saturating_mul(data.width());
         let mut rows: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_mut(area)).collect();
@@ -325,7 +326,7 @@ impl std::fmt::Debug for ExrReader {
     }
 }
 
-/// The codec of a part, or why it is not read.
+/// Returns the codec of a part, or the reason that it is not supported.
 fn supported<R: BufRead + Seek>(source: &Source<R>, header: &Header, part: usize) -> Result<Codec, Error> {
     let info = &header.parts[part];
     let refuse =

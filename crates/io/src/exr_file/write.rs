@@ -1,4 +1,4 @@
-//! Writing a whole picture as EXR.
+//! Writing of whole pictures as EXR.
 
 use trochoid_image::{Chromaticities, Window};
 
@@ -7,26 +7,26 @@ use super::write_header::ExrHeader;
 use super::writer::{EncodeScratch, ExrWriter};
 use crate::{Error, SampleType, Samples, Target};
 
-/// A picture to be written as EXR.
+/// Picture to write as EXR.
 #[derive(Clone, Debug)]
 pub struct ExrImage<'a> {
-    /// The frame the viewer sees.
+    /// Display window: the frame that viewers show.
     pub display: Window,
-    /// Where pixels are stored: the window of every channel.
+    /// Data window: the pixels that every channel stores.
     pub data: Window,
-    /// The channels, in any order.
+    /// Channels, in any order.
     pub channels: Vec<ExrChannel<'a>>,
-    /// String attributes, kept in order.
+    /// String attributes, which keep their order.
     pub metadata: Vec<(String, String)>,
-    /// Bytes of the header set apart for the metadata, so that the file is the same as one of which they were known last
-    /// ([`ExrHeader::late_metadata`]); 0 for as many as they take.
+    /// Bytes to reserve in the header for the metadata, so that the file equals one whose metadata were added late
+    /// ([`ExrHeader::late_metadata`]); 0 to reserve as many as needed.
     pub reserved: usize,
-    /// Primaries and white point of RGB channels.
+    /// Primaries and white point of the RGB channels.
     pub chromaticities: Option<Chromaticities>,
 }
 
 impl ExrImage<'_> {
-    /// A picture whose data fill its display window, still without channels.
+    /// Creates a picture without channels whose data window is its display window.
     pub fn new(window: Window) -> Self {
         Self {
             display: window,
@@ -39,7 +39,7 @@ impl ExrImage<'_> {
     }
 }
 
-/// One channel to be written.
+/// Channel to write.
 #[derive(Clone, Debug)]
 pub struct ExrChannel<'a> {
     name: String,
@@ -48,12 +48,12 @@ pub struct ExrChannel<'a> {
 }
 
 impl<'a> ExrChannel<'a> {
-    /// A channel of 16-bit floats, rounded to nearest; finite values beyond ±65504 are refused.
+    /// Creates a channel of 16-bit floats, rounded to nearest; finite values beyond ±65504 are refused.
     pub fn half(name: impl Into<String>, samples: Samples<'a>) -> Self {
         Self { name: name.into(), samples, half: true }
     }
 
-    /// A channel of 32-bit floats, stored as they are.
+    /// Creates a channel of 32-bit floats, stored unchanged.
     pub fn float(name: impl Into<String>, samples: Samples<'a>) -> Self {
         Self { name: name.into(), samples, half: false }
     }
@@ -62,15 +62,15 @@ impl<'a> ExrChannel<'a> {
 /// Writes an EXR file atomically: scanlines, ZIP compression, equal bytes for equal pictures.
 ///
 /// # Errors
-/// Samples do not fill the data window, names clash or do not fit EXR, a window is empty or beyond 30 bits, a half channel
-/// holds a finite value beyond ±65504, or the file cannot be written. An existing file is then left as it was.
+/// Samples do not fill the data window, names clash or do not fit EXR, a window is empty or beyond 30 bits, a half
+/// channel holds a finite value beyond ±65504, or the file cannot be written. An existing file is then left as it was.
 pub fn write_exr(target: impl Into<Target>, image: &ExrImage<'_>) -> Result<(), Error> {
     let target = target.into();
     let path = target.path();
     let area = image.data.area();
     if let Some(ExrChannel { name, samples, .. }) = image.channels.iter().find(|c| c.samples.len() != area) {
         let found = format!("channel \"{name}\" with {} samples for a data window of {area} pixels", samples.len());
-        return Err(Error::unwritable(path, found, "pass one sample a pixel"));
+        return Err(Error::unwritable(path, found, "pass one sample per pixel"));
     }
     let (early, late) =
         if image.reserved > 0 { (&[][..], &image.metadata[..]) } else { (&image.metadata[..], &[][..]) };

@@ -1,4 +1,4 @@
-//! The header of a written file, attribute by attribute in a fixed order: equal pictures make equal bytes.
+//! Writing of headers, attribute by attribute in a fixed order, so that equal pictures make equal bytes.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use trochoid_image::{Chromaticities, Window};
 use super::{LONG_NAMES, MAGIC, MAX_COORDINATE, NAME_LENGTH};
 use crate::{Error, SampleType};
 
-/// Names that the format or this crate gives a meaning; metadata must not take them.
+/// Names that the format or this crate defines, which metadata must not use.
 const RESERVED: [&str; 15] = [
     "channels",
     "compression",
@@ -25,35 +25,35 @@ const RESERVED: [&str; 15] = [
     "chromaticities",
     FREE,
 ];
-/// What is left of the bytes kept free for late metadata.
+/// Name of the attribute with the rest of the bytes reserved for late metadata.
 const FREE: &str = "reserved";
-/// Bytes of an entry besides its name and value: `\0string\0` and a size of four bytes.
+/// Size of an entry in addition to its name and value, in bytes: `\0string\0` and a size of four bytes.
 const ENTRY: usize = 12;
 
-/// Longest name that readers of before 2.0 know.
+/// Longest name that readers older than version 2.0 accept.
 const SHORT_NAME: usize = 31;
 
-/// What an EXR file is to hold, without the pixels.
+/// Description of an EXR file to write, without its pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExrHeader {
-    /// The frame the viewer sees.
+    /// Display window: the frame that viewers show.
     pub display: Window,
-    /// Where pixels are stored: the window of every channel.
+    /// Data window: the pixels that every channel stores.
     pub data: Window,
-    /// Names of the channels, in any order, and how samples are stored: [`SampleType::Half`] rounds to nearest and
-    /// refuses finite values beyond ±65504, [`SampleType::Float`] keeps them as they are.
+    /// Names of the channels, in any order, with the types of their samples: [`SampleType::Half`] rounds to nearest and
+    /// refuses finite values beyond ±65504, [`SampleType::Float`] stores them unchanged.
     pub channels: Vec<(String, SampleType)>,
-    /// String attributes, kept in order.
+    /// String attributes, which keep their order.
     pub metadata: Vec<(String, String)>,
-    /// Bytes kept free for the metadata that [`ExrWriter::finish`](super::ExrWriter::finish) adds: of each entry those of name and value, and 12.
-    /// What stays free is an attribute without meaning.
+    /// Bytes to reserve for the metadata that [`ExrWriter::finish`](super::ExrWriter::finish) adds: for each entry, the
+    /// lengths of its name and value, and 12. The rest becomes an attribute without meaning.
     pub late_metadata: usize,
-    /// Primaries and white point of RGB channels.
+    /// Primaries and white point of the RGB channels.
     pub chromaticities: Option<Chromaticities>,
 }
 
 impl ExrHeader {
-    /// A picture whose data fill its display window, still without channels.
+    /// Creates a header without channels whose data window is its display window.
     pub fn new(window: Window) -> Self {
         Self {
             display: window,
@@ -66,7 +66,7 @@ impl ExrHeader {
     }
 }
 
-/// Refuses what the format cannot hold; `sorted` are the channels in the order of their names.
+/// Refuses content that the format cannot represent; `sorted` has the channels in the order of their names.
 pub(super) fn check(path: &Path, header: &ExrHeader, sorted: &[usize]) -> Result<(), Error> {
     for (what, window) in [("data", header.data), ("display", header.display)] {
         let corners = [window.x0, window.y0, window.x1, window.y1];
@@ -91,7 +91,7 @@ pub(super) fn check(path: &Path, header: &ExrHeader, sorted: &[usize]) -> Result
         return Err(Error::unwritable(path, found, "names must differ"));
     }
     if header.late_metadata > i32::MAX as usize {
-        let found = format!("{} bytes kept free for late metadata", header.late_metadata);
+        let found = format!("{} bytes reserved for late metadata", header.late_metadata);
         return Err(Error::unwritable(path, found, "EXR takes less than 2 GiB"));
     }
     check_metadata(path, &header.metadata, &[])
@@ -102,8 +102,8 @@ pub(super) fn check_late(path: &Path, header: &ExrHeader, late: &[(String, Strin
     check_metadata(path, &header.metadata, late)?;
     let (needed, free) = (size(late), header.late_metadata);
     if needed > free {
-        let found = format!("late metadata of {needed} bytes where {free} were kept free");
-        return Err(Error::unwritable(path, found, "keep more bytes free in the header"));
+        let found = format!("late metadata of {needed} bytes with {free} bytes reserved");
+        return Err(Error::unwritable(path, found, "reserve more bytes in the header"));
     }
     Ok(())
 }
@@ -124,7 +124,7 @@ fn check_metadata(path: &Path, metadata: &[(String, String)], late: &[(String, S
     Ok(())
 }
 
-/// Bytes of these entries in a header.
+/// Returns the size of these entries in a header, in bytes.
 fn size(metadata: &[(String, String)]) -> usize {
     metadata.iter().map(|(key, value)| key.len() + value.len() + ENTRY).sum()
 }
@@ -137,7 +137,7 @@ fn check_name(path: &Path, what: &str, name: &str) -> Result<(), Error> {
     Err(Error::unwritable(path, found, "EXR takes 1 to 255 bytes without zeros"))
 }
 
-/// The bytes before the table of chunk offsets; as many whatever late metadata there are.
+/// Returns the bytes before the table of chunk offsets; their number does not depend on the late metadata.
 pub(super) fn encode(header: &ExrHeader, sorted: &[usize], late: &[(String, String)]) -> Vec<u8> {
     let metadata = || header.metadata.iter().chain(late);
     let names = header.channels.iter().map(|(name, _)| name).chain(metadata().map(|(key, _)| key));
@@ -162,7 +162,7 @@ pub(super) fn encode(header: &ExrHeader, sorted: &[usize], late: &[(String, Stri
         push(&mut bytes, key, "string", value.as_bytes());
     }
     if header.late_metadata > 0 {
-        // A type that no reader knows, so that it is nobody's metadata.
+        // A type that no reader knows, so that no reader takes it for metadata.
         push(&mut bytes, FREE, "free", &vec![0; header.late_metadata.saturating_sub(size(late))]);
     }
     bytes.push(0);
@@ -184,7 +184,7 @@ fn channel_list(header: &ExrHeader, sorted: &[usize]) -> Vec<u8> {
         bytes.extend(name.as_bytes());
         bytes.push(0);
         bytes.extend(if *sample_type == SampleType::Half { 1_i32 } else { 2 }.to_le_bytes());
-        // Not quantized linearly (only lossy methods care); three reserved bytes.
+        // Not quantized linearly (relevant for lossy methods only); three reserved bytes.
         bytes.extend([0; 4]);
         bytes.extend([1_i32.to_le_bytes(), 1_i32.to_le_bytes()].concat());
     }
@@ -192,7 +192,7 @@ fn channel_list(header: &ExrHeader, sorted: &[usize]) -> Vec<u8> {
     bytes
 }
 
-/// The window as the format has it, corners inclusive; [`check`] keeps them within 31 bits.
+/// Writes a window in the form of EXR, with inclusive corners; [`check`] keeps them within 31 bits.
 fn corners(window: Window) -> Vec<u8> {
     [window.x0, window.y0, window.x1 - 1, window.y1 - 1].iter().flat_map(|&a| (a as i32).to_le_bytes()).collect()
 }

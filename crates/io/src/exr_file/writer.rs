@@ -1,4 +1,4 @@
-//! Writing EXR band by band, from any thread: one part of scanlines, ZIP compression.
+//! Writing of EXR band by band, from any thread: one part of scanlines with ZIP compression.
 
 use std::collections::BTreeMap;
 use std::io::{Seek, SeekFrom, Write};
@@ -18,13 +18,13 @@ use crate::{Compression, Error, SampleType, Samples, Storage, Target};
 
 /// Largest finite half.
 const MAX_HALF: f32 = 65504.0;
-/// Spent buffers that are kept for further bands.
+/// Maximum number of used buffers that are kept for further bands.
 const SPARE: usize = 64;
 
-/// An EXR file being written band by band: 16 rows at a time, compressed by any number of threads, in any order.
+/// EXR file being written band by band: 16 rows at a time, compressed by any number of threads, in any order.
 ///
-/// The file's bytes do not depend on that order. The file appears with [`ExrWriter::finish`], whole; without it, an
-/// existing file stays as it was.
+/// The bytes of the file do not depend on that order. The whole file appears with [`ExrWriter::finish`]; without it, an
+/// existing file stays unchanged.
 ///
 /// ```
 /// use trochoid_image::Window;
@@ -60,26 +60,26 @@ pub struct ExrWriter {
     path: PathBuf,
     header: ExrHeader,
     layout: Layout,
-    /// Indices into the header's channels, in the order of their names, as chunks store them.
+    /// Indices into the header's channels, in the order of their names, in which chunks store them.
     sorted: Vec<usize>,
-    /// Words of a pixel.
+    /// Words per pixel.
     words: usize,
     state: Mutex<State>,
 }
 
-/// What threads that push change in turn.
+/// State that threads change in turn when they push bands.
 struct State {
     file: AtomicFile,
-    /// Where the next chunk goes.
+    /// Position of the next chunk.
     position: u64,
-    /// Places of the chunks so far.
+    /// Positions of the chunks so far.
     table: Vec<u8>,
-    /// Bands that came before their predecessors.
+    /// Bands that arrived before their predecessors.
     early: BTreeMap<usize, Vec<u8>>,
     spare: Vec<Vec<u8>>,
 }
 
-/// Memory of one thread that encodes, used again for the next band.
+/// Reusable memory of a thread that encodes bands.
 #[derive(Default)]
 pub struct EncodeScratch {
     words: Vec<u16>,
@@ -88,7 +88,7 @@ pub struct EncodeScratch {
 }
 
 impl EncodeScratch {
-    /// Memory that grows with the first band.
+    /// Creates empty scratch memory, which grows with the first band.
     pub fn new() -> Self {
         Self::default()
     }
@@ -100,7 +100,7 @@ impl std::fmt::Debug for EncodeScratch {
     }
 }
 
-/// A compressed band on its way from [`ExrWriter::encode`] to [`ExrWriter::push`].
+/// Compressed band, which [`ExrWriter::encode`] returns and [`ExrWriter::push`] takes.
 #[derive(Debug)]
 pub struct EncodedBand {
     band: usize,
@@ -108,11 +108,11 @@ pub struct EncodedBand {
 }
 
 impl ExrWriter {
-    /// Starts a file.
+    /// Starts writing a file.
     ///
     /// # Errors
-    /// Names clash or do not fit EXR, a sample type is neither half nor float, a window is empty or beyond 30 bits, or no
-    /// file can be made there.
+    /// Names clash or do not fit EXR, a sample type is neither half nor float, a window is empty or beyond 30 bits, or
+    /// the file cannot be created.
     pub fn create(target: impl Into<Target>, header: &ExrHeader) -> Result<Self, Error> {
         let target = target.into();
         let path = target.path();
@@ -126,29 +126,29 @@ impl ExrWriter {
             return Err(Error::unwritable(path, found, "16 rows must stay below 2 GiB"));
         }
         let mut file = AtomicFile::create(&target)?;
-        // Header and table come last, into the place left free here.
+        // The header and the table are written last, into the space reserved here.
         let position = (write_header::encode(header, &sorted, &[]).len() + 8 * layout.bands()) as u64;
         file.writer.seek(SeekFrom::Start(position)).map_err(Error::io(path, "write the file"))?;
         let state = State { file, position, table: Vec::new(), early: BTreeMap::new(), spare: Vec::new() };
         Ok(Self { path: path.into(), header: header.clone(), layout, sorted, words, state: Mutex::new(state) })
     }
 
-    /// What the file is to hold.
+    /// Returns the description of the file.
     pub fn header(&self) -> &ExrHeader {
         &self.header
     }
 
-    /// Rows of a band; the last one may have fewer.
+    /// Returns the number of rows in a band; the last band may have fewer.
     pub fn rows_per_band(&self) -> usize {
         self.layout.height
     }
 
-    /// Number of bands, from the top down.
+    /// Returns the number of bands, which are counted from the top.
     pub fn bands(&self) -> usize {
         self.layout.bands()
     }
 
-    /// Pixels of a band: whole rows of the data window; empty for a band that does not exist.
+    /// Returns the window of a band: whole rows of the data window; empty for a band that does not exist.
     pub fn band_window(&self, band: usize) -> Window {
         self.layout.band(band)
     }
@@ -162,13 +162,13 @@ impl ExrWriter {
         if area == 0 || rows.len() != self.header.channels.len() || rows.iter().any(|samples| samples.len() != area) {
             let lengths: Vec<usize> = rows.iter().map(|samples| samples.len()).collect();
             let found = format!("band {band} of {area} pixels with channels of {lengths:?} samples");
-            return Err(Error::unwritable(&self.path, found, "pass all channels of a band, one sample a pixel"));
+            return Err(Error::unwritable(&self.path, found, "pass all channels of a band, one sample per pixel"));
         }
         let samples: Vec<Samples<'_>> = rows.iter().map(|samples| Samples::contiguous(samples)).collect();
         self.encode_samples(band, &samples, 0, scratch)
     }
 
-    /// The same, of samples that begin at `start`.
+    /// Compresses samples that begin at `start`.
     pub(super) fn encode_samples(
         &self,
         band: usize,
@@ -205,10 +205,10 @@ impl ExrWriter {
         Ok(EncodedBand { band, bytes })
     }
 
-    /// Refuses the first value of a row that half cannot hold; NaN and infinities it can.
+    /// Refuses the first value of a row that half cannot represent; NaN and infinities are accepted.
     fn check_half(&self, channel: usize, values: &[f32], y: i64) -> Result<(), Error> {
         let bad = |value: &f32| value.is_finite() && value.abs() > MAX_HALF;
-        // Without a branch for each value, eight and more are compared at once.
+        // Without a branch per value, eight or more are compared at once.
         if !values.iter().fold(false, |any, value| any | bad(value)) {
             return Ok(());
         }
@@ -223,12 +223,12 @@ impl ExrWriter {
         })
     }
 
-    /// Adds a band to the file; in any order, from any thread.
+    /// Adds a band to the file, in any order, from any thread.
     ///
-    /// A band is held in memory until all bands before it have come.
+    /// A band is held in memory until all bands before it have been pushed.
     ///
     /// # Errors
-    /// The band came before, or the file cannot be written.
+    /// The band has been pushed before, or the file cannot be written.
     pub fn push(&self, encoded: EncodedBand) -> Result<(), Error> {
         let mut state = lock(&self.state);
         let state = &mut *state;
@@ -250,11 +250,11 @@ impl ExrWriter {
         Ok(())
     }
 
-    /// Completes the file, with metadata that were not known before, and puts it in its place.
+    /// Completes the file with late metadata, and moves it to its place.
     ///
     /// # Errors
-    /// A band is missing, the metadata clash with the header's or exceed [`ExrHeader::late_metadata`], or the file cannot
-    /// be written.
+    /// A band is missing, the metadata clash with the header's or exceed [`ExrHeader::late_metadata`], or the file
+    /// cannot be written.
     pub fn finish(self, late: &[(String, String)]) -> Result<(), Error> {
         write_header::check_late(&self.path, &self.header, late)?;
         let State { mut file, table, .. } = self.state.into_inner().unwrap_or_else(|error| error.into_inner());

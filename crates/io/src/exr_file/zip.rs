@@ -1,6 +1,7 @@
-//! ZIP and ZIPS: low and high bytes of a chunk's 16-bit words apart, as differences, deflated.
+//! ZIP and ZIPS: the low and the high bytes of a chunk's 16-bit words are separated, stored as differences, and
+//! deflated.
 //!
-//! A 32-bit sample is two words, the low one first.
+//! A 32-bit sample is two words, low word first.
 
 use libdeflater::{CompressionLvl, Compressor, DecompressionError, Decompressor};
 
@@ -10,10 +11,10 @@ use crate::limits::grow;
 /// Compression level of libdeflate. Measured on noisy half RGB, 2 is a fifth faster than 4, OpenEXR's default, and its
 /// files are 1.4 % larger; 1 saves as much time again for another 1.2 %, but costs 3.3 % and more on float channels.
 const LEVEL: i32 = 2;
-/// Differences are stored around this.
+/// Offset of stored differences.
 const ZERO: u8 = 128;
 
-/// Takes compressed chunks apart, with memory that is used again.
+/// Decoder of compressed chunks with reusable memory.
 pub(super) struct Inflater {
     decompressor: Decompressor,
     bytes: Vec<u8>,
@@ -26,7 +27,7 @@ impl Default for Inflater {
 }
 
 impl Inflater {
-    /// The words of a chunk of `size` bytes; that its bytes can stand for so many was checked.
+    /// Decodes the words of a chunk of `size` bytes, which has been checked to be possible.
     pub(super) fn inflate(&mut self, packed: &[u8], size: usize) -> Result<Words<'_>, Failure> {
         grow(&mut self.bytes, size).map_err(Failure::Memory)?;
         let bytes = &mut self.bytes[..size];
@@ -41,22 +42,23 @@ impl Inflater {
     }
 }
 
-/// Words of an inflated chunk, taken from the front.
+/// Reader of an inflated chunk's words from the front.
 pub(super) struct Words<'a> {
     low: &'a [u8],
     high: &'a [u8],
-    /// The low and the high byte of the last word.
+    /// Low and high byte of the last word.
     last: [u8; 2],
 }
 
 impl<'a> Words<'a> {
     fn new(bytes: &'a [u8]) -> Self {
         let (low, high) = bytes.split_at(bytes.len() / 2);
-        // The high bytes go on where the low ones end. Sums of bytes are fast, so both can be undone side by side.
+        // The differences of the high bytes continue from the low ones. Sums of bytes are fast, so both halves are
+        // decoded side by side.
         Self { low, high, last: [ZERO, sum(ZERO, low)] }
     }
 
-    /// The next words.
+    /// Takes the next words.
     pub(super) fn take(&mut self, out: &mut [u16]) {
         let (low, high) = self.split_off(out.len());
         let (low_eights, low_rest) = low.as_chunks();
@@ -74,7 +76,7 @@ impl<'a> Words<'a> {
         self.last = [a, b];
     }
 
-    /// Passes over words that nobody wants.
+    /// Skips words.
     pub(super) fn skip(&mut self, count: usize) {
         let (low, high) = self.split_off(count);
         self.last = [sum(self.last[0], low), sum(self.last[1], high)];
@@ -87,19 +89,20 @@ impl<'a> Words<'a> {
     }
 }
 
-/// What differences add up to.
+/// Returns the sum of differences.
 fn sum(start: u8, differences: &[u8]) -> u8 {
     differences.iter().fold(start, |sum, byte| sum.wrapping_add(byte ^ ZERO))
 }
 
-/// Every other byte of a word.
+/// Mask of every other byte of a word.
 const BYTES: u64 = 0x00ff_00ff_00ff_00ff;
-/// Times this, every lane of 16 bits becomes the sum of the lanes up to it.
+/// Factor that turns every lane of 16 bits into the sum of the lanes up to it.
 const SUMS: u64 = 0x0001_0001_0001_0001;
 
-/// Running sums of eight differences, from `last` on: those of even and those of odd place, in lanes of 16 bits.
+/// Returns the running sums of eight differences, starting from `last`: those at even and at odd places, in lanes of 16
+/// bits.
 ///
-/// One byte after the other waits for the one before; here eight wait for a single addition. Lanes are wide enough for
+/// Byte by byte, each sum depends on the one before; here eight sums take a single addition. Lanes are wide enough for
 /// the sums of nine bytes.
 fn running(differences: &[u8; 8], last: &mut u8) -> [u64; 2] {
     let bytes = u64::from_le_bytes(*differences) ^ u64::from_le_bytes([ZERO; 8]);
@@ -111,13 +114,13 @@ fn running(differences: &[u8; 8], last: &mut u8) -> [u64; 2] {
     [even.wrapping_add(odd << 16).wrapping_add(start) & BYTES, pairs.wrapping_add(start) & BYTES]
 }
 
-/// Low and high bytes, as even and odd lanes, put together.
+/// Joins low and high bytes, given as even and odd lanes.
 fn eight_words(low: [u64; 2], high: [u64; 2]) -> [u16; 8] {
     let [even, odd] = [low[0] | (high[0] << 8), low[1] | (high[1] << 8)];
     std::array::from_fn(|i| ([even, odd][i % 2] >> (16 * (i / 2))) as u16)
 }
 
-/// Makes compressed chunks, with memory that is used again.
+/// Encoder of compressed chunks with reusable memory.
 pub(super) struct Deflater {
     compressor: Compressor,
     bytes: Vec<u8>,
@@ -125,14 +128,14 @@ pub(super) struct Deflater {
 
 impl Default for Deflater {
     fn default() -> Self {
-        // A level that the library does not know would be its default, 6.
+        // An unknown level would fall back to the library's default, 6.
         let level = CompressionLvl::new(LEVEL).unwrap_or_default();
         Self { compressor: Compressor::new(level), bytes: Vec::new() }
     }
 }
 
 impl Deflater {
-    /// Appends the chunk of these words; as they are where they do not shrink.
+    /// Appends the chunk of these words, unchanged if they do not shrink.
     pub(super) fn deflate(&mut self, words: &[u16], out: &mut Vec<u8>) {
         self.bytes.resize(2 * words.len(), 0);
         differences(words, &mut self.bytes);
@@ -151,7 +154,7 @@ impl Deflater {
     }
 }
 
-/// All low bytes, then all high bytes, each as its difference to the one before.
+/// Stores all low bytes, then all high bytes, each as its difference from the one before.
 fn differences(words: &[u16], out: &mut [u8]) {
     let (low, high) = out.split_at_mut(words.len());
     let ([low_first, low @ ..], [high_first, high @ ..]) = (low, high) else { return };

@@ -7,7 +7,7 @@ fn running_sums_of_eight_are_those_of_one_after_the_other() {
         let mut bytes = [0; 37];
         for byte in &mut bytes {
             seed = seed.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
-            // Extremes are where carries go wrong.
+            // Carries go wrong at extremes.
             *byte = [0, 0x7f, 0x80, 0xff, (seed >> 40) as u8][(seed >> 33) as usize % 5];
         }
         let mut last = ZERO;

@@ -1,4 +1,4 @@
-//! Writing PNG, with metadata as text.
+//! Writing of PNG with metadata as text.
 
 mod text;
 
@@ -11,7 +11,7 @@ pub(crate) use text::{check_whole, read_text, readable_text};
 
 use crate::{Error, Samples, Target};
 
-/// A picture to be written as PNG: display-encoded values in 0 to 1.
+/// Picture to write as PNG, with display-encoded values from 0 to 1.
 #[derive(Clone, Debug)]
 pub struct PngImage<'a> {
     /// Width in pixels.
@@ -20,14 +20,14 @@ pub struct PngImage<'a> {
     pub height: u32,
     /// Gray, gray and alpha, RGB, or RGBA: one to four channels of width × height samples.
     pub channels: Vec<Samples<'a>>,
-    /// Whether values outside 0 to 1 become the nearest legal value; otherwise they are refused. NaN always is.
+    /// Whether values outside 0 to 1 are clamped; otherwise they are refused. NaN is always refused.
     pub clamp: bool,
     /// Keywords and texts, in order; keywords have 1 to 79 printable Latin-1 characters.
     pub metadata: Vec<(String, String)>,
 }
 
 impl<'a> PngImage<'a> {
-    /// A picture without metadata that refuses values outside 0 to 1.
+    /// Creates a picture without metadata that refuses values outside 0 to 1.
     pub fn new(width: u32, height: u32, channels: impl Into<Vec<Samples<'a>>>) -> Self {
         Self { width, height, channels: channels.into(), clamp: false, metadata: Vec::new() }
     }
@@ -36,7 +36,7 @@ impl<'a> PngImage<'a> {
 const COLORS_8: [ExtendedColorType; 4] =
     [ExtendedColorType::L8, ExtendedColorType::La8, ExtendedColorType::Rgb8, ExtendedColorType::Rgba8];
 
-/// Writes 8 bits a channel, rounded to nearest, atomically and marked as sRGB.
+/// Writes 8 bits per channel, rounded to nearest, atomically and marked as sRGB.
 ///
 /// ```
 /// use trochoid_io::{Limits, PngImage, Samples, Selection, read, write_png8};
@@ -58,7 +58,7 @@ pub fn write_png8(target: impl Into<Target>, image: &PngImage<'_>) -> Result<(),
     write(&target, image, &bytes, COLORS_8)
 }
 
-/// The bytes of a file of 8 bits a channel, rounded to nearest, marked as sRGB.
+/// Encodes a file with 8 bits per channel, rounded to nearest, marked as sRGB.
 ///
 /// # Errors
 /// As [`write_png8`], except that nothing is written.
@@ -68,7 +68,7 @@ pub fn encode_png8(image: &PngImage<'_>) -> Result<Vec<u8>, Error> {
     encode(path, image, &bytes, COLORS_8)
 }
 
-/// Writes 16 bits a channel, rounded to nearest, atomically and marked as sRGB.
+/// Writes 16 bits per channel, rounded to nearest, atomically and marked as sRGB.
 ///
 /// # Errors
 /// As [`write_png8`].
@@ -97,7 +97,7 @@ fn quantize(
     for (index, samples) in image.channels.iter().enumerate() {
         if samples.len() != area {
             let found = format!("channel {} with {} samples for {area} pixels", name(count, index), samples.len());
-            return Err(Error::unwritable(path, found, "pass one sample a pixel"));
+            return Err(Error::unwritable(path, found, "pass one sample per pixel"));
         }
     }
     let mut bytes = crate::limits::reserve(path, "the picture", area * count * bytes_per_sample)?;
@@ -143,7 +143,7 @@ fn encode(path: &Path, image: &PngImage<'_>, bytes: &[u8], colors: [ExtendedColo
         .map_err(|error| {
             Error::unwritable(path, format!("a picture that the PNG encoder refuses ({error})"), "a smaller one")
         })?;
-    // Text stands before the pixels, so that reading it back does not pass over them.
+    // Text is written before the pixels, so that reading it does not have to skip them.
     let (head, pixels) = png.split_at(text::HEADER.min(png.len()));
     Ok([head, &text, pixels].concat())
 }

@@ -6,12 +6,12 @@ use std::path::Path;
 use crate::Error;
 use crate::source::Source;
 
-/// Bytes of the signature and the first chunk, behind which other chunks may stand.
+/// Size of the signature and the first chunk, in bytes; other chunks may follow.
 pub(super) const HEADER: usize = 8 + 12 + 13;
-/// Most bytes of text that are read.
+/// Maximum number of bytes of text that are read.
 const MAX_TEXT: u64 = 64 << 20;
 
-/// An sRGB mark and one text chunk for each pair.
+/// Writes an sRGB mark, and one text chunk for each pair.
 pub(super) fn chunks(path: &Path, metadata: &[(String, String)]) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     // Rendering intent: perceptual.
@@ -47,35 +47,36 @@ fn push(bytes: &mut Vec<u8>, kind: [u8; 4], data: &[u8]) {
     bytes.extend(crc(&[&kind, data]).to_be_bytes());
 }
 
-/// Keywords and texts of all uncompressed text chunks, in order. Compressed ones, which are never written, are skipped.
+/// Reads the keywords and texts of all uncompressed text chunks, in order. Compressed ones, which this crate never
+/// writes, are skipped.
 pub(crate) fn read_text<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Vec<(String, String)>, Error> {
     let mut found = Vec::new();
     walk(source, &mut found)?;
     Ok(found)
 }
 
-/// The same of what can be read.
+/// Reads keywords and texts as far as that is possible.
 pub(crate) fn readable_text<R: BufRead + Seek>(source: &mut Source<R>) -> Vec<(String, String)> {
     let mut found = Vec::new();
     let _ = walk(source, &mut found);
     found
 }
 
-/// Whether the file ends with its end mark.
+/// Checks that the file ends with its end mark.
 pub(crate) fn check_whole<R: BufRead + Seek>(source: &mut Source<R>) -> Result<(), Error> {
-    let expected = "the end mark IEND, and nothing behind it";
+    let expected = "the end mark IEND, and nothing after it";
     match walk(source, &mut Vec::new())? {
         Some(end) if end == source.length => Ok(()),
         Some(end) => {
-            let found = format!("{} bytes behind the end", source.length - end);
+            let found = format!("{} bytes after the end", source.length - end);
             Err(Error::invalid(&source.path, format!("byte {end}"), found, expected))
         }
         None => Err(Error::invalid(&source.path, "last bytes", "no end mark", expected)),
     }
 }
 
-/// Collects texts chunk by chunk. Where the end mark ends; some writers leave it out, and the pixels' own decoder judges what
-/// is missing.
+/// Collects texts chunk by chunk; returns the position after the end mark. Some writers omit the mark, and the decoder
+/// of the pixels judges whether anything is missing.
 fn walk<R: BufRead + Seek>(source: &mut Source<R>, found: &mut Vec<(String, String)>) -> Result<Option<u64>, Error> {
     let mut position = 8;
     let mut total = 0;
@@ -108,7 +109,7 @@ fn walk<R: BufRead + Seek>(source: &mut Source<R>, found: &mut Vec<(String, Stri
             }
             found.extend(parse(kind, data));
         } else {
-            // Stays within the buffer for small chunks, of which a hostile file can have millions.
+            // Seeking stays within the buffer for small chunks, of which a hostile file can have millions.
             let skip = source.reader.seek_relative(length as i64 + 4);
             skip.map_err(Error::io(&source.path, "read the file"))?;
         }
@@ -133,7 +134,7 @@ fn parse(kind: &[u8], data: &[u8]) -> Option<(String, String)> {
     Some((key, String::from_utf8_lossy(text).into_owned()))
 }
 
-/// CRC-32 of the bytes, as in the PNG specification, annex D.
+/// Returns the CRC-32 of bytes by annex D of the PNG specification.
 fn crc(pieces: &[&[u8]]) -> u32 {
     const TABLE: [u32; 256] = {
         let mut table = [0; 256];

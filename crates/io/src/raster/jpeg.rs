@@ -1,4 +1,4 @@
-//! JPEG through the `image` crate, which decodes it as a whole, to bytes.
+//! Reading of JPEG by the `image` crate, which decodes the whole picture to bytes.
 
 use std::io::{BufRead, Seek};
 
@@ -11,11 +11,11 @@ use crate::limits::reserve;
 use crate::source::Source;
 use crate::{Encoding, Error, FileKind, SampleType};
 
-/// No byte stands for more bytes of pixels: at best a bit is a block of 64 samples, and of the blocks of 32 × 32 pixels, where
-/// one component has 4 across, one 4 down and one a single one, there are 9: 3072 bytes in 9 bits.
+/// Maximum number of pixel bytes per byte of a file. At best, a bit is a block of 64 samples. An area of 32 × 32 pixels
+/// has at least 9 blocks, if one component has 4 across, one 4 down, and one a single block: 3072 bytes in 9 bits.
 pub(crate) const DENSEST: u64 = 4096;
 
-/// What the frame's header says: a mark of its kind, bits a sample, and the picture's size.
+/// Header of the frame: a marker of its kind, bits per sample, and the size of the picture.
 struct Frame {
     mark: u8,
     bits: u8,
@@ -24,7 +24,7 @@ struct Frame {
     components: u8,
 }
 
-/// Finds the frame's header, and refuses a JPEG that stops short: its decoder would fill the rest with gray and say nothing.
+/// Finds the header of the frame, and refuses a truncated JPEG, whose decoder would silently fill the rest with gray.
 fn frame<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Frame, Error> {
     source.seek(2)?;
     let path = source.path.clone();
@@ -74,7 +74,7 @@ pub(super) fn form<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Form, Er
         _ => {}
     }
     if found.bits != 8 {
-        return Err(unsupported(path, format!("a JPEG with {} bits a sample", found.bits)));
+        return Err(unsupported(path, format!("a JPEG with {} bits per sample", found.bits)));
     }
     let color = match found.components {
         1 => false,
@@ -93,7 +93,7 @@ pub(super) fn form<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Form, Er
     };
     check_claim(path, &form, source.length, DENSEST)?;
     if found.mark == 0xc2 {
-        // Coefficients of 16 bits, of all components, and of those that were rounded up to whole blocks.
+        // Coefficients of 16 bits for all components, whose sizes are rounded up to whole blocks.
         form.working = form.working.saturating_add(
             2 * (u64::from(found.width) + 64) * (u64::from(found.height) + 64) * u64::from(found.components),
         );

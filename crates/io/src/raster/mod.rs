@@ -1,5 +1,5 @@
-//! PNG, JPEG and TIFF, row by row: of a picture only what is wanted becomes f32, and of most files no more than a few rows
-//! are decoded at a time.
+//! Reading of PNG, JPEG and TIFF row by row: only requested samples are converted to f32, and for most files only a few
+//! rows are decoded at a time.
 
 mod form;
 mod jpeg;
@@ -36,7 +36,7 @@ pub(crate) fn form<R: BufRead + Seek>(source: &mut Source<R>, kind: FileKind) ->
     Ok(form)
 }
 
-/// What a header says, for users.
+/// Returns the description of a header for users.
 pub(crate) fn info<R: BufRead + Seek>(source: &mut Source<R>, kind: FileKind) -> Result<(PartInfo, Form), Error> {
     let attributes = if kind == FileKind::Png { png_file::read_text(source)? } else { Vec::new() };
     let form = form(source, kind)?;
@@ -68,7 +68,7 @@ pub(crate) fn info<R: BufRead + Seek>(source: &mut Source<R>, kind: FileKind) ->
     Ok((part, form))
 }
 
-/// Decodes all rows and hands over `channels` of each, from the top down; stops where the taker breaks off.
+/// Decodes all rows and passes `channels` of each to the receiver, from the top down, until the receiver stops.
 pub(crate) fn each_row<R: BufRead + Seek>(
     source: &mut Source<R>,
     kind: FileKind,
@@ -102,7 +102,7 @@ pub(crate) fn each_row<R: BufRead + Seek>(
             hand_over(y, &mirrored)
         });
     }
-    // Rows of the upright picture are columns of the stored one, or come from below.
+    // Rows of the upright picture are columns of the stored one, or are stored bottom to top.
     let mut whole: Vec<u8> = reserve(&source.path, PLACE, form.row_bytes() * form.height as usize)?;
     rows(source, kind, form, &mut |_, row| {
         whole.extend_from_slice(row);
@@ -132,7 +132,7 @@ fn rows<R: BufRead + Seek>(
     }
 }
 
-/// One channel of a row of interleaved samples as numbers.
+/// Converts one channel of a row of interleaved samples to f32.
 fn spread(row: &[u8], form: &Form, channel: usize, line: &mut [f32]) {
     fn each<const N: usize>(row: &[u8], channel: usize, count: usize, line: &mut [f32], of: impl Fn([u8; N]) -> f32) {
         let samples = row.as_chunks::<N>().0.iter().skip(channel).step_by(count);

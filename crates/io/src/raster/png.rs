@@ -1,4 +1,4 @@
-//! PNG row by row, by the `png` crate; interlaced ones as a whole.
+//! Reading of PNG row by row, by the `png` crate; interlaced files are decoded as a whole.
 
 use std::io::{BufRead, ErrorKind, Seek};
 use std::ops::ControlFlow;
@@ -12,19 +12,19 @@ use crate::limits::reserve;
 use crate::source::Source;
 use crate::{Encoding, Error, FileKind, SampleType};
 
-/// No byte of DEFLATE stands for more; it holds a byte beside each row.
+/// Maximum number of bytes per byte of DEFLATE; each row has one byte in addition to its pixels.
 const DEFLATE: u64 = 1032;
-/// Bytes that decoding a row takes besides rows: the window of DEFLATE and buffers around it; ancillary chunks.
+/// Memory for decoding in addition to rows, in bytes: the window of DEFLATE with its buffers, and ancillary chunks.
 const WORKING: usize = 1 << 20;
 
 fn open<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Reader<&mut R>, Error> {
     let path = source.path.clone();
-    // What the crate holds of rows is not more than the file can inflate to.
+    // The rows that the crate holds are limited by the size that the file can inflate to.
     let room = usize::try_from(source.length.saturating_mul(DEFLATE)).unwrap_or(usize::MAX).saturating_add(WORKING);
     let mut decoder = Decoder::new_with_limits(&mut source.reader, png::Limits { bytes: room });
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);
-    // Palettes and small samples become bytes, marked colors alpha.
+    // Palettes and small samples are converted to bytes, transparent colors to alpha.
     decoder.set_transformations(Transformations::EXPAND);
     decoder.read_info().map_err(|error| failed(&path, 0, error))
 }
@@ -60,7 +60,7 @@ pub(super) fn form<R: BufRead + Seek>(source: &mut Source<R>) -> Result<Form, Er
         height: info.height,
         sample_type: if depth == BitDepth::Sixteen { SampleType::U16 } else { SampleType::U8 },
         bases,
-        // A damaged tag says nothing; viewers show such a picture as it is.
+        // A damaged tag is ignored, as in viewers.
         orientation: exif.and_then(|chunk| Orientation::from_exif_chunk(chunk)).unwrap_or(Orientation::NoTransforms),
         encoding: Encoding::Srgb,
         rows: if info.interlaced { info.height } else { 4 },
@@ -102,12 +102,12 @@ pub(super) fn rows<R: BufRead + Seek>(
             return Ok(());
         }
     }
-    // What stands behind the last row, its checksum too.
+    // The data after the last row, including its checksum.
     reader.read_row(&mut row).map_err(|error| failed(&path, form.height as usize, error))?;
     Ok(())
 }
 
-/// Samples of 16 bits are stored with their high byte first.
+/// Converts samples of 16 bits, which are stored with their high byte first.
 fn native<'r>(row: &'r mut [u8], form: &Form) -> &'r [u8] {
     if form.sample_type == SampleType::U16 {
         row.as_chunks_mut().0.iter_mut().for_each(|sample| *sample = u16::from_be_bytes(*sample).to_ne_bytes());

@@ -1,11 +1,11 @@
-//! Pictures turned upright, as their orientation tag says.
+//! Turning of pictures according to their orientation tags.
 
 use image::metadata::Orientation;
 use trochoid_image::Window;
 
 use super::form::Form;
 
-/// The window of the upright picture.
+/// Returns the window of the upright picture.
 pub(crate) fn oriented(stored: Window, orientation: Orientation) -> Window {
     use Orientation::{Rotate90, Rotate90FlipH, Rotate270, Rotate270FlipH};
     match orientation {
@@ -14,7 +14,7 @@ pub(crate) fn oriented(stored: Window, orientation: Orientation) -> Window {
     }
 }
 
-/// Row `y` of the upright picture, from all pixels as they are stored.
+/// Extracts row `y` of the upright picture from all stored pixels.
 pub(super) fn row(whole: &[u8], form: &Form, y: usize, out: &mut Vec<u8>) {
     let (w, h, size) = (form.width as usize, form.height as usize, form.pixel());
     let width = oriented(form.stored(), form.orientation).width();

@@ -9,7 +9,7 @@ use super::make::{METHODS, Method, Part, SMALL, exr, random, read};
 use crate::source::Source;
 use crate::{Levels, Selection, metadata};
 
-/// Small valid files of every kind.
+/// Returns small valid files of every kind.
 fn files() -> Vec<(String, Vec<u8>)> {
     let size = (19, 21);
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
@@ -38,7 +38,7 @@ fn files() -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// Everything that reads; the outcome does not matter, that there is one does.
+/// Calls all functions that read. Any result is accepted, as long as they return.
 fn survive(name: &str, case: &str, bytes: &[u8]) {
     let attempt = catch_unwind(AssertUnwindSafe(|| {
         let _ = crate::read::info_of(&mut Source::of_bytes(bytes.to_vec()), &SMALL);
@@ -51,7 +51,7 @@ fn survive(name: &str, case: &str, bytes: &[u8]) {
     assert!(attempt.is_ok(), "{name}, {case}: panicked");
 }
 
-/// Cases of each test and file; `TROCHOID_DAMAGE_ROUNDS` asks for a longer search.
+/// Number of cases for each test and file; the environment variable `TROCHOID_DAMAGE_ROUNDS` sets another.
 fn rounds() -> usize {
     std::env::var("TROCHOID_DAMAGE_ROUNDS").ok().and_then(|text| text.parse().ok()).unwrap_or(150)
 }

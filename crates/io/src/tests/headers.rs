@@ -1,4 +1,4 @@
-//! Headers: hostile claims, unsupported kinds, and what they say of good files.
+//! Headers: hostile claims, unsupported kinds, and descriptions of good files.
 
 use trochoid_image::{Chromaticities, Window};
 
@@ -6,7 +6,7 @@ use super::make::{Method, Part, SMALL, describe, exr, read};
 use crate::source::Source;
 use crate::{BandBuffer, Compression, Error, ExrReader, FileKind, Levels, Limits, SampleType, Selection, Storage};
 
-/// Builds a header attribute by attribute.
+/// Builder of headers, attribute by attribute.
 #[derive(Clone)]
 struct Head(Vec<u8>);
 
@@ -48,7 +48,7 @@ impl Head {
         self.with("channels", "chlist", &list)
     }
 
-    /// A part of one half channel Y with this size.
+    /// Adds the attributes of a part with one half channel Y and this size.
     fn part(self, width: i32, height: i32, compression: u8) -> Self {
         self.channels(&[("Y", 1, 1)])
             .with("compression", "compression", &[compression])
@@ -85,7 +85,7 @@ fn huge_claims_are_refused_at_once() {
     ] {
         assert!(matches!(refused(&bytes), Error::TooLarge { .. }), "{}", refused(&bytes));
     }
-    // Small enough in pixels, but one chunk would need too much.
+    // Small enough in pixels, but one chunk would need too much memory.
     let wide = Head::new(0).part(1 << 20, 1, 9).end();
     let limits = Limits { pixels: u64::MAX, bytes: 1 << 20 };
     let error = crate::read::read_of(Source::of_bytes(wide), &Selection::default(), &limits).unwrap_err();
@@ -94,7 +94,7 @@ fn huge_claims_are_refused_at_once() {
 
 #[test]
 fn a_chunk_that_cannot_hold_its_pixels_takes_no_memory() {
-    // A row of two MiB in 40 bytes, by every method.
+    // A row of 2 MiB in 40 bytes, by every method.
     for compression in 1..=9 {
         let mut bytes = Head::new(0).part(1 << 20, 1, compression).end();
         let chunk = bytes.len() as u64 + 8;

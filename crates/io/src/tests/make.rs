@@ -1,4 +1,4 @@
-//! Makes small files, byte by byte or with the `exr` crate.
+//! Construction of small files, byte by byte or with the `exr` crate.
 
 use std::io::Cursor;
 
@@ -15,7 +15,7 @@ use crate::{Error, Info, Levels, Limits, Picture, Selection};
 
 pub(super) use exr::compression::Compression as Method;
 
-/// Every method that the `exr` crate writes.
+/// All methods that the `exr` crate writes.
 pub(super) const METHODS: [Method; 10] = [
     Method::Uncompressed,
     Method::RLE,
@@ -43,13 +43,13 @@ pub(super) fn random() -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(0x0cea_2026)
 }
 
-/// Smooth values with some noise: neither all compressible nor none.
+/// Returns smooth values with some noise, which are partly compressible.
 pub(super) fn values(count: usize, salt: u32) -> Vec<f32> {
     let mut random = Pcg64Mcg::seed_from_u64(u64::from(salt));
     (0..count).map(|i| (i as f32 * 0.01 + salt as f32).sin().abs() + random.random_range(0.0..0.01)).collect()
 }
 
-/// A part with half channels A and float channels Z and integer channels id.
+/// Part with half, float (Z) and integer (id) channels.
 pub(super) struct Part {
     pub(super) name: Option<&'static str>,
     pub(super) prefix: &'static str,
@@ -122,7 +122,7 @@ impl Part {
                 self.leveled(FlatSamples::F32(self.float()), |n| FlatSamples::F32(vec![9.0; n])),
             ),
         ];
-        // The lossy cosine transform of the crate does not take integers.
+        // The lossy cosine transform of the crate does not accept integers.
         if !matches!(self.method, Method::DWAA(_) | Method::DWAB(_)) {
             let integers = FlatSamples::U32(self.uint());
             list.push(AnyChannel::new(self.text("id"), self.leveled(integers, |n| FlatSamples::U32(vec![9; n]))));
@@ -130,7 +130,7 @@ impl Part {
         Layer::new(self.size, self.attributes(), self.encoding(), AnyChannels::sort(list.into()))
     }
 
-    /// Full resolution, and smaller levels of other values.
+    /// Full resolution, and smaller levels with other values.
     fn leveled(&self, full: FlatSamples, other: impl Fn(usize) -> FlatSamples) -> ExrLevels<FlatSamples> {
         let sizes = |size: usize| -> Vec<usize> {
             let up = self.rounding == RoundingMode::Up;
@@ -156,7 +156,7 @@ impl Part {
     }
 }
 
-/// A file of these parts, with the display window [0, 20) × [0, 10).
+/// Returns a file with these parts and the display window [0, 20) × [0, 10).
 pub(super) fn exr(parts: &[Part]) -> Vec<u8> {
     let display = IntegerBounds::from_dimensions((20, 10));
     let layers: Vec<_> = parts.iter().map(Part::layer).collect();

@@ -83,7 +83,7 @@ fn jpeg_is_close_and_must_be_whole() {
 
 #[test]
 fn orientation_is_applied() {
-    // An EXIF block that says "rotate by 90° clockwise" behind the start of the file.
+    // An EXIF block with "rotate by 90° clockwise" after the start of the file.
     let exif = b"\xff\xe1\x00\x22Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0";
     let image = image::RgbImage::from_fn(64, 32, |x, _| image::Rgb([if x < 32 { 0 } else { 255 }; 3]));
     let mut bytes = encoded(&DynamicImage::ImageRgb8(image), ImageFormat::Jpeg);
@@ -106,7 +106,7 @@ fn floating_point_tiff_is_linear() {
 fn huge_claims_are_refused() {
     let image = picture!(ImageRgb8, bytes_of(3));
     let png = encoded(&image, ImageFormat::Png);
-    // IHDR with 2³¹ − 1 pixels each way; its checksum is put right, as an attacker would.
+    // IHDR with 2³¹ − 1 pixels in each direction and a corrected checksum, as in an attack.
     let mut huge = png.clone();
     huge[16..24].copy_from_slice(&[0x7f, 0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff]);
     let sum = !huge[12..29].iter().fold(!0_u32, |mut c, &byte| {

@@ -1,4 +1,4 @@
-//! What is written comes back.
+//! Written files are read back unchanged.
 
 use half::f16;
 use trochoid_image::{Plane, Window, WorkingSpace};
@@ -39,7 +39,7 @@ fn both_sample_types_over_all_windows() {
         assert_eq!(beauty.channels[0].sample_type, SampleType::Half);
         let depth = read(&path, &Selection::layer("depth"), &Limits::default()).unwrap();
         assert_eq!(depth.channel("Z"), Some(&float));
-        // The file also reads back through the library that others use.
+        // The library that other programs use reads the file, too.
         let other = exr::prelude::read_all_flat_layers_from_file(&path).unwrap();
         assert_eq!(other.layer_data[0].size.area(), data.area());
     }

@@ -23,7 +23,7 @@ fn bands_hold_what_the_whole_picture_holds() {
     for method in METHODS {
         for part in [Part::new(method), Part::tiled(method, (16, 8)), Part::tiled(method, (64, 64))] {
             let bytes = exr(std::slice::from_ref(&part));
-            // One channel twice, one not at all.
+            // One channel twice, another not at all.
             let selection = Selection::channels(["Z", "A", "Z"]);
             let picture = super::make::read(&bytes, &selection).unwrap();
             let reader = reader(&bytes, &selection);
@@ -181,7 +181,7 @@ fn late_metadata_take_the_place_kept_for_them() {
         assert_eq!(picture.channels[0].plane, planes[0]);
         assert!(exr::prelude::read_all_flat_layers_from_file(&path).is_ok());
     }
-    // Exactly full: four bytes of name, five of value, twelve besides.
+    // Exactly full: four bytes of name, five of value, and twelve more.
     write(21, &[("late", "value")]).unwrap();
     let before = std::fs::read(&path).unwrap();
     for (free, late) in [
@@ -237,7 +237,7 @@ fn bands_that_do_not_fit_are_refused() {
     }
     let mut bad = full.clone();
     bad[2 * DATA.width() + 7] = -1e6;
-    // A float may be as large.
+    // Float accepts values of that size.
     writer.encode(1, &[&bad, &full, &full], scratch).unwrap();
     let error = writer.encode(1, &[&full, &full, &bad], scratch).unwrap_err();
     assert!(

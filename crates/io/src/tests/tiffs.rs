@@ -1,4 +1,4 @@
-//! TIFFs written here, tag by tag, of kinds that few programs write, against the values that were put in.
+//! TIFFs of rare kinds, written here tag by tag, compared with the values that were put in.
 
 use half::f16;
 
@@ -8,7 +8,7 @@ use crate::{Encoding, Error, SampleType, Selection};
 const WIDTH: usize = 19;
 const HEIGHT: usize = 11;
 
-/// A TIFF with these tags and chunks; `big` with the offsets of BigTIFF.
+/// TIFF with these tags and chunks; `big` uses the offsets of BigTIFF.
 #[derive(Clone, Default)]
 struct Tiff {
     big: bool,
@@ -73,7 +73,7 @@ impl Tiff {
     }
 }
 
-/// Different numbers below `most`, one for each sample.
+/// Returns different numbers below `most`, one for each sample.
 fn numbers(count: usize, most: usize) -> Vec<u32> {
     (0..WIDTH * HEIGHT * count).map(|i| (i * 7919 % most) as u32).collect()
 }
@@ -84,7 +84,7 @@ fn refused(tiff: &Tiff) -> String {
     error.to_string()
 }
 
-/// The picture's samples, pixel by pixel.
+/// Returns the samples of the picture, pixel by pixel.
 fn samples(tiff: &Tiff) -> (Vec<f32>, Encoding, SampleType) {
     let picture = read(&tiff.bytes(), &Selection::default()).unwrap();
     let planes: Vec<&[f32]> = picture.channels.iter().map(|channel| channel.plane.samples()).collect();
@@ -125,7 +125,7 @@ fn floats_of_all_sizes_as_they_are() {
     ] {
         assert_eq!(samples(&plain(bits).chunk(bytes)), (values.clone(), Encoding::Linear, kind), "{bits} bits");
     }
-    // Predictor 3: the bytes of a row apart, the high ones first, as differences.
+    // Predictor 3: the bytes of a row are separated, high bytes first, and stored as differences.
     let mut apart = Vec::new();
     for row in single.chunks_exact(WIDTH * 8) {
         let count = row.len() / 4;
@@ -180,7 +180,7 @@ fn palettes_cmyk_and_chroma_become_rgb() {
     let expected = inks.chunks_exact(4).flat_map(|p| [0, 1, 2].map(|ink| light(p[ink]) * light(p[3])));
     close(&samples(&tiff).0, expected, 0.5 / 255.0 + 1e-6);
 
-    // Of each block of 2 × 2 its lights, then Cb and Cr.
+    // For each block of 2 × 2 pixels: its luma samples, then Cb and Cr.
     let (across, down) = (WIDTH.div_ceil(2), HEIGHT.div_ceil(2));
     let block =
         |at: usize| [at * 3, at * 5 + 1, at * 7 + 2, at * 11 + 3, 100 + at % 50, 140 - at % 30].map(|v| v as u8);
@@ -276,15 +276,15 @@ fn claims_are_held_against_the_file() {
         let error = read(&tiff.bytes(), &Selection::default()).unwrap_err();
         assert!(matches!(error, Error::Invalid { .. }), "{error}");
     };
-    // Chunks that end behind the file, too few bytes, chunks that are not listed.
+    // Chunks that extend beyond the file, too few bytes, chunks that are not listed.
     let plain = Tiff::new(1, 1, 8).chunk(vec![0; WIDTH * HEIGHT]);
     let mut cut = plain.bytes();
     let at = cut.windows(2).position(|pair| pair == [0x17, 1]).unwrap();
     cut[at + 8..at + 12].copy_from_slice(&u32::MAX.to_le_bytes());
-    assert!(read(&cut, &Selection::default()).is_ok(), "what is not compressed has a size of its own");
+    assert!(read(&cut, &Selection::default()).is_ok(), "uncompressed data have their own size");
     invalid(&Tiff::new(1, 1, 8).chunk(vec![0; WIDTH]));
     invalid(&Tiff::new(1, 1, 8).tag(278, [1]).chunk(vec![0; WIDTH * HEIGHT]));
-    // A few bytes that claim to be many, by each method.
+    // A few bytes that claim to be many, for each method.
     for method in [1, 5, 7, 8, 32773] {
         let mut huge = Tiff::new(2, 3, 16).tag(259, [method]).chunk(vec![0x78; 40]);
         huge.tags[0].1 = vec![600];

@@ -1,4 +1,4 @@
-//! The first directory of a TIFF or BigTIFF, every claim held against the file's length.
+//! The first directory of a TIFF or BigTIFF. Every claim is checked against the file's length.
 
 use std::collections::HashMap;
 use std::io::{BufRead, Seek};
@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use crate::Error;
 use crate::source::Source;
 
-/// Entries of a directory; there are some hundred tags.
+/// Maximum number of entries in a directory; some hundred tags exist.
 const MOST_ENTRIES: u64 = 4096;
 
-/// Numbers of the tags that are read.
+/// Numbers of the supported tags.
 pub(super) mod tag {
     pub(crate) const WIDTH: u16 = 256;
     pub(crate) const HEIGHT: u16 = 257;
@@ -37,17 +37,17 @@ pub(super) mod tag {
     pub(crate) const SUBSAMPLING: u16 = 530;
 }
 
-/// An entry, whose values have not been read.
+/// Directory entry whose values have not been read.
 #[derive(Clone, Copy)]
 struct Entry {
     kind: u16,
     count: u64,
-    /// Where its values stand in the file.
+    /// Position of the values in the file.
     position: u64,
 }
 
 impl Entry {
-    /// Bytes of a value; none of kinds that are not known.
+    /// Returns the size of a value in bytes; `None` for unknown types.
     fn size(self) -> Option<u64> {
         Some(match self.kind {
             1 | 2 | 6 | 7 => 1,
@@ -59,7 +59,7 @@ impl Entry {
     }
 }
 
-/// The entries of the first directory.
+/// Entries of the first directory.
 pub(super) struct Directory {
     path: PathBuf,
     pub(super) big_endian: bool,
@@ -75,7 +75,7 @@ impl Directory {
         let number = |bytes: &[u8]| number(bytes, big_endian);
         let (word, size) = if big { (8, 20) } else { (4, 12) };
         if big {
-            // The size of offsets, 8, and nothing.
+            // The size of offsets, which is 8, and a zero.
             source.bytes(4, "header")?;
         }
         let start = number(&source.bytes(word, "header")?);
@@ -104,7 +104,7 @@ impl Directory {
             if length <= word {
                 entry.position = first + index as u64 * size + value as u64;
             }
-            // Tags that are not asked for may be damaged.
+            // Tags that are not needed may be damaged.
             if entry.position.saturating_add(length) <= source.length {
                 directory.entries.entry(number(&bytes[..2]) as u16).or_insert(entry);
             }
@@ -112,7 +112,7 @@ impl Directory {
         Ok(directory)
     }
 
-    /// The unsigned numbers of a tag, at most so many; none where it is absent.
+    /// Returns the unsigned numbers of a tag, at most this many; none if the tag is absent.
     pub(super) fn numbers<R: BufRead + Seek>(
         &self,
         source: &mut Source<R>,
@@ -132,7 +132,7 @@ impl Directory {
         Ok(Some(bytes.chunks_exact(size as usize).map(|bytes| number(bytes, self.big_endian)).collect()))
     }
 
-    /// The first number of a tag.
+    /// Returns the first number of a tag.
     pub(super) fn number<R: BufRead + Seek>(&self, source: &mut Source<R>, tag: u16) -> Result<Option<u64>, Error> {
         let Some(entry) = self.entries.get(&tag) else { return Ok(None) };
         Ok(self.numbers(source, tag, entry.count.min(u64::from(u16::MAX)))?.map(|numbers| numbers[0]))

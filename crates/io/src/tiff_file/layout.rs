@@ -1,4 +1,4 @@
-//! What a TIFF's tags say of its pixels, and which of that is read.
+//! Layout of a TIFF's pixels according to its tags, and checks of whether it is supported.
 
 use std::io::{BufRead, Seek};
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use crate::raster::{Form, PLACE, bases, unsupported};
 use crate::source::Source;
 use crate::{Encoding, Error, Limits, SampleType};
 
-/// How chunks are packed.
+/// Compression of chunks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Packing {
     None,
@@ -20,40 +20,40 @@ pub(super) enum Packing {
     Jpeg,
 }
 
-/// How samples make a pixel.
+/// Interpretation of samples as pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Meaning {
-    /// Light, or the lack of it.
+    /// Gray, where 0 is black or white.
     Gray {
         inverted: bool,
     },
     Rgb,
-    /// Red, then green, then blue of each entry.
+    /// Palette, with all red entries first, then green, then blue.
     Palette(Vec<u16>),
     Cmyk,
-    /// With so many pixels a chroma sample, across and down.
+    /// YCbCr with this many pixels per chroma sample, across and down.
     YCbCr([usize; 2]),
 }
 
-/// A TIFF's picture.
+/// Picture of a TIFF file.
 pub(super) struct Layout {
     pub(super) path: PathBuf,
     pub(super) form: Form,
     pub(super) meaning: Meaning,
     pub(super) packing: Packing,
     pub(super) big_endian: bool,
-    /// Bits of each byte are stored the other way around.
+    /// Whether the bits of each byte are stored in reverse order.
     pub(super) reversed: bool,
-    /// 1 none, 2 differences, 3 differences of the bytes of floats.
+    /// Predictor: 1 for none, 2 for differences, 3 for differences of the bytes of floats.
     pub(super) predictor: u64,
-    /// Samples of a pixel as stored, and the first of them that are read.
+    /// Number of stored samples per pixel, and number of leading samples that are read.
     pub(super) samples: usize,
     pub(super) wanted: usize,
     pub(super) bits: usize,
     pub(super) float: bool,
-    /// Each sample has chunks of its own.
+    /// Whether each sample has its own chunks.
     pub(super) planar: bool,
-    /// Pixels of a chunk.
+    /// Width and height of a chunk in pixels.
     pub(super) chunk: [usize; 2],
     pub(super) tiled: bool,
     pub(super) offsets: Vec<u64>,
@@ -61,7 +61,7 @@ pub(super) struct Layout {
     pub(super) tables: Vec<u8>,
 }
 
-/// The tags of a file that is open.
+/// Tags of an open file.
 struct Tags<'a, R> {
     source: &'a mut Source<R>,
     directory: Directory,
@@ -89,7 +89,7 @@ impl<R: BufRead + Seek> Tags<'_, R> {
         })
     }
 
-    /// Bits of a sample, and whether it is a float.
+    /// Returns the bits of a sample, and whether it is a float.
     fn stored(&mut self) -> Result<(usize, bool), Error> {
         let all = self.numbers(tag::BITS, 64)?.unwrap_or_else(|| vec![1]);
         let bits = all[0] as usize;
@@ -97,7 +97,7 @@ impl<R: BufRead + Seek> Tags<'_, R> {
             return Err(self.refused(format!("a TIFF whose samples have {all:?} bits")));
         }
         let float = match self.numbers(tag::SAMPLE_FORMAT, 64)?.map_or(1, |formats| formats[0]) {
-            // 4: not said.
+            // 4: unspecified.
             1 | 4 => false,
             3 => true,
             2 => return Err(self.refused("a TIFF with signed integers".into())),
@@ -114,7 +114,7 @@ impl<R: BufRead + Seek> Tags<'_, R> {
 
     fn meaning(&mut self, samples: usize, bits: usize, float: bool) -> Result<Meaning, Error> {
         let meaning = match self.number(tag::PHOTOMETRIC)? {
-            // Old writers leave it out of color pictures.
+            // Old writers omit the tag in color pictures.
             None if samples >= 3 => Meaning::Rgb,
             None | Some(1) => Meaning::Gray { inverted: false },
             Some(0) => Meaning::Gray { inverted: true },
@@ -153,7 +153,7 @@ impl<R: BufRead + Seek> Tags<'_, R> {
         Ok(map.into_iter().map(|entry| entry as u16).collect())
     }
 
-    /// Pixels of a chunk, and whether it is a tile.
+    /// Returns the width and height of a chunk, and whether it is a tile.
     fn chunk(&mut self, width: u32, height: u32) -> Result<([usize; 2], bool), Error> {
         let tile = self.number(tag::TILE_WIDTH)?;
         let chunk = match tile {
@@ -167,12 +167,12 @@ impl<R: BufRead + Seek> Tags<'_, R> {
         Ok((chunk.map(|side| side as usize), tile.is_some()))
     }
 
-    /// Places and lengths of so many chunks.
+    /// Returns the positions and lengths of this many chunks.
     fn places(&mut self, tiled: bool, count: usize, packing: Packing) -> Result<[Vec<u64>; 2], Error> {
         let tags = if tiled { [tag::TILE_OFFSETS, tag::TILE_BYTES] } else { [tag::STRIP_OFFSETS, tag::STRIP_BYTES] };
         let mut lists = [Vec::new(), Vec::new()];
         for (list, tag) in lists.iter_mut().zip(tags) {
-            // Some write one more than there are.
+            // Some writers store one entry too many.
             *list = self.numbers(tag, (count as u64).saturating_add(1))?.unwrap_or_default();
             if list.is_empty() && tag == tag::STRIP_BYTES && packing == Packing::None && count == 1 {
                 *list = vec![self.source.length];
@@ -197,7 +197,7 @@ impl<R: BufRead + Seek> Tags<'_, R> {
     }
 }
 
-/// The type of the samples that are decoded.
+/// Returns the type of the decoded samples.
 fn sample_type(meaning: &Meaning, bits: usize, float: bool) -> SampleType {
     match (meaning, float, bits) {
         (Meaning::Palette(map), ..) if to_bytes(map).is_some() => SampleType::U8,
@@ -233,7 +233,7 @@ impl Layout {
             let expected = format!("at least {colors}");
             return Err(tags.directory.invalid("tag 277", format!("{samples} samples a pixel"), &expected));
         }
-        // Alpha is the first sample besides the colors, unless it is said to be something else.
+        // The first sample after the colors is alpha, unless the file declares something else.
         let extra = tags.numbers(tag::EXTRA_SAMPLES, 64)?;
         let alpha = samples > colors
             && extra.map_or(samples == colors + 1, |extra| matches!(extra[0], 1 | 2))
@@ -277,14 +277,14 @@ impl Layout {
         };
         layout.check()?;
         layout.check_claim(length)?;
-        // The planes of a chunk, one more while it is decoded, and its packed bytes.
+        // The planes of a chunk, one more during decoding, and its packed bytes.
         let longest = layout.lengths.iter().copied().max().unwrap_or_default().min(length);
         let planes = 2 + if planar { layout.wanted as u64 } else { 1 };
         layout.form.working = planes.saturating_mul(layout.raw_size(chunk[1]) as u64).saturating_add(longest);
         Ok(layout)
     }
 
-    /// Refuses combinations that no one writes, and chunks that take too much memory.
+    /// Refuses combinations that no program writes, and chunks that need too much memory.
     fn check(&self) -> Result<(), Error> {
         if let Meaning::YCbCr(steps) = self.meaning {
             let plain = self.packing != Packing::Jpeg;
@@ -299,9 +299,9 @@ impl Layout {
         Limits::default().check_bytes(&self.path, "one chunk", self.raw_size(self.chunk[1]) as u64)
     }
 
-    /// Refuses a picture of more pixels than its chunks can hold, before memory is taken for any.
+    /// Refuses a picture with more pixels than its chunks can represent, before memory is taken for it.
     fn check_claim(&self, length: u64) -> Result<(), Error> {
-        // Chunks that are the same may stand in the file once.
+        // Equal chunks may be stored only once.
         let packed = self.lengths.iter().fold(0, |sum: u64, chunk| sum.saturating_add(length.min(*chunk)));
         let samples = if matches!(self.meaning, Meaning::YCbCr(_)) { 1 } else { self.samples };
         let row = (self.form.width as usize * samples * self.bits).div_ceil(8);
@@ -312,22 +312,22 @@ impl Layout {
         Err(Error::invalid(&self.path, PLACE, format!("{packed} bytes of chunks"), expected))
     }
 
-    /// Chunks across the picture.
+    /// Returns the number of chunks across the picture.
     pub(super) fn across(&self) -> usize {
         (self.form.width as usize).div_ceil(self.chunk[0])
     }
 
-    /// Stored samples of a pixel of one chunk.
+    /// Returns the number of stored samples per pixel in one chunk.
     pub(super) fn interleaved(&self) -> usize {
         if self.planar { 1 } else { self.samples }
     }
 
-    /// Bytes of a row of a chunk.
+    /// Returns the size of a row of a chunk, in bytes.
     pub(super) fn raw_row(&self) -> usize {
         (self.chunk[0] * self.interleaved() * self.bits).div_ceil(8)
     }
 
-    /// Bytes of a chunk of so many rows.
+    /// Returns the size of a chunk with this many rows, in bytes.
     pub(super) fn raw_size(&self, rows: usize) -> usize {
         match self.meaning {
             Meaning::YCbCr([h, v]) if self.packing != Packing::Jpeg => {
@@ -338,8 +338,8 @@ impl Layout {
     }
 }
 
-/// What a palette's entries are divided by to become bytes; none where they need all their 16 bits. Old writers store bytes,
-/// others bytes with zeros behind them.
+/// Returns the divisor that converts the entries of a palette to bytes; `None` if they need all 16 bits. Old writers
+/// store bytes, others store bytes followed by zeros.
 pub(super) fn to_bytes(map: &[u16]) -> Option<u16> {
     [257, 256, 1].into_iter().find(|by| map.iter().all(|entry| entry % by == 0 && entry / by <= 255))
 }

@@ -1,6 +1,7 @@
 //! TIFF and BigTIFF: strips and tiles, gray, color, palettes, CMYK and YCbCr, integers of any size and floats.
 //!
-//! Read here and not by a library, so that a row of chunks is all that is decoded at a time, and what is refused is named.
+//! This is implemented here and not by a library, so that only a row of chunks is decoded at a time, and errors name
+//! what is not supported.
 
 mod directory;
 mod layout;
@@ -46,7 +47,7 @@ pub(crate) fn rows<R: BufRead + Seek>(
     Ok(())
 }
 
-/// The raw samples of the chunk from row `y` on: one or, where planes lie apart, one of each.
+/// Returns the raw samples of the chunk that starts at row `y`; if planes are separate, one chunk of each.
 fn read_chunks<R: BufRead + Seek>(
     source: &mut Source<R>,
     layout: &Layout,
@@ -54,7 +55,7 @@ fn read_chunks<R: BufRead + Seek>(
     column: usize,
 ) -> Result<Vec<Vec<u8>>, Error> {
     let (height, high) = (layout.form.height as usize, layout.chunk[1]);
-    // The last strip has only the rows that are left; tiles are always whole.
+    // The last strip has only the remaining rows; tiles are always whole.
     let rows = if layout.tiled { high } else { high.min(height - y) };
     let plane = layout.across() * height.div_ceil(high);
     let first = y / high * layout.across() + column;

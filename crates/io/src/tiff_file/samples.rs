@@ -1,10 +1,10 @@
-//! From raw samples of chunks to rows of a picture.
+//! Conversion of chunks' raw samples to rows of a picture.
 
 use super::layout::{Layout, Meaning, Packing, to_bytes};
 use crate::SampleType;
 
 impl Layout {
-    /// Puts a decoded chunk, or one of each plane, into the rows of chunks that it belongs to.
+    /// Copies a decoded chunk, or one chunk of each plane, to the row of chunks that it belongs to.
     pub(super) fn place(&self, chunks: &[Vec<u8>], column: usize, rows: usize, band: &mut [u8]) {
         let (pixel, left) = (self.form.pixel(), column * self.chunk[0]);
         let width = self.chunk[0].min(self.form.width as usize - left);
@@ -33,7 +33,7 @@ impl Layout {
         }
     }
 
-    /// A stored sample: its number, or the bits of an f32 or of a half.
+    /// Returns a stored sample: its number, or the bits of an f32 or a half.
     fn sample(&self, line: &[u8], index: usize) -> u32 {
         let bits = self.bits;
         match (bits, self.float) {
@@ -54,7 +54,7 @@ impl Layout {
         }
     }
 
-    /// A pixel of the stored numbers, as the picture's form says.
+    /// Converts the stored numbers of a pixel to the form of the picture.
     fn pixel(&self, numbers: &[u32], out: &mut [u8]) {
         let full = if self.bits == 32 { u32::MAX } else { (1 << self.bits.min(31)) - 1 };
         match &self.meaning {
@@ -100,7 +100,7 @@ impl Layout {
         }
     }
 
-    /// A row of a chunk whose chroma is stored once for several pixels: of each block its lights, then Cb and Cr.
+    /// Decodes a row of a chunk with subsampled chroma, which stores the luma samples of each block, then Cb and Cr.
     fn light_and_chroma(&self, raw: &[u8], [h, v]: [usize; 2], y: usize, out: &mut [u8]) {
         let block = h * v + 2;
         let row = &raw[y / v * self.chunk[0].div_ceil(h) * block..];
@@ -108,16 +108,16 @@ impl Layout {
             let block = &row[x / h * block..][..block];
             let light = f64::from(block[y % v * h + x % h]);
             let [cb, cr] = [block[h * v], block[h * v + 1]].map(|chroma| f64::from(chroma) - 128.0);
-            // Rec. 601, in full range: the defaults of TIFF 6.0.
+            // Rec. 601 with full range, the defaults of TIFF 6.0.
             let rgb = [light + 1.402 * cr, light - 0.344_136 * cb - 0.714_136 * cr, light + 1.772 * cb];
             *out = rgb.map(|value| value.round().clamp(0.0, 255.0) as u8);
         }
     }
 }
 
-/// A float of 24 bits (1 of sign, 7 of exponent around 63, 16 of fraction) as the bits of an f32.
+/// Converts a 24-bit float (1 sign bit, 7 bits of exponent with bias 63, 16 bits of fraction) to the bits of an f32.
 fn float24(bits: u32) -> u32 {
-    // 2⁻⁷⁸, a unit of the fraction where the exponent is least.
+    // 2⁻⁷⁸, a unit of the fraction at the smallest exponent.
     const LEAST: f32 = f32::from_bits((127 - 62 - 16) << 23);
     let (sign, exponent, fraction) = ((bits >> 23 & 1) << 31, bits >> 16 & 0x7f, bits & 0xffff);
     match exponent {

@@ -1,4 +1,4 @@
-//! From the packed bytes of a chunk to its raw samples, in the machine's byte order and without a predictor.
+//! Decompression of chunks to raw samples in native byte order, with the predictor undone.
 
 use libdeflater::{DecompressionError, Decompressor};
 use weezl::BitOrder;
@@ -11,25 +11,25 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 use super::layout::{Layout, Meaning, Packing};
 use crate::raster::JPEG_DENSEST;
 
-/// A chunk that does not decode.
+/// Error of a chunk that does not decode.
 pub(super) struct Damaged;
 
 impl Layout {
-    /// Whether so many packed bytes can stand for a chunk of `size` bytes.
+    /// Returns whether this many packed bytes can represent a chunk of `size` bytes.
     pub(super) fn can_hold(&self, packed: u64, size: usize) -> bool {
         let densest = match self.packing {
             Packing::None => 1,
-            // A run of 128 bytes takes two.
+            // A run of 128 bytes takes two bytes.
             Packing::PackBits => 64,
             Packing::Deflate => 1032,
-            // A code of 12 bits stands for at most as many bytes as there are codes.
+            // A code of 12 bits represents at most as many bytes as there are codes.
             Packing::Lzw => 4096 * 8 / 9,
             Packing::Jpeg => JPEG_DENSEST,
         };
         packed.saturating_mul(densest) >= size as u64
     }
 
-    /// The raw samples of a chunk of so many rows.
+    /// Returns the raw samples of a chunk with this many rows.
     pub(super) fn unpack(&self, mut packed: Vec<u8>, rows: usize) -> Result<Vec<u8>, Damaged> {
         let size = self.raw_size(rows);
         if self.reversed && self.packing != Packing::Jpeg {
@@ -55,7 +55,7 @@ impl Layout {
         Ok(raw)
     }
 
-    /// Undoes the predictor of a row and brings its samples to the machine's byte order.
+    /// Undoes the predictor of a row, and converts its samples to native byte order.
     fn predict(&self, row: &mut [u8]) {
         let step = self.interleaved();
         if self.predictor == 3 {
@@ -86,15 +86,15 @@ impl Layout {
                 });
             }
             24 | 64 => row.chunks_exact_mut(self.bits / 8).for_each(native),
-            // Samples of other sizes are packed from the high bits down, whatever the byte order.
+            // Samples of other sizes are packed from the high bits down, independent of the byte order.
             _ => {}
         }
     }
 
-    /// A chunk that is a JPEG picture of its own, but for tables that all share.
+    /// Decodes a chunk that is a JPEG picture, except for tables that all chunks share.
     fn jpeg(&self, packed: Vec<u8>, rows: usize) -> Result<Vec<u8>, Damaged> {
         let stream = match (&self.tables[..], &packed[..]) {
-            // The end of one and the beginning of the other are left out.
+            // The end of the tables and the start of the picture are left out.
             ([tables @ .., _, _], [_, _, rest @ ..]) => [tables, rest].concat(),
             _ => packed,
         };
@@ -106,7 +106,7 @@ impl Layout {
             _ => (stored, self.interleaved()),
         };
         let (width, height) = decoder.dimensions().ok_or(Damaged)?;
-        // Some writers fill blocks up; what is larger claims memory that no chunk needs.
+        // Some writers pad blocks; larger pictures would claim memory that no chunk needs.
         let fits = |found: usize, least: usize, most: usize| (least..=most.next_multiple_of(32)).contains(&found);
         let whole = fits(width, self.chunk[0], self.chunk[0]) && fits(height, rows, self.chunk[1]);
         if out.num_components() != samples || !whole {
@@ -119,7 +119,7 @@ impl Layout {
     }
 }
 
-/// Each sample is stored as its difference to the one `step` before.
+/// Undoes differences, where each sample is stored as its difference from the one `step` before.
 fn differences<const N: usize>(
     row: &mut [[u8; N]],
     step: usize,
@@ -133,7 +133,8 @@ fn differences<const N: usize>(
     }
 }
 
-/// All high bytes of a row, then all next ones, as differences to the byte before.
+/// Undoes the predictor of floats, which stores all high bytes of a row, then all next ones, as differences from the
+/// byte before.
 fn floats(row: &mut [u8], step: usize, size: usize) {
     for at in step..row.len() {
         row[at] = row[at].wrapping_add(row[at - step]);
@@ -152,7 +153,7 @@ fn floats(row: &mut [u8], step: usize, size: usize) {
 
 fn inflate(packed: &[u8], size: usize, whole: usize) -> Result<Vec<u8>, Damaged> {
     let mut decompressor = Decompressor::new();
-    // Some writers fill the last strip up.
+    // Some writers pad the last strip.
     for size in [size, whole] {
         let mut raw = vec![0; size];
         match decompressor.zlib_decompress(packed, &mut raw) {

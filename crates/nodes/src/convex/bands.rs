@@ -16,7 +16,7 @@ use trochoid_graph::*;
 /// # Source
 /// A Stack of Clamps (thesis 3.2.4.2), the highest threshold on top.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight per band, lowest band first."))]
+#[node(pointwise, end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight per band, lowest band first."))]
 #[also_called("Posterize", "Threshold", "Quantize", "Step", "Toon", "CelShade")]
 pub(crate) struct Bands {
     /// Field to cut into bands.
@@ -63,10 +63,6 @@ impl Node for Bands {
                 "reduce the width",
             );
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
     }
 }
 

@@ -14,7 +14,7 @@ use trochoid_graph::*;
 /// # Source
 /// Akleman, Liu, House, Barycentric Shaders, 2016, equation 1.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(color: Kind::Color = "The blended color."))]
+#[node(pointwise, end = Back, revision = 1, output(color: Kind::Color = "The blended color."))]
 #[also_called("Average", "WeightedSum", "Combine")]
 pub(crate) struct Blend {
     /// Colors to blend, in the order of the weights.
@@ -49,10 +49,6 @@ impl Node for Blend {
             format!("{ways} colors"),
             format!("list exactly {ways} colors, one per weight"),
         );
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
     }
 }
 

@@ -14,7 +14,7 @@ use trochoid_graph::*;
 /// # Source
 /// Thesis 3.2.4.2, Clamp(t, max, min); `power` is the C² of 3.2.3.2.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, role = Threshold, output(mask: Kind::MASK = "The mask."))]
+#[node(pointwise, end = Back, revision = 1, role = Threshold, output(mask: Kind::MASK = "The mask."))]
 #[also_called("MapRange", "Remap", "Fit", "SmoothStep", "Levels")]
 pub(crate) struct Clamp {
     /// Field to map to a mask.
@@ -43,10 +43,6 @@ impl Node for Clamp {
         if max < min {
             check.error(Self::MAX, format!("min {min} above max {max}"), "min ≤ max", "swap them, and Invert the mask");
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
     }
 }
 

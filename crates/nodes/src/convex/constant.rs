@@ -13,7 +13,7 @@ use trochoid_graph::*;
 /// # Source
 /// A vertex of the convex hull: Akleman, Liu, House, Barycentric Shaders, 2016.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(color: Kind::Color = "The color."))]
+#[node(pointwise, end = Back, revision = 1, output(color: Kind::Color = "The color."))]
 #[also_called("Color", "Colour", "Solid", "SolidColor", "Fill", "Background", "RGB")]
 pub(crate) struct Constant {
     /// Control color: a color of the palette.
@@ -21,11 +21,7 @@ pub(crate) struct Constant {
     color: [f64; 3],
 }
 
-impl Node for Constant {
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
-    }
-}
+impl Node for Constant {}
 
 impl Pointwise for Constant {
     fn lower(&self, lowering: &mut Lowering<'_>) -> Value {

@@ -14,17 +14,13 @@ use trochoid_graph::*;
 /// # Source
 /// The second weight of a partition of unity with two weights.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(mask: Kind::MASK = "The inverted mask."))]
+#[node(pointwise, end = Back, revision = 1, output(mask: Kind::MASK = "The inverted mask."))]
 pub(crate) struct Invert {
     /// Mask to invert.
     weight: One<port::Mask>,
 }
 
-impl Node for Invert {
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
-    }
-}
+impl Node for Invert {}
 
 impl Pointwise for Invert {
     fn lower(&self, lowering: &mut Lowering<'_>) -> Value {

@@ -13,7 +13,7 @@ use trochoid_graph::*;
 /// # Source
 /// Thesis 3.2.4.2, Mix(C₀, C₁, t).
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(color: Kind::Color = "The mixed color."))]
+#[node(pointwise, end = Back, revision = 1, output(color: Kind::Color = "The mixed color."))]
 #[also_called("Lerp", "Dissolve", "Crossfade", "CrossDissolve", "MixRGB", "MixColor", "Keymix")]
 pub(crate) struct Mix {
     /// Color where the weight is 0.
@@ -24,11 +24,7 @@ pub(crate) struct Mix {
     weight: One<port::Mask>,
 }
 
-impl Node for Mix {
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
-    }
-}
+impl Node for Mix {}
 
 impl Pointwise for Mix {
     fn lower(&self, lowering: &mut Lowering<'_>) -> Value {

@@ -13,18 +13,14 @@ use trochoid_graph::*;
 /// # Source
 /// The product of the second weights of partitions of unity with two weights each.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(mask: Kind::MASK = "The product."))]
+#[node(pointwise, end = Back, revision = 1, output(mask: Kind::MASK = "The product."))]
 pub(crate) struct Multiply {
     /// Masks to multiply; their order does not matter.
     #[port(2..=64)]
     weights: Many<port::Mask>,
 }
 
-impl Node for Multiply {
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
-    }
-}
+impl Node for Multiply {}
 
 impl Pointwise for Multiply {
     fn lower(&self, lowering: &mut Lowering<'_>) -> Value {

@@ -14,7 +14,7 @@ use trochoid_graph::*;
 /// # Source
 /// Shepard's weights with a floor, which limits the slope of every quotient to 2/τ.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight per field, then the remainder."))]
+#[node(pointwise, end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight per field, then the remainder."))]
 pub(crate) struct Normalize {
     /// Finite fields, one per weight.
     #[port(1..=255)]
@@ -27,10 +27,6 @@ pub(crate) struct Normalize {
 impl Node for Normalize {
     fn kinds(&self) -> Option<Vec<Kind>> {
         Some(vec![Kind::Weights(self.fields.len() + 1)])
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
     }
 }
 

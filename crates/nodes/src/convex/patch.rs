@@ -14,7 +14,7 @@ use trochoid_graph::*;
 /// # Source
 /// Bézier patch, evaluated by de Casteljau's algorithm, first in u, then in v; thesis 3.2.4.3.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, role = Patch, output(color: Kind::Color = "The color."))]
+#[node(pointwise, end = Back, revision = 1, role = Patch, output(color: Kind::Color = "The color."))]
 pub(crate) struct Patch {
     /// Position along a row of colors.
     u: One<port::Mask>,
@@ -54,10 +54,6 @@ impl Node for Patch {
                 "list 2 rows of 2 or 4 rows of 4 colors; use a Ramp for a single row, a Blend for other weights";
             check.error(Self::COLORS, format!("{count} colors"), "4 or 16 colors", remedy);
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
     }
 }
 

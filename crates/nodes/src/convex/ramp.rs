@@ -15,7 +15,7 @@ use trochoid_graph::*;
 /// # Source
 /// Piecewise linear interpolation as a partition of unity; `smooth`: thesis 3.2.4.2.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(color: Kind::Color = "The color."))]
+#[node(pointwise, end = Back, revision = 1, output(color: Kind::Color = "The color."))]
 #[also_called("ColorRamp", "Gradient", "GradientMap", "Curves", "ColorCurve", "Lookup", "LUT", "Colorize")]
 pub(crate) struct Ramp {
     /// Position along the gradient.
@@ -69,10 +69,6 @@ impl Node for Ramp {
             let remedy = "the middle color never shows: remove or move it";
             check.warning(Self::STOPS, found, "at most two stops at the same position, for a hard edge", remedy);
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
     }
 }
 

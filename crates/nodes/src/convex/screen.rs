@@ -13,18 +13,14 @@ use trochoid_graph::*;
 /// # Source
 /// The complement of the product of complements (De Morgan).
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(mask: Kind::MASK = "The combined mask."))]
+#[node(pointwise, end = Back, revision = 1, output(mask: Kind::MASK = "The combined mask."))]
 pub(crate) struct Screen {
     /// Masks to combine; their order does not matter.
     #[port(2..=64)]
     weights: Many<port::Mask>,
 }
 
-impl Node for Screen {
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
-    }
-}
+impl Node for Screen {}
 
 impl Pointwise for Screen {
     fn lower(&self, lowering: &mut Lowering<'_>) -> Value {

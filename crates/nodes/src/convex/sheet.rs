@@ -18,7 +18,7 @@ use trochoid_graph::*;
 /// Piecewise bilinear interpolation as a partition of unity: products of hat functions. A Patch, in contrast, does not
 /// reach its inner colors.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(color: Kind::Color = "The color."))]
+#[node(pointwise, end = Back, revision = 1, output(color: Kind::Color = "The color."))]
 pub(crate) struct Sheet {
     /// Position along a row of colors.
     u: One<port::Mask>,
@@ -111,10 +111,6 @@ impl Node for Sheet {
                 check.error(knob, format!("a position of {at}"), "positions from 0 to 1", "divide them by the largest");
             }
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
     }
 }
 

@@ -14,7 +14,7 @@ use trochoid_graph::*;
 /// # Source
 /// Porter, Duff, Compositing Digital Images, 1984: the over operator, on colors that are not premultiplied.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight per mask, then the remainder."))]
+#[node(pointwise, end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight per mask, then the remainder."))]
 #[also_called("Layer", "Layers", "Composite", "Comp", "AlphaOver", "LayerStack")]
 pub(crate) struct Stack {
     /// Masks of the layers, top layer first.
@@ -25,10 +25,6 @@ pub(crate) struct Stack {
 impl Node for Stack {
     fn kinds(&self) -> Option<Vec<Kind>> {
         Some(vec![Kind::Weights(self.weights.len() + 1)])
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
     }
 }
 

@@ -14,7 +14,7 @@ use trochoid_graph::*;
 /// # Source
 /// Choosing one of several colors adds none to the palette.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(output: Kind::ANY = "The chosen input."))]
+#[node(pointwise, end = Back, revision = 1, output(output: Kind::ANY = "The chosen input."))]
 #[also_called("Choose", "Select", "Selector")]
 pub(crate) struct Switch {
     /// Inputs to choose from, all of the same kind.
@@ -64,10 +64,6 @@ impl Node for Switch {
                 return;
             }
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Pointwise(self)
     }
 }
 

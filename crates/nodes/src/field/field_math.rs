@@ -23,7 +23,7 @@ use trochoid_image::Window;
 /// # Source
 /// Fields are not colors, so any arithmetic is allowed on them; a Clamp turns the result into a mask.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(field: Kind::ANY = "The result."))]
+#[node(stage, end = Front, revision = 1, output(field: Kind::ANY = "The result."))]
 #[also_called(
     "Math", "Expression", "Formula", "Checkerboard", "Checker", "Stripes", "Grid", "MergeExpression", "VectorMath" => "a formula"
 )]
@@ -90,10 +90,6 @@ impl Node for FieldMath {
         if let Err(BadData { found, expected, remedy, .. }) = self.parsed(widths) {
             check.error(Self::EXPRESSION, found, expected, remedy);
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

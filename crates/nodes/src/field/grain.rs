@@ -19,7 +19,7 @@ use trochoid_graph::*;
 /// # Source
 /// Plain weave; paper as a height field: Curtis et al., Computer-Generated Watercolor, 1997.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "Height of the grain: 1 is highest."))]
+#[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "Height of the grain: 1 is highest."))]
 pub(crate) struct Grain {
     /// Type of ground: canvas or paper.
     kind: Ground,
@@ -47,11 +47,7 @@ pub(crate) enum Ground {
     Paper,
 }
 
-impl Node for Grain {
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
-    }
-}
+impl Node for Grain {}
 
 /// Stretch of the noise along threads and fibers.
 const DRAWN_OUT: f64 = 9.0;

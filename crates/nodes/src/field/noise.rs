@@ -23,7 +23,7 @@ use trochoid_graph::*;
 /// Perlin, Improving Noise, 2002; Musgrave, Kolb and Mace, The Synthesis and Rendering of Eroded Fractal Terrains,
 /// 1989; Worley, A Cellular Texture Basis Function, 1996.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 2, output(noise: Kind::Field(1) = "fbm in [−1, 1], other kinds in [0, 1]."))]
+#[node(stage, end = Front, revision = 2, output(noise: Kind::Field(1) = "fbm in [−1, 1], other kinds in [0, 1]."))]
 #[also_called("Perlin", "Fractal", "Turbulence", "Voronoi", "Worley", "Cellular", "Fbm")]
 pub(crate) struct Noise {
     /// View of the surfaces that the noise lies on; used if `space` is world or rest.
@@ -89,10 +89,6 @@ impl Node for Noise {
             let found = format!("{} without a view", self.space.word());
             check.error(Self::SPACE, found, "a view to lie on", "connect \"view\", or use \"screen\"");
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

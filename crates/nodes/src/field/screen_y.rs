@@ -13,14 +13,10 @@ use trochoid_graph::*;
 /// # Source
 /// Conventions of the document format.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The mask."))]
+#[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "The mask."))]
 pub(crate) struct ScreenY;
 
-impl Node for ScreenY {
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
-    }
-}
+impl Node for ScreenY {}
 
 impl Stage for ScreenY {
     fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {

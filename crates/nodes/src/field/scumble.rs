@@ -15,7 +15,7 @@ use trochoid_graph::*;
 /// # Source
 /// Scumbling: nearly dry, opaque paint dragged over the layer below.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The paint."))]
+#[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "The paint."))]
 pub(crate) struct Scumble {
     /// Amount of paint, for example foam, mist or the alpha of a Spray.
     density: One<port::Mask>,
@@ -47,10 +47,6 @@ impl Node for Scumble {
             let found = format!("{} below from {}", self.to, self.from);
             check.error(Self::TO, found, "to ≥ from", "swap them");
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

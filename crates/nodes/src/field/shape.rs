@@ -16,7 +16,7 @@ use trochoid_graph::*;
 /// # Source
 /// Signed distance fields; the even-odd rule for polygons.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The mask: 1 inside any of the shapes."))]
+#[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "The mask: 1 inside any of the shapes."))]
 #[also_called("Roto", "RotoPaint", "Ellipse", "Circle", "Rectangle", "Box", "Radial", "Polygon")]
 pub(crate) struct Shape {
     /// Shapes to draw.
@@ -80,10 +80,6 @@ impl Node for Shape {
                 check.error(Self::SHAPES, found, "width and height ≥ 0", "write them without a sign");
             }
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

@@ -1,11 +1,10 @@
 //! Conversion of stored values to colors of the working space.
 
-use super::covered;
 use super::knobs::Encoded;
 use super::legal::{Rule, place};
 use std::path::PathBuf;
 use trochoid_graph::{BadData, NodeError};
-use trochoid_image::{Chromaticities, Plane, WorkingSpace, srgb_decode, srgb_encode};
+use trochoid_image::{Chromaticities, Plane, WorkingSpace, spread, srgb_decode, srgb_encode};
 use trochoid_io::{Encoding, SampleType};
 
 /// Alpha by which colors are divided, and the color used if no pixel is covered.
@@ -59,11 +58,11 @@ pub(crate) fn convert(
         }
     }
     if let Some(Premultiplied { alpha, uncovered }) = premultiplied
-        && !covered::spread(planes, alpha)
+        && !spread(planes, alpha)
     {
         let Some(color) = uncovered else {
             let expected = "at least one covered pixel to take colors from";
-            let bad = BadData::new("alpha 0 everywhere", expected, "set \"outside\" to the color that is meant");
+            let bad = BadData::new("alpha 0 everywhere", expected, "set \"outside\" to the color to use");
             return Err(bad.in_file(&conversion.meaning.path).in_part(conversion.meaning.part).into());
         };
         planes.iter_mut().zip(color).for_each(|(plane, value)| plane.samples_mut().fill(*value));
@@ -224,7 +223,7 @@ fn other(meaning: &Meaning, to: &Chromaticities) -> Result<[[f64; 3]; 3], NodeEr
         let Chromaticities { red, green, blue, white } = found;
         BadData::new(
             format_args!("the primaries red {red:?}, green {green:?}, blue {blue:?}, white {white:?}"),
-            "three that span colors, with a white among them",
+            "three primaries that span colors, with the white point inside them",
             "correct the attribute \"chromaticities\", or remove it if they are those of Rec. 709",
         )
         .in_file(&meaning.path)

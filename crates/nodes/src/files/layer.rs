@@ -68,7 +68,7 @@ impl Fit {
                 let found = format_args!("a picture of {width} × {height} pixels");
                 let expected = format!("{} × {}, as the document has", whole.width(), whole.height());
                 let remedy = format!(
-                    "say how to \"fit\" it: {} to scale it, or \"crop\" to lay the upper left corners on each other",
+                    "set \"fit\" to {} to scale it, or to \"crop\" to align the upper left corners",
                     scale.collect::<Vec<_>>().join(" or ")
                 );
                 return Err(BadData::new(found, expected, remedy).in_file(path).into());
@@ -374,7 +374,7 @@ mod tests {
         assert_eq!(fit(Some(FitBy::Nearest), large).unwrap().window(large), Window::sized(4, 2));
         // The rendered size equals the picture's, but the document's does not.
         let error = fit(None, Window::sized(4, 2)).unwrap_err().to_string();
-        assert!(error.contains("4 × 2 pixels, the document 8 × 4"), "{error}");
+        assert!(error.contains("4 × 2 pixels, expected 8 × 4"), "{error}");
     }
 
     #[test]

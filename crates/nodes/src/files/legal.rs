@@ -31,7 +31,7 @@ impl Rule {
         match self {
             Self::Color => "a finite number, at least 0",
             Self::Mask => "a number from 0 to 1",
-            Self::Field => "a number (NaN is none)",
+            Self::Field => "a number, not NaN",
         }
     }
 }

@@ -2,7 +2,6 @@
 
 mod color;
 mod cost;
-mod covered;
 mod kept;
 #[cfg(test)]
 mod kept_tests;
@@ -73,8 +72,8 @@ pub(crate) fn header(
 /// Refuses a picture without pixels: there is nothing to repeat outside its data window.
 fn filled(path: &Path, part: usize, data: Window) -> Result<(), NodeError> {
     if data.is_empty() {
-        let found = format_args!("the data window {data}");
-        return Err(BadData::new(found, "a pixel", "").in_file(path).in_part(part).into());
+        let found = format_args!("the empty data window {data}");
+        return Err(BadData::new(found, "at least one pixel", "").in_file(path).in_part(part).into());
     }
     Ok(())
 }

@@ -27,6 +27,7 @@ use trochoid_image::{Plane, Rgb, Window};
 /// OpenEXR, Technical Introduction; IEC 61966-2-1.
 #[derive(Clone, Node)]
 #[node(
+    stage,
     end = Back,
     revision = 1,
     reads("a picture": "exr", "png", "jpg", "jpeg", "tif", "tiff"),
@@ -66,10 +67,6 @@ impl Node for Read {
 
     fn check(&self, check: &mut Check<'_>) {
         self.knobs().check("a Read", self.outside.map(|_| Self::OUTSIDE), check);
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

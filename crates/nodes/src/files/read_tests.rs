@@ -127,7 +127,7 @@ fn premultiplied_colors_are_divided() {
     assert_eq!(value(&frame, 0, 0), [0.5, 0.5, 0.0], "from the pixel to the right");
     exr(folder.path(), &[("R", [0.25; 12]), ("G", [0.0; 12]), ("B", [0.0; 12]), ("A", [0.0; 12])], None);
     let nothing = r#""as": "color", "premultiplied": true"#;
-    assert!(message(read(folder.path(), "color", nothing)).contains("alpha is 0 everywhere"));
+    assert!(message(read(folder.path(), "color", nothing)).contains("alpha 0 everywhere"));
     let outside = read(folder.path(), "color", &format!(r#"{nothing}, "outside": [1, 2, 3]"#)).unwrap();
     assert_eq!(value(&outside, 1, 1), [1.0, 2.0, 3.0]);
 }

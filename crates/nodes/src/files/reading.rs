@@ -307,7 +307,7 @@ impl Reading<'_> {
             return Ok(());
         }
         let found = format!("{} channels: {}", names.count(), names.all());
-        Err(self.fault(names.part, found, "one; name the ones that are meant in \"channels\""))
+        Err(self.fault(names.part, found, "one; list the wanted channels in \"channels\""))
     }
 
     fn field(&self, wanted: &[bool], accept: &mut Accept<'_>) -> Result<Planes, NodeError> {

@@ -28,6 +28,7 @@ use trochoid_image::{Plane, Rgb, Window};
 /// v rises from the lower edge as in OBJ, RenderMan and Blender; OpenEXR, Technical Introduction.
 #[derive(Clone, Node)]
 #[node(
+    stage,
     end = Back,
     revision = 1,
     reads("a picture": "exr", "png", "jpg", "jpeg", "tif", "tiff"),
@@ -77,10 +78,6 @@ impl Node for Texture {
 
     fn check(&self, check: &mut Check<'_>) {
         self.knobs().check("a Texture", None, check);
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

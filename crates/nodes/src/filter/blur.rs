@@ -21,7 +21,7 @@ use trochoid_weights::kernel::{self, Kernel, filter};
 /// # Source
 /// Kernels without negative lobes; only those stay in the palette.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(image: Kind::ANY = "The blurred image, of the same kind."))]
+#[node(stage, end = Back, revision = 1, output(image: Kind::ANY = "The blurred image, of the same kind."))]
 #[also_called("GaussianBlur", "Defocus", "Soften", "BoxBlur")]
 pub(crate) struct Blur {
     /// Image to blur.
@@ -69,10 +69,6 @@ impl Node for Blur {
             .sum();
         let seconds = WEIGHT * weights * format.window().area() as f64 * f64::from(format.samples());
         Some(Work { seconds, item: Self::SIZE, remedy: "lower \"size\", or use fewer samples or pixels" })
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

@@ -19,7 +19,7 @@ use trochoid_image::{Format, Window};
 /// # Source
 /// Bilinear resampling: its weights are ≥ 0 and sum to 1.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 1, output(image: Kind::ANY = "The displaced image, of the same kind."))]
+#[node(stage, end = Back, revision = 1, output(image: Kind::ANY = "The displaced image, of the same kind."))]
 #[also_called(
     "Transform", "Move", "Translate", "Scale", "Rotate", "Displace", "IDistort", "Distort", "CornerPin" => "by \"dx\" and \"dy\""
 )]
@@ -36,11 +36,7 @@ pub(crate) struct Warp {
     reach: f64,
 }
 
-impl Node for Warp {
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
-    }
-}
+impl Node for Warp {}
 
 impl Stage for Warp {
     fn regions_of_interest(&self, port: PortId, window: Window, _format: Format) -> Window {

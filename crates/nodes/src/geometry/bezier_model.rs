@@ -24,6 +24,7 @@ use trochoid_scene::bezier::{MAX_PATCHES, MAX_SEGMENTS, Patch, PatchModel, Rails
 /// CSE 167, Toon Shading and Surface Patches; Farin, Curves and Surfaces for CAGD, 2002; Catmull and Rom, 1974.
 #[derive(Clone, Node)]
 #[node(
+    stage,
     end = Front,
     revision = 1,
     reads("a model of Bézier patches": "json"),
@@ -152,10 +153,6 @@ impl Node for BezierModel {
             }
             _ => Vec::new(),
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

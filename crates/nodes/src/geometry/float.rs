@@ -22,7 +22,7 @@ use trochoid_scene::{Floating, Pose, RigidBodies};
 /// # Source
 /// Creation of a cartoon shader of water for the web, part 2 (buoyancy); linear least squares.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(surface: Kind::Surface = "The floating bodies, as one surface."))]
+#[node(stage, end = Front, revision = 1, output(surface: Kind::Surface = "The floating bodies, as one surface."))]
 pub(crate) struct Float {
     /// Model to float: bow along +x, y up, waterline at y = 0.
     model: One<port::Surface>,
@@ -71,10 +71,6 @@ impl Node for Float {
             let found = format!("\"{}\", a {}, which is water", model.name, model.ty());
             check.error(Self::MODEL, found, "a model that floats", "connect a Mesh or a BezierModel");
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

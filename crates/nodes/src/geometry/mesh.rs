@@ -23,6 +23,7 @@ use trochoid_scene::{DVec3, MAX_TRIANGLES, TriangleModel, Triangles};
 /// Wavefront, Advanced Visualizer, Appendix B1 (OBJ); Khronos, glTF 2.0 Specification.
 #[derive(Clone, Node)]
 #[node(
+    stage,
     end = Front,
     revision = 1,
     reads("a mesh of triangles": "obj", "glb", "gltf"),
@@ -53,10 +54,6 @@ impl Node for Mesh {
         self.stance.check(check);
         check_ending(&self.file, Self::DECLARATION, Self::FILE, check);
     }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
-    }
 }
 
 impl Mesh {
@@ -73,7 +70,9 @@ impl Mesh {
             Normals::Flat if 3 * mesh.triangles.len() > MAX_TRIANGLES => {
                 let found = format_args!("{} triangles", mesh.triangles.len());
                 let expected = format!("at most {} with flat normals", MAX_TRIANGLES / 3);
-                return Err(BadData::new(found, expected, "reduce the mesh, or take smooth ones").in_file(path).into());
+                return Err(BadData::new(found, expected, "reduce the mesh, or use smooth normals")
+                    .in_file(path)
+                    .into());
             }
             Normals::Flat => mesh = mesh.faceted(),
         }

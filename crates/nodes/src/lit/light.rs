@@ -18,7 +18,7 @@ use trochoid_scene as scene;
 /// # Source
 /// Thesis 3.2.3.1 (spotlight) and 3.2.3.2 (light source P_L).
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, role = Light, output(light: Kind::Light = "The light."))]
+#[node(stage, end = Front, revision = 1, role = Light, output(light: Kind::Light = "The light."))]
 #[also_called("DirectLight", "Sun", "PointLight", "SpotLight", "DistantLight")]
 pub(crate) struct Light {
     /// Type of light: directional (like the sun), point or spot.
@@ -52,10 +52,6 @@ impl Node for Light {
         if self.kind == Sort::Directional && self.direction == [0.0; 3] {
             check.error(Self::DIRECTION, "[0, 0, 0]", "a direction toward the light", "write for example [0, 1, 0]");
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

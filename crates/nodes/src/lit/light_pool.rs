@@ -18,7 +18,7 @@ use trochoid_scene::{DVec3, Light};
 /// # Source
 /// Gaussian spots with edges broken by noise: how marine painters lead the eye.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The light."))]
+#[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "The light."))]
 pub(crate) struct LightPool {
     /// View of the surfaces that the light falls on.
     view: One<port::View>,
@@ -74,10 +74,6 @@ impl Node for LightPool {
             let found = "no pools and no noise: the light is the same everywhere";
             check.warning(Self::POOLS, found, "pools, or a noise that has gaps", "add \"pools\", or connect \"noise\"");
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

@@ -142,7 +142,7 @@ pub(crate) fn eye(prepare: &Prepare<'_>, view: &impl Connected, format: Format) 
     });
     match camera {
         Some(camera) => Ok(camera.projector(format)),
-        None => Err(BadData::new("a view without a camera", "one with a camera", "connect one to it").into()),
+        None => Err(BadData::new("a view without a camera", "a camera", "connect one to the view").into()),
     }
 }
 

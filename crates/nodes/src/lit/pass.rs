@@ -69,7 +69,9 @@ impl<T: Shades> Node for LitPass<T> {
     fn check(&self, check: &mut Check<'_>) {
         self.0.check(check);
     }
+}
 
+impl<T: Shades> Computes for LitPass<T> {
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }

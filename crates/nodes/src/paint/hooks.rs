@@ -31,7 +31,7 @@ use trochoid_scene::{Anchor, DVec3, Projector};
 /// # Source
 /// The foam of Hokusai's Great Wave.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 2, outputs = Out)]
+#[node(stage, end = Front, revision = 2, outputs = Out)]
 pub(crate) struct Hooks {
     /// View of the surfaces, from a Render.
     view: One<port::View>,
@@ -182,10 +182,6 @@ impl Node for Hooks {
         let remedy = "lower the \"count\" or \"thumbs\" of rows, or use fewer samples or pixels";
         Some(Work { seconds: PIXEL * length * f64::from(format.samples()) * ribbons, item: Self::ROWS, remedy })
     }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
-    }
 }
 
 impl Stage for Hooks {
@@ -205,7 +201,7 @@ impl Stage for Hooks {
         let eye = eye(prepare, &self.view, prepare.frame.format)?;
         let handle = prepare.handle_of(&self.view);
         let Some(looking) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
-            return Err(BadData::new("a view of passes", "one of surfaces", "connect a Render").into());
+            return Err(BadData::new("a view of passes", "a view of surfaces", "connect a Render").into());
         };
         let mut claws: Vec<Claw> = Vec::new();
         for root in self.roots() {

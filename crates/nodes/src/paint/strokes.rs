@@ -33,7 +33,7 @@ use trochoid_image::{Format, Window};
 /// Meier, Painterly Rendering for Animation, 1996; Litwinowicz, Processing Images and Video for an Impressionist Effect, 1997;
 /// Hertzmann, Painterly Rendering with Curved Brush Strokes of Multiple Sizes, 1998.
 #[derive(Clone, Node)]
-#[node(end = Back, revision = 2, output(image: Kind::ANY = "The painted image, of the same kind."))]
+#[node(stage, end = Back, revision = 2, output(image: Kind::ANY = "The painted image, of the same kind."))]
 pub(crate) struct Strokes {
     /// Image to repaint.
     image: One<port::Image>,
@@ -94,10 +94,6 @@ impl Node for Strokes {
         let remedy = "raise \"spacing\", or lower \"length\" and \"width\": each place is painted \
                       length · width / spacing² times; or use fewer samples or pixels";
         Some(Work { seconds, item: Self::LAYERS, remedy })
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

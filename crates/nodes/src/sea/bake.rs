@@ -27,7 +27,7 @@ use trochoid_sea::{Fields, Grid, Sample, Wanted};
 /// # Source
 /// Cook, Shade Trees, 1984 (displacement); Tessendorf, Simulating Ocean Water, 2001 (Jacobian).
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, outputs = Out)]
+#[node(stage, end = Front, revision = 1, outputs = Out)]
 pub(crate) struct Bake {
     /// The sea to bake: a surface with a plane at rest.
     sea: One<port::Surface>,
@@ -115,10 +115,6 @@ fn channels(sample: &Sample, up: Up) -> [f64; 8] {
 impl Node for Bake {
     fn check(&self, check: &mut Check<'_>) {
         check_sea(&self.sea, check);
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

@@ -23,7 +23,7 @@ use trochoid_sea::toon::{LineRow, NearPhase, NearPlace, density_span};
 /// The drift lines that Dadfar and Welling, 5.1, could not keep whole in turns. Phases and agreement: see the manual
 /// of ToonSea.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The lines."))]
+#[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "The lines."))]
 pub(crate) struct DriftLines {
     /// View of a toon sea.
     view: One<port::View>,
@@ -76,10 +76,6 @@ impl Coordinate {
 impl Node for DriftLines {
     fn check(&self, check: &mut Check<'_>) {
         check_trails(&self.view, check);
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

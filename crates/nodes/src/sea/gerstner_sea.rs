@@ -28,7 +28,7 @@ use trochoid_sea::{
 /// # Source
 /// Thesis 3.2.1; Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, role = Sea, offers(Rest, Waves), output(surface: Kind::Surface = "The sea at the frame's time."))]
+#[node(stage, end = Front, revision = 1, role = Sea, offers(Rest, Waves), output(surface: Kind::Surface = "The sea at the frame's time."))]
 #[also_called("Sea", "Ocean", "Water", "Waves", "Gerstner", "OceanModifier")]
 pub(crate) struct GerstnerSea {
     /// Number of random waves.
@@ -394,10 +394,6 @@ impl Node for GerstnerSea {
 
     fn dynamics(&self) -> Option<&dyn Dynamics> {
         Some(self)
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

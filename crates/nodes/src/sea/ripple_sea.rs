@@ -20,7 +20,7 @@ use trochoid_sea::{Ripple, Sea, Wave, WaveError};
 /// # Source
 /// Creation of a cartoon shader of water for the web, part 2: pos.y += cos(pos.z·5 + t)·0.1·sin(pos.x·5 + t).
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, role = Sea, offers(Rest), output(surface: Kind::Surface = "The sea at the frame's time."))]
+#[node(stage, end = Front, revision = 1, role = Sea, offers(Rest), output(surface: Kind::Surface = "The sea at the frame's time."))]
 pub(crate) struct RippleSea {
     /// Height of the bumps above the rest level.
     #[knob(default = 0.1, range = -1e4..=1e4, unit = "m")]
@@ -74,10 +74,6 @@ impl RippleSea {
 impl Node for RippleSea {
     fn dynamics(&self) -> Option<&dyn Dynamics> {
         Some(self)
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

@@ -25,7 +25,7 @@ use trochoid_sea::spray::{self as model, Burst, MAX_DROPS, SprayError, SprayFigu
 /// # Source
 /// Thesis 3.2.4.5: particles, each with one of several modelled strokes. Peachey, Modeling Waves and Surf, 1986.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, outputs = Out)]
+#[node(stage, end = Front, revision = 1, outputs = Out)]
 pub(crate) struct Spray {
     /// View whose surfaces hide drops and whose camera sees them.
     view: One<port::View>,
@@ -249,10 +249,6 @@ impl Node for Spray {
             check.warning(Self::SEA, found, format!("the waves of {seas}, or bursts"), remedy);
         }
     }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
-    }
 }
 
 impl Stage for Spray {
@@ -358,7 +354,7 @@ impl Prepared for PreparedSpray {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         // Whether a drop is born depends on a random draw against the waves, so that no drop's error follows from errors
         // of other values.
-        let Ok(dabs) = self.truth() else { return Err(NoBound("the reference's drops cover too much")) };
+        let Ok(dabs) = self.truth() else { return Err(NoBound("the reference's drops cover too many pixels")) };
         let count = bounding.block.window.area();
         let depths: Vec<Span> = (0..count).map(|sample| bounding.certain(&self.view, Channel::Depth, sample)).collect();
         // The deeper the surface, the more is seen of each drop.

@@ -26,7 +26,7 @@ use trochoid_scene::{DVec3, Projector, footprint_axes};
 /// Creation of a cartoon shader of water for the web, part 2 (a tiled picture of lines, pos.y += time); Worley, A
 /// Cellular Texture Basis Function, 1996, for the lines.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 2, outputs = Out)]
+#[node(stage, end = Front, revision = 2, outputs = Out)]
 pub(crate) struct SurfaceLines {
     /// View of the water.
     view: One<port::View>,
@@ -70,11 +70,7 @@ enum Out {
 
 const RESTS: [Channel; 3] = [Channel::RestX, Channel::RestY, Channel::RestZ];
 
-impl Node for SurfaceLines {
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
-    }
-}
+impl Node for SurfaceLines {}
 
 impl Stage for SurfaceLines {
     fn asks(&self, _wanted: &[bool]) -> ChannelSet {

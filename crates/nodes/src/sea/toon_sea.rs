@@ -30,6 +30,7 @@ use trochoid_sea::toon::{
 /// Dadfar and Welling, Japanese-Style Toon-Based Water Shader, 3.1 and 3.2; Jury's criterion for stability.
 #[derive(Clone, Node)]
 #[node(
+    stage,
     end = Front,
     revision = 1,
     role = Sea,
@@ -377,10 +378,6 @@ impl Node for ToonSea {
 
     fn dynamics(&self) -> Option<&dyn Dynamics> {
         Some(self)
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

@@ -17,7 +17,7 @@ use trochoid_graph::*;
 /// # Source
 /// Creation of a cartoon shader of water for the web, part 2: foamLine = clamp(screenDepth − worldDepth, 0, 1).
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The foam."))]
+#[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "The foam."))]
 pub(crate) struct WaterlineFoam {
     /// View of the water alone.
     view: One<port::View>,
@@ -57,10 +57,6 @@ impl Node for WaterlineFoam {
             let remedy = "connect a Render with the same camera and all surfaces but the water";
             check.error(Self::BEHIND, found, "a view without the water", remedy);
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

@@ -17,7 +17,7 @@ use trochoid_scene as scene;
 /// # Source
 /// Field convention: right-handed, Y up, the camera looks along its own −Z.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, role = Camera, output(camera: Kind::Camera = "The camera."))]
+#[node(stage, end = Front, revision = 1, role = Camera, output(camera: Kind::Camera = "The camera."))]
 #[also_called("Camera3D", "PerspectiveCamera", "Viewpoint")]
 pub(crate) struct Camera {
     /// Position of the camera.
@@ -56,10 +56,6 @@ impl Node for Camera {
                 check.error(knob, format!("{place:?}"), expected, "move the camera closer to the scene");
             }
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

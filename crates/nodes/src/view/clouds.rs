@@ -26,7 +26,7 @@ use trochoid_scene::{Camera, DVec3, Light, Projector, Ray};
 /// Kajiya and Von Herzen, Ray Tracing Volume Densities, 1984; Schneider, The Real-Time Volumetric Cloudscapes of
 /// Horizon Zero Dawn, 2015: density toward the light, silver lining.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 2, outputs = Out)]
+#[node(stage, end = Front, revision = 2, outputs = Out)]
 pub(crate) struct Clouds {
     /// Camera that sees the clouds.
     camera: One<port::Camera>,
@@ -152,10 +152,6 @@ impl Node for Clouds {
         let remedy = "lower \"steps\", or use fewer layers, octaves, samples or pixels";
         Some(Work { seconds, item: Self::STEPS, remedy })
     }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
-    }
 }
 
 impl Stage for Clouds {
@@ -171,7 +167,7 @@ impl Stage for Clouds {
         let cameras: Vec<Camera> = prepare.handles(&self.camera)?;
         let lights: Vec<Light> = prepare.handles(&self.light)?;
         let (Some(camera), Some(light)) = (cameras.first(), lights.first()) else {
-            return Err(BadData::new("no camera or no light", "one of each", "connect them").into());
+            return Err(BadData::new("no camera or no light", "a camera and a light", "connect them").into());
         };
         let (sin, cos) = libm::sincos(self.wind.to_radians());
         let layer = |layer: &CloudLayer| layer.at(prepare.frame.time, [cos, sin]);

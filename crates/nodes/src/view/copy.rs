@@ -34,7 +34,9 @@ impl<T: Copies> Node for ViewCopy<T> {
             check_trails(self.0.view(), check);
         }
     }
+}
 
+impl<T: Copies> Computes for ViewCopy<T> {
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }

@@ -20,7 +20,7 @@ use trochoid_scene::DVec3;
 /// # Source
 /// Weingarten's equations; do Carmo, Differential Geometry of Curves and Surfaces, 3-3.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(curvature: Kind::Field(1) = "Mean curvature, 1/m."))]
+#[node(stage, end = Front, revision = 1, output(curvature: Kind::Field(1) = "Mean curvature, 1/m."))]
 pub(crate) struct Curvature {
     /// View of the surface.
     view: One<port::View>,
@@ -29,11 +29,7 @@ pub(crate) struct Curvature {
     reach: i64,
 }
 
-impl Node for Curvature {
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
-    }
-}
+impl Node for Curvature {}
 
 impl Stage for Curvature {
     fn asks(&self, _wanted: &[bool]) -> ChannelSet {

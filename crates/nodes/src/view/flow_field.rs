@@ -26,7 +26,7 @@ use trochoid_weights::kernel::{Kernel, Shape, filter};
 /// # Source
 /// Litwinowicz, 1997 (strokes across gradients); Kass and Witkin, Analyzing Oriented Patterns, 1987 (doubled angles).
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, outputs = Out)]
+#[node(stage, end = Front, revision = 1, outputs = Out)]
 pub(crate) struct FlowField {
     /// View of the surfaces, for slope and crest.
     view: Optional<port::View>,
@@ -118,10 +118,6 @@ impl Node for FlowField {
             let remedy = "write for example [1, 0, 0], or \"steep\": 0 for no calm direction";
             check.error(Self::CALM, "[0, 0, 0], which has no direction", "a direction in world space", remedy);
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

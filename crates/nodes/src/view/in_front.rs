@@ -15,7 +15,7 @@ use trochoid_graph::*;
 /// # Source
 /// Z compositing: Duff, Compositing 3-D Rendered Images, 1985.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 where `view` is in front."))]
+#[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "1 where `view` is in front."))]
 pub(crate) struct InFront {
     /// View that may be in front.
     view: One<port::View>,
@@ -33,10 +33,6 @@ impl Node for InFront {
             let found = "the same view as \"view\", so the mask is meaningless";
             check.warning(Self::OTHER, found, "another view", "connect a Render of the surfaces behind");
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

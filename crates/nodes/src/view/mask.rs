@@ -67,7 +67,9 @@ pub(crate) fn ramp(x: f64, from: f64, width: f64) -> f64 {
     }
 }
 
-impl<T: Masks> Node for ViewMask<T> {
+impl<T: Masks> Node for ViewMask<T> {}
+
+impl<T: Masks> Computes for ViewMask<T> {
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }

@@ -115,7 +115,7 @@ pub(crate) fn named(frame: &FrameContext, written: &str) -> Result<PathBuf, Node
     if !path.exists()
         && let Some(remedy) = escape_remedy(frame, written)
     {
-        return Err(BadData::new("no file of this name", "one", remedy).in_file(path).into());
+        return Err(BadData::new("no file of this name", "an existing file", remedy).in_file(path).into());
     }
     Ok(path)
 }

@@ -16,7 +16,7 @@ use trochoid_graph::*;
 /// # Source
 /// The standard object ID pass (cryptomattes of one level).
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 where a chosen surface is seen."))]
+#[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "1 where a chosen surface is seen."))]
 pub(crate) struct ObjectMask {
     /// View of the surfaces.
     view: One<port::View>,
@@ -55,10 +55,6 @@ impl Node for ObjectMask {
             check.warning(Self::SURFACES, found, "surfaces of the view", remedy);
         }
     }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
-    }
 }
 
 impl Stage for ObjectMask {
@@ -77,7 +73,7 @@ impl Stage for ObjectMask {
             let handle = prepare.handle_of(&self.view);
             let Some(view) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
                 let remedy = "use \"indices\", or view a Render";
-                return Err(BadData::new("a view of passes", "one that knows its surfaces", remedy).into());
+                return Err(BadData::new("a view of passes", "a view of surfaces", remedy).into());
             };
             let held = view.surfaces.iter().enumerate();
             indices.extend(

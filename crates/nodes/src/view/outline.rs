@@ -20,7 +20,7 @@ use trochoid_image::{Format, Window};
 /// # Source
 /// Saito and Takahashi, Comprehensible Rendering of 3-D Shapes, 1990.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "1 on the lines."))]
+#[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "1 on the lines."))]
 pub(crate) struct Outline {
     /// View to outline.
     view: One<port::View>,
@@ -60,11 +60,7 @@ struct Group {
     surfaces: Vec<f64>,
 }
 
-impl Node for Outline {
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
-    }
-}
+impl Node for Outline {}
 
 impl Outline {
     /// Returns the surface that each surface counts as: the first of its group.

@@ -79,7 +79,9 @@ impl<T: Traces> Node for RayPass<T> {
     fn work(&self, format: Format, _time: f64) -> Option<Work> {
         self.0.work(format)
     }
+}
 
+impl<T: Traces> Computes for RayPass<T> {
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }

@@ -19,7 +19,7 @@ use trochoid_scene as scene;
 /// View-dependent tessellation after Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002; the
 /// reference traces the continuous surfaces.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 2, role = Render, outputs = Out)]
+#[node(stage, end = Front, revision = 2, role = Render, outputs = Out)]
 #[also_called("ScanlineRender", "Renderer", "Rasterize", "RenderLayers", "View")]
 pub(crate) struct Render {
     /// Camera of the view.
@@ -73,10 +73,6 @@ impl Node for Render {
             let found = format!("\"{}\" twice, at the same place", twice.name);
             check.warning(Self::SURFACES, found, "each surface once", "list it once");
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

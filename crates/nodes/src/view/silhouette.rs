@@ -23,7 +23,7 @@ use trochoid_scene::shading::unit_or_up;
 /// Toon shading by thresholds: edge = max(0, n · v), black below 0.01, or by a one-dimensional ramp: connect `edge` to
 /// a Ramp.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, outputs = Out)]
+#[node(stage, end = Front, revision = 1, outputs = Out)]
 pub(crate) struct Silhouette {
     /// View of the surfaces.
     view: One<port::View>,
@@ -48,11 +48,7 @@ enum Out {
     Edge,
 }
 
-impl Node for Silhouette {
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
-    }
-}
+impl Node for Silhouette {}
 
 impl Stage for Silhouette {
     fn asks(&self, _wanted: &[bool]) -> ChannelSet {

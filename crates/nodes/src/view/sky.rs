@@ -19,7 +19,7 @@ use trochoid_scene::{DVec3, Projector};
 /// # Source
 /// The law of reflection; thesis 3.2.3.3 mirrors an environment.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, outputs = Out)]
+#[node(stage, end = Front, revision = 1, outputs = Out)]
 pub(crate) struct Sky {
     /// View whose rays are used.
     view: One<port::View>,
@@ -52,10 +52,6 @@ impl Node for Sky {
                 "exchange them, and Invert the mask",
             );
         }
-    }
-
-    fn body(&self) -> Body<'_> {
-        Body::Stage(self)
     }
 }
 

@@ -49,7 +49,7 @@ impl Surroundings {
     pub(crate) fn of(view: &One<port::View>, facets: &Facets, prepare: &Prepare<'_>) -> Result<Arc<Self>, NodeError> {
         let handle = prepare.handle_of(view);
         let Some(looking) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
-            let expected = "one of surfaces, which can stand in the way of rays";
+            let expected = "a view of surfaces";
             return Err(BadData::new("a view of passes", expected, "connect a Render").into());
         };
         let eye = looking.camera.projector(prepare.frame.format);

@@ -240,7 +240,7 @@ pub enum AccessorFault {
 pub enum PatchesFault {
     /// Bytes that are not JSON.
     #[error(
-        "found a file that is no JSON ({0}); expected a model of patches, JSON with \"trochoid_model\": 1: name one, or \
+        "found a file that is not JSON ({0}); expected a model of patches, JSON with \"trochoid_model\": 1: name one, or \
          correct it there"
     )]
     NoJson(serde_json::Error),

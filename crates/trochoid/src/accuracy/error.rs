@@ -1,37 +1,37 @@
-//! Why no settings meet a tolerance.
+//! Errors of the search for settings that meet a tolerance.
 
 use crate::LoadError;
 use std::fmt;
 use trochoid_engine::{EvalError, PlanError};
 
-/// Why there are no such settings.
+/// Reason that no settings were found.
 #[derive(Debug, thiserror::Error)]
 pub enum TargetError {
     /// The document with the settings is not valid.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// There is no plan.
+    /// The document cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// It cannot be evaluated.
+    /// The document cannot be evaluated.
     #[error(transparent)]
     Evaluate(#[from] EvalError),
-    /// The most accurate settings miss it.
+    /// The most accurate settings miss the tolerance.
     #[error("{0}")]
     Missed(Box<Missed>),
-    /// Nothing is known of the errors of an output.
+    /// No error of an output is certified.
     #[error(
-        "output \"{output}\": found no sample whose error is certain, since {why}; expected a bound to hold against the \
+        "output \"{output}\": found no sample with a certified error, because {why}; expected a bound to compare with the \
          tolerance"
     )]
     Unknown {
-        /// The output.
+        /// Name of the output.
         output: String,
-        /// Why.
+        /// Pass without an error bound, and the reason.
         why: Uncertain,
     },
-    /// No output has errors that a tolerance speaks of.
-    #[error("found no output of colors or weights; expected one: a tolerance speaks of what is displayed")]
+    /// No output has values that tolerances apply to.
+    #[error("found no output of colors or weights; expected one: tolerances apply to displayed values")]
     NothingDisplayed,
 }
 
@@ -53,20 +53,20 @@ pub enum Uncertain {
     },
 }
 
-/// By how much the most accurate settings miss a tolerance, and why.
+/// Description of how far the most accurate settings miss a tolerance, and why.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Missed {
-    /// The tolerance, in display-encoded values.
+    /// Tolerance in display-encoded values.
     pub tolerance: f64,
-    /// What it allows in the working space.
+    /// Error that the tolerance allows in the working space.
     pub allowed: f64,
-    /// The output.
+    /// Name of the output.
     pub output: String,
-    /// The largest certified error of a sample in no doubt, in the working space.
+    /// Largest certified error of a sample that is not ambiguous, in the working space.
     pub certified: f64,
-    /// Where.
+    /// Pixel with that error.
     pub pixel: [i64; 2],
-    /// The pass that makes most of it, with its type; `None` where it is the rounding of f32 all over the graph.
+    /// Pass with the largest share of the error, and its type; `None` if f32 rounding in all passes limits it.
     pub pass: Option<(String, &'static str)>,
 }
 
@@ -75,11 +75,12 @@ impl fmt::Display for Missed {
         let Self { output, certified, pixel: [x, y], allowed, .. } = self;
         write!(
             f,
-            "output \"{output}\": found {certified:.1e} certified at pixel ({x}, {y}) by the most accurate methods, "
+            "output \"{output}\": found a certified error of {certified:.1e} at pixel ({x}, {y}) with the most accurate \
+             methods, "
         )?;
         match &self.pass {
             Some((name, ty)) => write!(f, "limited by the pass \"{name}\" ({ty})")?,
-            None => write!(f, "limited by the rounding of f32 in all passes together")?,
+            None => write!(f, "limited by f32 rounding in all passes together")?,
         }
         write!(f, "; expected at most {allowed:.1e}")
     }

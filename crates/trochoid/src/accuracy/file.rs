@@ -1,4 +1,4 @@
-//! Plans as files.
+//! Plan files: settings that meet a tolerance, as JSON.
 
 use super::Planned;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use trochoid_graph::{CheckedGraph, MAX_BYTES, Tolerance};
 
-/// Settings that meet a tolerance, to be used again: at other frames, on other machines.
+/// Settings that meet a tolerance, for use at other frames or on other machines.
 ///
 /// ```
 /// use trochoid::accuracy::PlanFile;
@@ -20,35 +20,35 @@ use trochoid_graph::{CheckedGraph, MAX_BYTES, Tolerance};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanFile {
-    /// The version of this form: 1.
+    /// Version of the format: 1.
     pub trochoid_plan: u32,
-    /// The document that it was made for, as its own settings have it.
+    /// Hash of the document that the plan was made for, without the plan's settings.
     pub document_hash: String,
-    /// The frame at which it was found.
+    /// Frame that the plan was made at.
     pub frame: i64,
-    /// What was asked for.
+    /// Requested tolerance.
     pub tolerance: String,
-    /// By `NODE.KNOB`, its value.
+    /// Values by `NODE.KNOB`.
     pub set: BTreeMap<String, String>,
-    /// Seconds that rendering the frame was to take on the machine where it was found.
+    /// Predicted seconds for rendering the frame on the machine that made the plan.
     pub predicted_seconds: f64,
-    /// By output, what is certain of it.
+    /// Certified errors by output.
     pub certified: BTreeMap<String, CertifiedText>,
 }
 
-/// What is certain of an output's errors, in units of the working space.
+/// Certified errors of an output, in units of the working space.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedText {
-    /// The largest bound of a sample in no doubt; `None` where nothing is known.
+    /// Largest bound of a sample that is not ambiguous; `None` if there is no bound.
     pub max: Option<f64>,
-    /// What 99.9 % of those bounds do not pass.
+    /// 99.9th percentile of those bounds; `None` if there is no bound.
     pub p999: Option<f64>,
-    /// The share of samples in doubt.
+    /// Share of ambiguous samples.
     pub ambiguous_share: f64,
 }
 
-/// Why there is no plan in a file.
+/// Reason that a plan cannot be read from a file.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanFileError {
     /// The file cannot be read.
@@ -57,7 +57,7 @@ pub enum PlanFileError {
     /// The file holds something else.
     #[error("{}: {source}", path.display())]
     NoPlan {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// What was found, and what was expected.
         source: NoPlan,
@@ -97,7 +97,7 @@ const VERSION: u32 = 1;
 const EXPECTED: &str = "expected a plan as `trochoid plan --out` writes it";
 
 impl PlanFile {
-    /// What was planned for a document.
+    /// Creates the plan file of a document.
     pub fn new(graph: &CheckedGraph, frame: i64, tolerance: Tolerance, planned: &Planned) -> Self {
         let finite = |value: f64| value.is_finite().then_some(value);
         let certified = planned.certified.iter().map(|certified| {
@@ -121,7 +121,7 @@ impl PlanFile {
         }
     }
 
-    /// From a text.
+    /// Parses a plan.
     ///
     /// # Errors
     /// It is no plan; what was found, and what was expected.
@@ -143,10 +143,10 @@ impl PlanFile {
         Ok(plan)
     }
 
-    /// From a file.
+    /// Reads a plan from a file.
     ///
     /// # Errors
-    /// It cannot be read, or is no plan.
+    /// The file cannot be read, or is not a plan.
     pub fn read(path: &Path) -> Result<Self, PlanFileError> {
         let none = |source: NoPlan| PlanFileError::NoPlan { path: path.into(), source };
         let text = trochoid_io::read_text(path, MAX_BYTES as u64).map_err(|error| match error {
@@ -156,12 +156,12 @@ impl PlanFile {
         Self::parse(&text).map_err(none)
     }
 
-    /// As JSON.
+    /// Returns the plan as JSON.
     pub fn text(&self) -> String {
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 
-    /// Assignments for [`load`](crate::load()), `NODE.KNOB=VALUE`.
+    /// Returns the assignments `NODE.KNOB=VALUE` for [`load`](crate::load()).
     pub fn assignments(&self) -> Vec<String> {
         self.set.iter().map(|(knob, value)| format!("{knob}={value}")).collect()
     }

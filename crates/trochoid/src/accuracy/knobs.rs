@@ -1,28 +1,28 @@
-//! The knobs by which nodes are more or less accurate.
+//! Knobs that control the accuracy of nodes.
 
 use trochoid_graph::{CheckedGraph, Item, Knob, NodeId, Takes};
 
-/// A knob of a node that chooses among methods of one reference.
+/// Knob of a node that chooses among methods with the same reference.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AccuracyKnob {
-    /// The node.
+    /// Node with the knob.
     pub node: NodeId,
-    /// Its name.
+    /// Name of the node.
     pub name: String,
-    /// The knob.
+    /// Name of the knob.
     pub knob: &'static str,
-    /// Its words, from the coarsest to the most accurate.
+    /// Words that the knob accepts, from the coarsest to the most accurate method.
     pub words: &'static [&'static str],
 }
 
 impl AccuracyKnob {
-    /// What sets it to one of its words, as `NODE.KNOB=VALUE`.
+    /// Returns the assignment `NODE.KNOB=VALUE` of one of its words.
     pub fn assignment(&self, level: usize) -> String {
         format!("{}.{}={}", self.name, self.knob, self.words[level])
     }
 }
 
-/// Those of all nodes that some outputs need at a frame, in the order of the document.
+/// Returns the accuracy knobs of all nodes that these outputs need at a frame, in document order.
 pub(super) fn find(graph: &CheckedGraph, outputs: &[&str], frame: i64) -> Vec<AccuracyKnob> {
     let of = reached(graph, outputs, frame).flat_map(|id| {
         let node = graph.node(id);
@@ -36,7 +36,7 @@ pub(super) fn find(graph: &CheckedGraph, outputs: &[&str], frame: i64) -> Vec<Ac
     of.collect()
 }
 
-/// The number knobs of those nodes that are wanted, where the document does not key them.
+/// Returns the wanted number knobs of all nodes that these outputs need at a frame.
 pub(super) fn numbers(
     graph: &CheckedGraph,
     outputs: &[&str],
@@ -53,14 +53,15 @@ pub(super) fn numbers(
     numbers
 }
 
-/// The nodes that some outputs need at a frame; of all outputs, where none is named.
+/// Returns the nodes that these outputs need at a frame; those of all outputs if none is named.
 fn reached(graph: &CheckedGraph, outputs: &[&str], frame: i64) -> impl Iterator<Item = NodeId> {
     let named = graph.outputs().iter().filter(|output| outputs.is_empty() || outputs.contains(&output.name.as_str()));
     let reached = graph.reached(named.map(|output| output.node), frame);
     (0..graph.nodes().len()).filter(move |id| reached[*id]).map(NodeId)
 }
 
-/// Takes the next word for the pass that limits a picture, or for all passes that it sees; `false` where there is none.
+/// Raises the accuracy of the pass that limits a picture to the next word, or of all passes upstream of it; `false` if
+/// there are no further words.
 pub(super) fn raise(
     knobs: &[AccuracyKnob],
     levels: &mut [usize],
@@ -82,11 +83,11 @@ pub(super) fn raise(
     !chosen.is_empty()
 }
 
-/// A number knob of a node.
+/// Number knob of a node.
 pub(super) struct Number {
     node: String,
     knob: &'static str,
-    /// Its value in the document.
+    /// Value in the document.
     at: f64,
     takes: Takes,
 }
@@ -105,7 +106,7 @@ impl Number {
         format!("{}.{}", self.node, self.knob)
     }
 
-    /// So many times its value, as far as it goes.
+    /// Returns a multiple of the value, clamped to the knob's range.
     pub(super) fn value(&self, factor: f64) -> f64 {
         match self.takes {
             Takes::Number { min, max } => (self.at * factor).clamp(min, max),

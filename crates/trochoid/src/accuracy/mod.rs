@@ -1,8 +1,8 @@
-//! Settings from a tolerance: the least accurate methods that are certified to meet it.
+//! Search for the least accurate settings that are certified to meet a tolerance.
 //!
-//! A back end of convex operations does not let errors of passes grow, so what a picture's errors can be is known from
-//! those of its passes. The search goes from the coarsest methods to more accurate ones, and makes those passes more
-//! accurate that limit the picture where it is worst. What it finds depends on the document alone, not on the machine.
+//! Convex operations do not amplify errors, so the error bounds of a picture follow from those of its passes. The
+//! search starts with the coarsest methods, and raises the accuracy of the passes that limit the picture at its worst
+//! pixel. The result depends only on the document, not on the machine.
 
 mod error;
 #[cfg(feature = "io")]
@@ -23,16 +23,16 @@ use trochoid_engine::{Buffers, Cache, Certified, Certifier, Limiting, Monitor, P
 use trochoid_graph::{CheckedGraph, Kind, NodeId, Tolerance};
 use trochoid_image::{Window, WorkingSpace};
 
-/// What is asked for.
+/// Request for settings.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
-    /// The outputs that are to meet it.
+    /// Outputs that must meet the tolerance.
     pub outputs: &'a [&'a str],
-    /// The frame.
+    /// Frame at which settings are sought.
     pub frame: i64,
-    /// How accurate they are to be.
+    /// Tolerance to meet.
     pub tolerance: Tolerance,
-    /// How certification runs.
+    /// Settings of the certification.
     pub settings: &'a Settings,
 }
 
@@ -41,13 +41,14 @@ pub struct Request<'a> {
 pub struct Planned {
     /// Assignments `NODE.KNOB=VALUE` for [`load`](crate::load()), as for `--set`.
     pub set: Vec<String>,
-    /// What is certain of the outputs with them; empty where nothing was certified, as for [`Tolerance::Exact`].
+    /// Certified errors of the outputs with these settings; empty if nothing was certified, as for
+    /// [`Tolerance::Exact`].
     pub certified: Vec<Certified>,
-    /// Seconds that rendering the frame will take: measured on an eighth of it.
+    /// Predicted seconds for rendering the frame, extrapolated from an eighth of it.
     pub predicted: f64,
 }
 
-/// Finds the settings, given how to load the document with assignments beyond its own.
+/// Searches for settings; `load` loads the document with additional assignments.
 ///
 /// # Errors
 /// See [`TargetError`].
@@ -106,7 +107,7 @@ pub fn plan(
             }
             Outcome::Misses(missed, stage) => {
                 if !knobs::raise(&knobs, &mut levels, &graph, stage, request.frame) {
-                    // By how much is known of all of the picture alone.
+                    // Only the whole picture tells by how much the tolerance is missed.
                     if whole {
                         return Err(TargetError::Missed(missed));
                     }
@@ -117,10 +118,11 @@ pub fn plan(
     }
 }
 
-/// The largest error that a display-encoded tolerance allows for values of a working space, whatever the values.
+/// Returns the largest error in a working space that a display-encoded tolerance allows for all values.
 ///
-/// sRGB's encoding is concave and 0 at 0, so what differs by e is encoded to values that differ by no more than encoded e.
-/// Between linear spaces a channel's error is at most the sum of the others' by the size of their factors.
+/// The sRGB encoding is concave and 0 at 0, so values that differ by e have encodings that differ by at most the
+/// encoding of e. A conversion between linear spaces multiplies the error by at most the sum of the absolute factors of
+/// a channel.
 pub fn allowed(tolerance: f64, space: WorkingSpace) -> f64 {
     let decoded = WorkingSpace::Srgb.to_linear_srgb([tolerance; 3])[0];
     match space {
@@ -134,7 +136,8 @@ pub fn allowed(tolerance: f64, space: WorkingSpace) -> f64 {
     }
 }
 
-/// The largest error of an output in the working space; `None` for what is not displayed.
+/// Returns the largest error in the working space that is allowed for an output; `None` for kinds that are not
+/// displayed.
 fn allowed_of(kind: Kind, tolerance: f64, space: WorkingSpace) -> Option<f64> {
     match kind {
         Kind::Color => Some(allowed(tolerance, space)),
@@ -143,17 +146,18 @@ fn allowed_of(kind: Kind, tolerance: f64, space: WorkingSpace) -> Option<f64> {
     }
 }
 
-/// The pass that knows no bound, and why: of several the one nearest to the output, which says most.
+/// Returns the pass without an error bound, and the reason; of several passes, the most telling one, nearest to the
+/// output.
 fn unbounded(graph: &CheckedGraph, certified: &[Certified]) -> Option<(NodeId, &'static str)> {
     let made = |id: NodeId| graph.order().iter().position(|other| *other == id);
     let all = certified.iter().flat_map(|certified| certified.unbounded.iter().copied());
     all.max_by_key(|(id, _)| made(*id))
 }
 
-/// Whether an output meets a tolerance with some settings.
+/// Result of trying settings.
 enum Outcome {
     Holds(Vec<Certified>),
-    /// It does not, and which pass limits it where it is worst.
+    /// The tolerance is missed; also names the pass that limits the worst pixel.
     Misses(Box<Missed>, Option<NodeId>),
 }
 
@@ -166,7 +170,8 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    /// Certifies parts of the picture, which settings that are too coarse do not survive, then all of it; or `whole` at once.
+    /// Certifies strips of the picture, which reject settings that are too coarse, then the whole picture; only the
+    /// latter if `whole` is set.
     fn run(&mut self, whole: bool) -> Result<Outcome, TargetError> {
         let parts = pilot::strips(self.graph.format().window()).map(Some);
         for region in parts.into_iter().filter(|_| !whole).chain([None]) {
@@ -196,7 +201,7 @@ impl Trial<'_> {
         Ok(certified?)
     }
 
-    /// The displayed output that is worst, and its largest error over what is allowed.
+    /// Returns the displayed output with the largest ratio of certified to allowed error, and that ratio.
     fn worst(&self, certified: &[Certified]) -> Result<Option<(usize, f64)>, TargetError> {
         let mut worst: Option<(usize, f64)> = None;
         for (index, certified) in certified.iter().enumerate() {

@@ -1,15 +1,16 @@
-//! Parts of a picture that stand for all of it.
+//! Strips of a picture that represent the whole picture.
 
 use super::error::TargetError;
 use trochoid_engine::{Buffers, Cache, Monitor, Plan, Settings};
 use trochoid_graph::CheckedGraph;
 use trochoid_image::Window;
 
-/// Which share of the picture's breadth each strip has, and where they stand: sky is above, water below.
+/// Width of each strip as a fraction of the picture's width, and positions of the strips. They are upright, so that
+/// each has sky and water.
 const SHARE: i64 = 24;
 const PLACES: [i64; 3] = [4, 11, 18];
 
-/// Upright strips, an eighth of the picture together.
+/// Returns upright strips that cover an eighth of the picture in total.
 pub(super) fn strips(window: Window) -> [Window; 3] {
     let width = window.width() as i64;
     PLACES.map(|place| {
@@ -19,10 +20,11 @@ pub(super) fn strips(window: Window) -> [Window; 3] {
     })
 }
 
-/// Seconds that evaluating outputs at a frame will take: all that is prepared, and strips of the picture for all of it.
+/// Predicts the seconds for evaluating outputs at a frame: prepares everything, and extrapolates from strips of the
+/// picture.
 ///
 /// # Errors
-/// There is no such plan, or it cannot be evaluated.
+/// The outputs cannot be planned or evaluated.
 pub fn predict(
     graph: &CheckedGraph,
     outputs: &[&str],

@@ -1,22 +1,22 @@
-//! Which pixels are looked at, and how many of them chance allows to lie beyond a quantile.
+//! Choice of the pixels to check, and the number of them that may exceed a quantile by chance.
 
 use std::collections::BTreeSet;
 
-/// The probability with which a certificate that is right is rejected by bad luck, at most.
+/// Maximum probability that a correct certificate is rejected by chance.
 const BAD_LUCK: f64 = 1e-9;
 
-/// So many of `total` pixels, ascending, each once: chosen by a digest, so that whoever changes anything in a certificate
-/// changes the choice.
+/// Chooses `count` distinct pixels out of `total`, in ascending order. The digest determines the choice, so that any
+/// change of a certificate changes it.
 pub(super) fn choose(digest: &str, total: usize, count: usize) -> Vec<usize> {
     if count >= total {
         return (0..total).collect();
     }
-    // Of more than half, those that are not chosen are fewer.
+    // If more than half are chosen, it is faster to draw those that are not.
     let drawn = count.min(total - count);
     let mut stream = blake3::Hasher::new().update(b"trochoid pixels ").update(digest.as_bytes()).finalize_xof();
     let mut chosen = BTreeSet::new();
     let total = total as u64;
-    // Numbers beyond the last multiple of the total would make the first pixels likelier.
+    // Numbers beyond the last multiple of the total would favor the first pixels.
     let fair = u64::MAX - u64::MAX % total;
     while chosen.len() < drawn {
         let mut bytes = [0; 8];
@@ -32,11 +32,11 @@ pub(super) fn choose(digest: &str, total: usize, count: usize) -> Vec<usize> {
     (0..total as usize).filter(|pixel| !chosen.contains(pixel)).collect()
 }
 
-/// Of `looked` pixels, chosen without return from some of which at most a share of `p` lies beyond, how many may lie beyond
-/// unless something of probability [`BAD_LUCK`] has happened.
+/// Returns how many of `looked` pixels may exceed a quantile if at most a share of `p` of all pixels exceeds it. The
+/// pixels are drawn without replacement; more than this number exceed it with a probability of at most [`BAD_LUCK`].
 ///
-/// Hoeffding, Probability Inequalities for Sums of Bounded Random Variables, 1963, theorems 1 and 4: at least `k` of `n` do
-/// with probability at most exp(−n·D(k/n ‖ p)), D the relative entropy.
+/// Hoeffding, Probability Inequalities for Sums of Bounded Random Variables, 1963, theorems 1 and 4: at least `k` of
+/// `n` exceed it with probability at most exp(−n·D(k/n ‖ p)), where D is the relative entropy.
 pub(super) fn allowed(looked: u64, p: f64) -> u64 {
     let n = looked as f64;
     let unlikely = |k: u64| {

@@ -1,4 +1,4 @@
-//! Checking certificates: all that can be held against document, inputs and image, then pixels against the references.
+//! Checks of certificates: everything that document, inputs and image determine, then pixels against the references.
 
 use super::failed::Failed;
 use super::image::StoredImage;
@@ -13,81 +13,81 @@ use trochoid_engine::{Cache, Monitor, ReferenceFrame};
 use trochoid_graph::{Access, CheckedGraph, Guarantee, Kind, refusals};
 use trochoid_io::{FileKind, SampleType};
 
-/// Which pixels are evaluated by the references.
+/// Choice of the pixels that the references evaluate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// Every one.
+    /// All pixels.
     All,
-    /// So many, chosen by the certificate's digest; all of a smaller picture.
+    /// This many pixels, selected by the certificate's digest; all if the picture has fewer.
     Some(u64),
 }
 
 impl Default for Choice {
-    /// 10,000 pixels.
+    /// Returns a choice of 10,000 pixels.
     fn default() -> Self {
         Self::Some(10_000)
     }
 }
 
-/// What is to be checked.
+/// Certificate and image to check.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'r> {
-    /// The certificate.
+    /// Path of the certificate.
     pub certificate: &'r Path,
-    /// The image that it is said to be of.
+    /// Path of the image that the certificate is claimed to cover.
     pub image: &'r Path,
-    /// Which pixels are evaluated.
+    /// Pixels to evaluate.
     pub choice: Choice,
-    /// The document that it is said to be of, if that is asked.
+    /// Document that the certificate is claimed to cover, if that is to be checked.
     pub document: Option<&'r CheckedGraph>,
-    /// Which files the document in the certificate may reach: by default what is [usual](Access::usual) of the certificate's
-    /// folder. Where the document says that it stood is its own claim.
+    /// Files that the document in the certificate may access: by default the [usual](Access::usual) ones for the
+    /// certificate's folder. The folder that the certificate gives for the document is not trusted.
     pub access: Option<&'r Access>,
 }
 
-/// What was seen of one output.
+/// Results of checking one output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Findings {
-    /// Its name.
+    /// Name of the output.
     pub output: String,
-    /// Pixels evaluated by the references.
+    /// Number of pixels evaluated by the references.
     pub looked_at: u64,
-    /// Pixels in all.
+    /// Number of all pixels.
     pub pixels: u64,
-    /// Of those evaluated, the ambiguous ones.
+    /// Number of evaluated pixels that are ambiguous.
     pub ambiguous: u64,
-    /// Whether the hull was checked: of colors that the certificate says hold it.
+    /// Whether the hull was checked, which applies to colors that the certificate claims to be inside.
     pub hull: bool,
-    /// The largest distance of a pixel that is not ambiguous from its reference, beyond what the file's format rounds, in
-    /// units of the file.
+    /// Largest distance of an unambiguous pixel from its reference, beyond the rounding of the file's format, in units
+    /// of the file.
     pub distance: f64,
-    /// The same of ambiguous pixels.
+    /// Largest such distance of an ambiguous pixel.
     pub distance_ambiguous: f64,
-    /// The smallest weight of any node in the references; +∞ where there are none.
+    /// Smallest weight of any node in the references; +∞ if there are no weights.
     pub weight_min: f64,
-    /// The largest |Σω − 1| of any node in them.
+    /// Largest |Σω − 1| of any node in the references.
     pub weight_sum_max_deviation: f64,
 }
 
-/// What a check has found.
+/// Result of checking a certificate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verification {
-    /// The certificate, unless its digest does not hold.
+    /// Frame of the certificate; `None` if its digest does not match.
     pub frame: Option<i64>,
-    /// The version of Trochoid that made it.
+    /// Version of Trochoid that made the certificate.
     pub trochoid: String,
-    /// Input files checked.
+    /// Number of input files checked.
     pub inputs: usize,
-    /// Blocks of pixels checked.
+    /// Number of blocks of pixels checked.
     pub blocks: usize,
-    /// What was seen of each output, where document, inputs and image are as certified.
+    /// Results for each output; empty unless document, inputs and image are as certified.
     pub outputs: Vec<Findings>,
-    /// All that does not hold.
+    /// Everything that does not hold.
     pub failures: Vec<Failed>,
 }
 
 impl Verification {
-    /// Whether everything holds.
+    /// Returns whether everything holds.
     pub fn holds(&self) -> bool {
         self.failures.is_empty()
     }
@@ -97,7 +97,7 @@ impl Verification {
         self.failures.push(Failed { place, found, expected });
     }
 
-    /// Fails unless both are the same.
+    /// Adds a failure unless both values are equal.
     pub(super) fn same<T: PartialEq + Words>(&mut self, place: impl ToString, found: &T, expected: &T) {
         if found != expected {
             self.fail(place, found.words(), expected.words());
@@ -105,20 +105,21 @@ impl Verification {
     }
 }
 
-/// Blocks and nodes that are named one by one; of further ones there is only the number.
+/// Maximum number of blocks and nodes that are named one by one; further ones are counted.
 const NAMED: usize = 8;
 
-/// Checks a certificate and the image that it is said to be of.
+/// Checks a certificate and the image that it is claimed to cover.
 ///
-/// Pixels are evaluated only if the certificate is unchanged, and document, inputs and image are the certified ones. Of a
-/// pixel that is not ambiguous the file must hold what its format rounds a number to that lies within the certified error of
-/// the reference; of an ambiguous one the same within the bound of those. At most one in a thousand may pass the certified
-/// 99.9th percentile: exactly where all pixels are looked at, else as many more as chance allows (a certificate that is right
-/// is rejected once in 10⁹ times). Colors must lie in the hull of their controls up to what the format rounds, weights in
-/// [0, 1], partitions must sum to 1.
+/// Pixels are evaluated only if the certificate is unchanged, and document, inputs and image are the certified ones.
+/// For an unambiguous pixel, the file must contain the rounded form of a value within the certified error of the
+/// reference; for an ambiguous pixel, within the bound of ambiguous pixels. At most one pixel in a thousand may exceed
+/// the certified 99.9th percentile: exactly if all pixels are evaluated, otherwise with a margin for chance (a correct
+/// certificate is rejected at most once in 10⁹ times). Up to the rounding of the format, colors must lie in the hull of
+/// their controls, weights in [0, 1], and partitions must sum to 1.
 ///
 /// # Errors
-/// A file cannot be read or is not what it should be, or the document may not reach it; the document is none of this version; the monitor asked to stop.
+/// A file cannot be read, is of the wrong kind, or may not be accessed by the document; the document is not valid in
+/// this version; the monitor asked to stop.
 pub fn verify(request: &Request<'_>, monitor: &dyn Monitor) -> Result<Verification, CertificateError> {
     let mut found = Verification::default();
     let certificate = match Certificate::read(request.certificate)? {
@@ -192,7 +193,7 @@ fn document(
     }
 }
 
-/// The indices of the outputs of a certificate, whose kinds and guarantees are looked at.
+/// Returns the indices of a certificate's outputs after checking their kinds and guarantees; `None` if they are wrong.
 fn outputs(found: &mut Verification, certificate: &Certificate, graph: &CheckedGraph) -> Option<Vec<usize>> {
     let mut indices = Vec::new();
     for written in &certificate.outputs {
@@ -200,17 +201,17 @@ fn outputs(found: &mut Verification, certificate: &Certificate, graph: &CheckedG
         match graph.outputs().iter().position(|output| output.name == written.name) {
             Some(index) if !indices.contains(&index) => indices.push(index),
             Some(_) => {
-                found.fail(place, "it twice", "it once");
+                found.fail(place, "two entries", "one entry");
                 return None;
             }
             None => {
-                found.fail(place, "a name of no output", "one of the document's");
+                found.fail(place, "an unknown output", "an output of the document");
                 return None;
             }
         }
     }
     if indices.is_empty() {
-        found.fail("outputs", "none", "one at least");
+        found.fail("outputs", "none", "at least one");
         return None;
     }
     for (written, index) in certificate.outputs.iter().zip(&indices) {
@@ -228,7 +229,7 @@ fn outputs(found: &mut Verification, certificate: &Certificate, graph: &CheckedG
         let asked = guarantee.asked.as_deref().map(Guarantee::from_name);
         let strict = asked.flatten() >= spec.require && asked != Some(None);
         if !strict || asked.flatten() > guarantee.held.as_deref().and_then(Guarantee::from_name) {
-            let expected = "what the document requires or more, and no more than what holds";
+            let expected = "at least what the document requires, and at most what holds";
             found.fail(place("guarantee.asked"), guarantee.asked.words(), expected);
         }
     }
@@ -257,7 +258,7 @@ fn inputs(
                 let place = format!("{}: input", path.display());
                 found.same(&place, &Contents::of(&now), &Contents::of(input));
             }
-            None => found.fail(format!("{}: input", path.display()), "no hash of it", "one in the certificate"),
+            None => found.fail(format!("{}: input", path.display()), "no hash", "a hash in the certificate"),
         }
     }
     for (input, _) in certificate.inputs.iter().zip(known).filter(|(_, known)| !known) {
@@ -266,7 +267,7 @@ fn inputs(
     Ok(())
 }
 
-/// Holds the image's shape and the hashes of its blocks against the certificate's.
+/// Compares the size, the channels and the block hashes of the image with those of the certificate.
 fn pixels_of_file(
     found: &mut Verification,
     (certificate, name): (&Certificate, std::path::Display<'_>),
@@ -283,7 +284,7 @@ fn pixels_of_file(
     found.same(at("pixels"), &image.window.to_string(), &graph.format().window().to_string());
     found.same(at("width and height"), &Size([now.width, now.height]), &Size([written.width, written.height]));
     found.same(at("channels"), &now.channels, &written.channels);
-    // What the certificate says of the file that it is of, whichever file this is.
+    // Claims of the certificate on its own file, which may be another file than this one.
     let png = written.kind == FileKind::Png.to_string();
     let of = |index: &usize| channels_of(graph, &graph.outputs()[*index], file, png);
     let mut channels: Vec<(String, SampleType)> = file.outputs.iter().flat_map(of).collect();
@@ -318,7 +319,8 @@ fn pixels_of_file(
     }
 }
 
-/// Holds what the image says of itself against the certificate: a file that was stored anew may say nothing.
+/// Compares the metadata of the image with the certificate. Metadata may be missing, for example if another program
+/// stored the file.
 fn metadata(found: &mut Verification, certificate: &Certificate, image: &StoredImage, at: &dyn Fn(&str) -> String) {
     let expected = [
         ("version", certificate.trochoid.clone()),
@@ -335,15 +337,15 @@ fn metadata(found: &mut Verification, certificate: &Certificate, image: &StoredI
     }
 }
 
-/// Whether there are control colors.
+/// Returns words for the presence of control colors.
 fn named(controls: bool) -> &'static str {
     if controls { "control colors" } else { "none" }
 }
 
-/// One output's share of the work.
+/// Monitor of one output's share of the work.
 struct Part<'m> {
     monitor: &'m dyn Monitor,
-    /// Pixels done before, and in all.
+    /// Pixels done before, and pixels in total.
     before: usize,
     total: usize,
 }

@@ -1,20 +1,20 @@
-//! How values stand in a file: as they are, as linear light, or encoded for display.
+//! Encoding of values in files: unchanged, as linear light, or for display.
 
 use trochoid_graph::Kind;
 use trochoid_image::{WorkingSpace, srgb_decode, srgb_encode};
 
-/// How an output's values become those of its file.
+/// Conversion from an output's values to those of its file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Coding {
     /// Unchanged.
     None,
-    /// Colors of a display-encoded space as linear light: EXR.
+    /// From colors of a display-encoded space to linear light, for EXR.
     Linear,
-    /// Colors of a space as a display takes them: PNG.
+    /// From colors of this space to display values, for PNG.
     Display(WorkingSpace),
 }
 
-/// What converting may be off: one rounding to f32, and a library's power function.
+/// Relative and absolute error of a conversion: one rounding to f32, and the error of a library's power function.
 const ROUNDING: (f64, f64) = (1.0 / 16_777_216.0, 1e-12);
 
 impl Coding {
@@ -26,12 +26,12 @@ impl Coding {
         }
     }
 
-    /// What stands in the file, before it is rounded, of a value that lies within an error of the reference, by channel.
+    /// Returns the range of each channel in the file, before rounding, for values within an error of the reference.
     ///
-    /// Every conversion ascends in each channel, so that ends go to ends.
+    /// Every conversion is increasing in each channel, so that it maps bounds to bounds.
     pub(super) fn ends(self, reference: &[f64], error: f64) -> Vec<(f64, f64)> {
         let around = |value: f64, error: f64| {
-            // Infinities are exact: the difference of two would be none.
+            // Infinities are exact, since the difference of two of them is undefined.
             if value.is_finite() { (value - error, value + error) } else { (value, value) }
         };
         let rounded = |(low, high): (f64, f64)| {
@@ -56,7 +56,7 @@ impl Coding {
         }
     }
 
-    /// A color of a file in the working space.
+    /// Converts a color of the file to the working space.
     pub(super) fn color(self, stored: [f64; 3]) -> [f64; 3] {
         match self {
             Self::None => stored,
@@ -65,7 +65,7 @@ impl Coding {
         }
     }
 
-    /// What a color of the working space may be off for having been converted, relative to its channels.
+    /// Returns the rounding error of a converted color relative to its channels.
     pub(super) fn rounding(self) -> f64 {
         if self == Self::None { 0.0 } else { 4.0 * ROUNDING.0 }
     }

@@ -1,15 +1,15 @@
-//! What does not hold of a certificate.
+//! Failures of a check.
 
 use std::fmt;
 
-/// Something that does not hold.
+/// Claim of a certificate that does not hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failed {
-    /// Where.
+    /// Place of the failure.
     pub place: String,
-    /// What was found there.
+    /// Value that was found there.
     pub found: String,
-    /// What the certificate or the references say.
+    /// Value of the certificate or of the references.
     pub expected: String,
 }
 

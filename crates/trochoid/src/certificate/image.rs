@@ -1,4 +1,4 @@
-//! Image files as they stand: their samples, hashed in blocks; and images of certified errors.
+//! Image files as stored, with hashes of their samples in blocks; and images of certified errors.
 
 use super::{ChannelText, ImageHashes};
 use crate::exr_layer::file_channels;
@@ -14,17 +14,17 @@ use trochoid_io::{
     ExrChannel, ExrImage, FileKind, Limits, SampleType, Samples, Selection, info, read, read_metadata, write_exr,
 };
 
-/// Width and height of blocks.
+/// Width and height of a block, in pixels.
 pub(super) const BLOCK: usize = 64;
 
-/// An image file, decoded.
+/// Decoded image file.
 pub(super) struct StoredImage {
     pub(super) kind: FileKind,
     pub(super) parts: usize,
     pub(super) window: Window,
     /// Sorted by name.
     pub(super) channels: Vec<StoredChannel>,
-    /// What stands beside the pixels: keys and values.
+    /// Keys and values of the metadata.
     pub(super) metadata: Vec<(String, String)>,
 }
 
@@ -35,7 +35,7 @@ pub(super) struct StoredChannel {
 }
 
 impl StoredImage {
-    /// All channels of a file's first part.
+    /// Reads all channels of a file's first part.
     pub(super) fn read(path: &Path) -> Result<Self, trochoid_io::Error> {
         let limits = Limits::default();
         let info = info(path, &limits)?;
@@ -53,7 +53,7 @@ impl StoredImage {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
-    /// The hashes of all blocks.
+    /// Returns the hashes of all blocks.
     pub(super) fn hashes(&self, file: String) -> ImageHashes {
         let blocks: Vec<String> = self.window.tiles(BLOCK, BLOCK).map(|block| self.hash(block)).collect();
         ImageHashes {
@@ -87,8 +87,8 @@ impl StoredImage {
     }
 }
 
-/// Writes how far each pixel of a file may lie from the references, as EXR: for each channel `C` of an output one named
-/// `error.C`, in units of the working space, and `doubt`, the share of the pixel's samples that are ambiguous.
+/// Writes the error bounds of a file's pixels against the references as EXR. Each channel `C` of an output has a
+/// channel `error.C`, in units of the working space; `doubt` is the share of the pixel's samples that are ambiguous.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -105,7 +105,7 @@ pub fn error_image(
     for certified in certified.iter().filter(|certified| file.outputs.contains(&certified.output)) {
         data = certified.window;
         let names = file_channels(graph, &graph.outputs()[certified.output], file);
-        // What stands before a channel's own name is its layer.
+        // The text before a channel's own name is its layer.
         let own = |name: &str, own: &str| match name.rsplit_once('.') {
             Some((layer, channel)) => (format!("{layer}.{own}.{channel}"), format!("{layer}.doubt")),
             None => (format!("{own}.{name}"), "doubt".into()),

@@ -1,16 +1,16 @@
-//! Files by hash, and paths as a certificate's folder sees them.
+//! Hashes of files, and paths relative to a certificate's folder.
 
 use super::{CertificateError, InputHash};
 use std::path::{Component, Path, PathBuf};
 use trochoid_graph::CheckedGraph;
 
-/// The files that some outputs depend on at a frame.
+/// Returns the files that these outputs depend on at a frame.
 pub(super) fn files(graph: &CheckedGraph, outputs: &[usize], frame: i64) -> Vec<PathBuf> {
     let roots = outputs.iter().map(|index| graph.outputs()[*index].node);
     graph.files(&graph.reached(roots, frame), &graph.frame_context(frame, u64::MAX))
 }
 
-/// A file, hashed, as a folder sees it.
+/// Hashes a file; its path is relative to a folder.
 pub(super) fn hashed(path: &Path, folder: &Path) -> Result<InputHash, CertificateError> {
     let mut hasher = blake3::Hasher::new();
     let file = trochoid_io::open_file(path).map_err(CertificateError::Read)?;
@@ -20,20 +20,20 @@ pub(super) fn hashed(path: &Path, folder: &Path) -> Result<InputHash, Certificat
     Ok(InputHash { bytes, hash: hasher.finalize().to_hex().to_string(), path: seen_from(folder, path) })
 }
 
-/// The folder of a file; the current one for a bare name.
+/// Returns the folder of a file: the current one for a bare name.
 pub(super) fn folder_of(path: &Path) -> PathBuf {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).into()
 }
 
-/// A path as people write it: without `.` where that says nothing.
+/// Returns a path without redundant `.` components.
 pub(super) fn plain(path: &Path) -> PathBuf {
     path.components().filter(|part| *part != Component::CurDir).collect()
 }
 
-/// A path relative to a folder, with `/` between its parts; as it stands where they have nothing in common.
+/// Returns a path relative to a folder, with `/` as separator; the absolute path if they have no common root.
 pub(super) fn seen_from(folder: &Path, path: &Path) -> String {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
-    // Links are followed: `..` after one would lead elsewhere.
+    // Links are resolved, because `..` after a link leads elsewhere.
     let absolute = |path: &Path| path.canonicalize().or_else(|_| std::path::absolute(path));
     let (Ok(from), Ok(to)) = (absolute(folder), absolute(path)) else { return path.display().to_string() };
     let same = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
@@ -47,7 +47,7 @@ pub(super) fn seen_from(folder: &Path, path: &Path) -> String {
     if parts.is_empty() { ".".into() } else { parts.join("/") }
 }
 
-/// Whether two paths lead to the same file.
+/// Returns whether two paths lead to the same file.
 pub(super) fn is_same(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

@@ -1,4 +1,4 @@
-//! Making certificates.
+//! Creation of certificates.
 
 use super::image::StoredImage;
 use super::inputs::{files, folder_of, hashed, seen_from};
@@ -14,24 +14,25 @@ use trochoid_graph::{CheckedGraph, Guarantee, Kind, OutputSpec, Precision};
 use trochoid_image::Rgb;
 use trochoid_io::{FileKind, SampleType};
 
-/// What a certificate is made of.
+/// Data that a certificate is made from.
 #[derive(Clone, Copy, Debug)]
 pub struct Made<'m> {
-    /// The graph.
+    /// Graph of the document.
     pub graph: &'m CheckedGraph,
-    /// The image, written already: its pixels are taken from it as they stand there.
+    /// Image file, which must be written already, because its pixels are read from it.
     pub file: &'m OutputFile,
-    /// The frame that it was written from.
+    /// Frame that the image was written from.
     pub frame: &'m Frame,
-    /// Of each of the file's outputs, what is certain of its errors.
+    /// Certified errors of each of the file's outputs.
     pub certified: &'m [Certified],
-    /// How the frame was planned.
+    /// Settings of the frame's plan.
     pub settings: &'m Settings,
-    /// What was required of all colors.
+    /// Guarantee that was required of all colors.
     pub required: Option<Guarantee>,
 }
 
-/// The certificate of an image, to be written to `path`: paths in it are relative to that one's folder, which is made.
+/// Returns the certificate of an image. Its paths are relative to the folder of `path`, where it is to be written;
+/// missing folders are created.
 ///
 /// # Errors
 /// The image or an input cannot be read.
@@ -69,13 +70,13 @@ pub fn certify(made: &Made<'_>, path: &Path) -> Result<Certificate, CertificateE
     })
 }
 
-/// What the image itself says that it was made from, so that the two never differ.
+/// Returns the fingerprint in the image's own metadata, so that image and certificate agree.
 fn fingerprint_of(made: &Made<'_>, image: &StoredImage) -> String {
     let said = image.metadata.iter().find(|(key, _)| key == crate::resume::KEY).map(|(_, value)| value.clone());
     said.unwrap_or_else(|| Fingerprints::with(made.settings).of(made.graph, made.file, made.frame.number))
 }
 
-/// The format that a document asks for.
+/// Returns the format that a document requests.
 pub(super) fn format_of(graph: &CheckedGraph) -> FormatText {
     let format = graph.format();
     FormatText {
@@ -87,7 +88,7 @@ pub(super) fn format_of(graph: &CheckedGraph) -> FormatText {
     }
 }
 
-/// What becomes of each node where these outputs are planned by themselves.
+/// Returns the state of each node if only these outputs are planned.
 pub(super) fn plan_of(
     graph: &CheckedGraph,
     outputs: &[usize],
@@ -106,12 +107,12 @@ pub(super) fn plan_of(
         why: why.as_ref().map(ToString::to_string),
     });
     let mut nodes: Vec<PlannedNode> = nodes.collect();
-    // As in the canonical document.
+    // Sorted as in the canonical document.
     nodes.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(nodes)
 }
 
-/// The channels of an output in its file, and how their samples are stored.
+/// Returns the channels of an output in its file, with the types of their samples.
 pub(super) fn channels_of(
     graph: &CheckedGraph,
     spec: &OutputSpec,
@@ -126,7 +127,7 @@ pub(super) fn channels_of(
     names.iter().map(|name| (name.to_string(), stored)).collect()
 }
 
-/// The hash of a hull's corners, whatever their order.
+/// Returns the hash of a hull's corners, which does not depend on their order.
 pub(super) fn hash_of_corners(corners: &[Rgb]) -> String {
     let mut corners = corners.to_vec();
     corners.sort_by(|a, b| a.iter().zip(b).fold(std::cmp::Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(b))));
@@ -190,7 +191,7 @@ fn error(certified: &Certified) -> CertifiedError {
         }
     }
     clear.sort_unstable_by(f32::total_cmp);
-    // One in a thousand is beyond this one.
+    // One pixel in a thousand exceeds this one.
     let rank = clear.len().saturating_sub(1 + clear.len() / 1000);
     let at = |index: Option<&f32>| finite(index.map_or(0.0, |bound| f64::from(*bound)));
     let total = certified.clear.total() + certified.unclear.total();
@@ -213,7 +214,7 @@ fn error(certified: &Certified) -> CertifiedError {
     }
 }
 
-/// JSON has no infinity.
+/// Returns a number, or `None` if it is infinite, which JSON cannot represent.
 fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }

@@ -1,4 +1,4 @@
-//! Which pixels are ambiguous: one bit each, deflated, in base64.
+//! Map of the ambiguous pixels: one bit per pixel, deflated, in base64.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -21,7 +21,7 @@ pub(super) enum MapError {
     Spare,
 }
 
-/// Which pixels of a picture, row by row.
+/// Set of pixels of a picture, row by row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct PixelMap {
     bits: Vec<u8>,
@@ -48,12 +48,12 @@ impl PixelMap {
     pub(super) fn encode(&self) -> String {
         let mut compressor = Compressor::new(CompressionLvl::best());
         let mut packed = vec![0; compressor.deflate_compress_bound(self.bits.len())];
-        // It cannot fail: there is room for the worst case.
+        // Compression cannot fail, because there is space for the worst case.
         let length = compressor.deflate_compress(&self.bits, &mut packed).unwrap_or(0);
         STANDARD.encode(&packed[..length])
     }
 
-    /// The map of so many pixels; or what is wrong with it.
+    /// Decodes a map of this many pixels; the error says what is wrong with the text.
     pub(super) fn decode(text: &str, pixels: usize) -> Result<Self, MapError> {
         let packed = STANDARD.decode(text)?;
         let mut bits = vec![0; pixels.div_ceil(8)];
@@ -68,7 +68,7 @@ impl PixelMap {
         Ok(Self { bits, pixels })
     }
 
-    /// Number of pixels in all.
+    /// Returns the number of all pixels.
     #[cfg(test)]
     fn len(&self) -> usize {
         self.pixels

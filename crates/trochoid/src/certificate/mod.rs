@@ -1,11 +1,12 @@
-//! Certificates: what is certain of a finished picture, as JSON, and the check of it by other means.
+//! Certificates: the guaranteed properties of a finished picture, as JSON, and an independent check of them.
 //!
-//! [`certify`] writes down, of one image file, the document that it was made from, the hashes of its inputs
-//! and of its pixels, what was counted on them, how far they may lie from the f64 references, and what the plan left out.
-//! [`verify`] takes the certificate and the image, and nothing else: it parses the document anew, evaluates
-//! pixels that the certificate's own digest chooses by the references ([`ReferenceFrame`](crate::ReferenceFrame)), and holds
-//! the file against them: hull, weights, error. No program, kernel, tile or plane takes part. What both ways share is
-//! reading the document and its input files, what stages prepare once a frame, and the definition of working spaces.
+//! [`certify`] records for one image file the document that it was made from, the hashes of its inputs and of its
+//! pixels, the counts on these pixels, their error bounds against the f64 references, and what the plan left out.
+//! [`verify`] needs only the certificate and the image: it parses the document again, evaluates pixels that the
+//! certificate's digest selects by the references ([`ReferenceFrame`](crate::ReferenceFrame)), and compares the file
+//! with them: hull, weights, error. No program, kernel, tile or plane takes part. Both ways share only the reading of
+//! the document and its input files, the preparation of stages, which happens once per frame, and the definition of the
+//! working spaces.
 //!
 //! ```
 //! use trochoid::certificate::{self, Choice, Made, Request};

@@ -1,4 +1,4 @@
-//! The pixels of one output against their references.
+//! Comparison of one output's pixels with their references.
 
 use super::chance::{allowed, choose};
 use super::color::Coding;
@@ -14,20 +14,20 @@ use trochoid_graph::{CheckedGraph, Kind};
 use trochoid_image::Window;
 use trochoid_io::FileKind;
 
-/// Pixels evaluated at once: between them one can stop, and only their values are held.
+/// Number of pixels evaluated at once. Only their values are held, and the check can stop between pieces.
 const PIECE: usize = 8192;
-/// Pixels that are named of those that fail in one way.
+/// Maximum number of pixels that are named for each kind of failure.
 const NAMED: u64 = 5;
-/// What f64 sums of weights may be off.
+/// Tolerance for f64 sums of weights.
 const SUM: f64 = 1e-9;
-/// What sums of f32 weights may be off: far more than any partition's roundings.
+/// Tolerance for sums of f32 weights: far more than the rounding errors of any partition.
 const SUM_F32: f64 = 1e-5;
 /// Relative error of a literal that was rounded to f32.
 const LITERAL: f64 = 1.0 / 16_777_216.0;
-/// Operations between a control color and a pixel that a node can have, at most, for the margin of rounding.
+/// Maximum number of operations per node between a control color and a pixel, for the margin of rounding.
 const LEVELS: usize = 64;
 
-/// An output of a certificate whose numbers agree with one another, ready to be held against the references.
+/// Output of a certificate with consistent numbers, ready to be compared with the references.
 pub(super) struct PixelCheck<'c> {
     written: &'c CertifiedOutput,
     digest: &'c str,
@@ -36,11 +36,11 @@ pub(super) struct PixelCheck<'c> {
     ambiguous: PixelMap,
     channels: Vec<&'c StoredChannel>,
     coding: Coding,
-    /// Nodes of the document.
+    /// Number of nodes in the document.
     nodes: usize,
 }
 
-/// Failures of one kind: a few by name, the others by number.
+/// Failures of one kind: the first few with their pixels, the others as a count.
 #[derive(Default)]
 struct Faults {
     named: Vec<Failed>,
@@ -58,18 +58,18 @@ impl Faults {
     fn tell(self, found: &mut Verification, place: String) {
         found.failures.extend(self.named);
         if self.count > NAMED {
-            found.fail(place, format!("{} pixels more that fail in this way", self.count - NAMED), "none");
+            found.fail(place, format!("{} more pixels that fail in this way", self.count - NAMED), "none");
         }
     }
 }
 
-/// A bound as a number.
+/// Returns a bound as a number: infinity if there is none.
 fn bound(written: Option<f64>) -> f64 {
     written.unwrap_or(f64::INFINITY)
 }
 
 impl<'c> PixelCheck<'c> {
-    /// Holds the numbers of an output against one another; `None` where its pixels cannot be looked at.
+    /// Checks that the numbers of an output are consistent; `None` if its pixels cannot be checked.
     pub(super) fn new(
         found: &mut Verification,
         certificate: &'c Certificate,
@@ -83,11 +83,8 @@ impl<'c> PixelCheck<'c> {
             let listed = controls.values.len() as u64;
             let complete = controls.count <= LISTED;
             if (complete && listed != controls.count) || listed > LISTED {
-                let expected = if complete {
-                    format!("{}, which are counted", controls.count)
-                } else {
-                    format!("at most {LISTED}")
-                };
+                let expected =
+                    if complete { format!("{}, as in the count", controls.count) } else { format!("at most {LISTED}") };
                 found.fail(place("controls.values"), format!("{listed} colors"), expected);
             }
         }
@@ -155,7 +152,7 @@ impl<'c> PixelCheck<'c> {
             kind: spec.kind,
             window,
             ambiguous: map,
-            // Where channels are missing, that has been told, and no pixel is looked at.
+            // Missing channels have been reported already, and no pixels are checked then.
             channels: channels?,
             coding: Coding::new(spec.kind, graph.space(), image.kind == FileKind::Png),
             nodes: graph.nodes().len(),
@@ -166,7 +163,7 @@ impl<'c> PixelCheck<'c> {
         &self.written.name
     }
 
-    /// Pixels that are looked at.
+    /// Returns the number of pixels to check.
     pub(super) fn count(&self, choice: Choice) -> usize {
         match choice {
             Choice::All => self.window.area(),
@@ -174,7 +171,7 @@ impl<'c> PixelCheck<'c> {
         }
     }
 
-    /// Evaluates so many pixels by the references, and holds the file's against them.
+    /// Evaluates this many pixels by the references, and compares those of the file with them.
     pub(super) fn run(
         &self,
         found: &mut Verification,
@@ -236,12 +233,12 @@ impl<'c> PixelCheck<'c> {
         Failed { place: format!("output \"{}\", pixel ({x}, {y})", self.written.name), found, expected }
     }
 
-    /// What may have stood in the file before it was rounded, by channel.
+    /// Returns the range of values before rounding for each channel of a stored pixel.
     fn stored(&self, pixel: usize) -> impl Iterator<Item = (f64, f64)> {
         self.channels.iter().map(move |channel| before_rounding(channel.stored, channel.plane.samples()[pixel]))
     }
 
-    /// Holds a pixel against its reference; whether it is clear, and beyond the 99.9th percentile.
+    /// Compares a pixel with its reference; returns whether it is unambiguous and exceeds the 99.9th percentile.
     fn error(&self, pixel: usize, reference: &ReferencePixel, findings: &mut Findings, faults: &mut Faults) -> bool {
         let error = &self.written.error;
         let ambiguous = self.ambiguous.contains(pixel);
@@ -264,7 +261,7 @@ impl<'c> PixelCheck<'c> {
         }
         let exact = self.coding.ends(&reference.value, 0.0);
         let apart = self.stored(pixel).zip(exact).map(|((low, high), (least, largest))| {
-            // Of infinities, which differ by no number, nothing but being the same counts.
+            // The difference of infinities is undefined: they must be equal.
             if low == least && high == largest { 0.0 } else { (low - largest).max(least - high).max(0.0) }
         });
         let distance = apart.fold(0.0, f64::max);
@@ -273,7 +270,7 @@ impl<'c> PixelCheck<'c> {
         !ambiguous && !within(bound(error.pixels.p999))
     }
 
-    /// Weights of all nodes in the references, and those in the file.
+    /// Checks the weights of all nodes in the references, and those in the file.
     fn weights(&self, pixel: usize, reference: &ReferencePixel, faults: &mut Faults) {
         let (least, off) = (reference.weight_min, reference.weight_sum_max_deviation);
         if least < -SUM || off > SUM {
@@ -285,7 +282,7 @@ impl<'c> PixelCheck<'c> {
         let slack = LITERAL * n as f64;
         let legal = stored.iter().all(|(low, high)| *low <= 1.0 && *high >= 0.0);
         let sums = [stored.iter().map(|ends| ends.0).sum::<f64>(), stored.iter().map(|ends| ends.1).sum()];
-        // Of a mask the file holds one of the two.
+        // For a mask, the file stores one of its two weights.
         let sum = n == 2 || (sums[0] <= 1.0 + slack && sums[1] >= 1.0 - slack);
         if !legal || !sum {
             let found = format!("weights whose sum lies from {} to {}", sums[0], sums[1]);
@@ -293,7 +290,7 @@ impl<'c> PixelCheck<'c> {
         }
     }
 
-    /// The hull of all controls by the references, and that of those listed; `None` where no hull is certified.
+    /// Checks the control colors against the references, and returns their hull; `None` if no hull is certified.
     fn hulls(&self, found: &mut Verification, reference: &ReferenceFrame<'_>) -> Option<Hulls> {
         let place = |field: &str| format!("output \"{}\", {field}", self.written.name);
         let controls = self.written.controls.as_ref()?;
@@ -303,13 +300,13 @@ impl<'c> PixelCheck<'c> {
         let values = &controls.values;
         let outside = values.iter().filter(|color| all.exit(color, all.margin(1)).is_some()).count();
         if outside > 0 {
-            let wrong = format!("{} colors, of which {outside} are none of the document's", values.len());
+            let wrong = format!("{} colors, {outside} of which are not in the document", values.len());
             found.fail(place("controls.values"), wrong, "control colors of the document");
         }
         let margin = self.written.audit.margin;
         let most = all.margin(LEVELS * (self.nodes + 1));
         if !(0.0..=most).contains(&margin) {
-            found.fail(place("audit.margin"), margin, format!("0 to {most:e}: what rounding can do"));
+            found.fail(place("audit.margin"), margin, format!("0 to {most:e}, the limit of rounding"));
         }
         let complete = controls.count <= LISTED;
         let listed = complete.then(|| Hull::new(values));
@@ -318,11 +315,11 @@ impl<'c> PixelCheck<'c> {
         held.then(|| Hulls { hull: listed.unwrap_or(all), margin, slack: 4.0 * LITERAL * largest })
     }
 
-    /// Whether a color, and its reference, lie in the hull: up to what the format rounds.
+    /// Checks that a color and its reference lie in the hull, up to the rounding of the format.
     fn hull(&self, pixel: usize, reference: &ReferencePixel, hulls: &Hulls, faults: &mut Faults) {
         let [r, g, b] = reference.value[..] else { return };
         let distance = hulls.hull.signed_distance([r, g, b]);
-        // Literals are rounded in the hull, and not in the references.
+        // Literals are rounded in the hull, but not in the references.
         let inside = distance <= hulls.margin + hulls.slack;
         if !inside {
             let found = format!("the reference {:?}, {distance:e} outside the hull", reference.value);
@@ -344,22 +341,22 @@ impl<'c> PixelCheck<'c> {
         let inside = distance <= hulls.margin + rounded;
         if !inside {
             let found = format!("{color:?} in the working space, {distance:e} outside the hull");
-            let expected = format!("no more than {:e} outside, which the file's format rounds", hulls.margin + rounded);
+            let expected = format!("at most {:e} outside, the rounding of the file's format", hulls.margin + rounded);
             faults.add(|| self.fault(pixel, found, expected));
         }
     }
 }
 
-/// What a color is held against.
+/// Hull that colors are compared with, and its tolerances.
 struct Hulls {
     hull: Hull,
     /// Margin of rounding, as certified.
     margin: f64,
-    /// What rounding the controls themselves may have moved it.
+    /// Error from rounding the control colors themselves.
     slack: f64,
 }
 
-/// A piece of one output's work.
+/// Monitor of one piece of an output's work.
 struct After<'m> {
     monitor: &'m dyn Monitor,
     before: usize,

@@ -1,22 +1,23 @@
-//! A certificate as text, and the digest over itself.
+//! Text form of certificates, and their digests.
 
 use super::{Certificate, VERSION};
 use crate::{LoadError, OutputError};
 use std::path::{Path, PathBuf};
 use trochoid_engine::{EvalError, PlanError, ReferenceError};
 
-/// Most bytes of a certificate: its document, a hash for each block of the largest picture, and a bit for each sample.
+/// Maximum size of a certificate in bytes: its document, a hash for each block of the largest picture, and a bit for
+/// each sample.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// Why a certificate could not be made or checked; that one does not hold is no error.
+/// Reason that a certificate could not be made or checked. A certificate that does not hold is not an error.
 #[derive(Debug, thiserror::Error)]
 pub enum CertificateError {
-    /// The file is no certificate.
+    /// The file is not a certificate.
     #[error("{}: found {found}; expected a certificate of version {VERSION}, as `trochoid render --certificate` writes it", path.display())]
     NoCertificate {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What it is.
+        /// What the file is instead.
         found: NoCertificate,
     },
     /// A file cannot be read.
@@ -24,14 +25,14 @@ pub enum CertificateError {
     Read(trochoid_io::Error),
     /// A file that its document reads is not where the certificate's folder says.
     #[error(
-        "{}: cannot open the file: there is none; it is an input of the certificate, and sought from the certificate's folder, \
-         {}\n  remedy: put the input there, or the certificate back into the folder that it was written into",
+        "{}: cannot open the file: it does not exist; it is an input of the certificate, sought from the certificate's \
+         folder, {}\n  remedy: put the input there, or move the certificate back to the folder that it was written to",
         path.display(), folder.display()
     )]
     NoInput {
-        /// The input.
+        /// Path of the input.
         path: PathBuf,
-        /// The certificate's folder.
+        /// Folder of the certificate.
         folder: PathBuf,
     },
     /// The certificate cannot be written.
@@ -40,10 +41,10 @@ pub enum CertificateError {
     /// The image cannot be read.
     #[error(transparent)]
     Image(#[from] trochoid_io::Error),
-    /// The certificate's document is none of this version of Trochoid.
+    /// The certificate's document is not valid in this version of Trochoid.
     #[error(transparent)]
     Document(#[from] LoadError),
-    /// The references cannot be had.
+    /// The references cannot be evaluated.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
 }
@@ -93,28 +94,28 @@ impl From<EvalError> for CertificateError {
 }
 
 impl CertificateError {
-    /// Whether the monitor asked to stop.
+    /// Returns whether the monitor asked to stop.
     pub fn is_cancelled(&self) -> bool {
         matches!(self, Self::Reference(ReferenceError::Eval(EvalError::Cancelled)))
     }
 }
 
-/// How every certificate begins, up to its digest's digits; without white space.
+/// Start of every certificate without white space, up to the digits of its digest.
 const BEGINNING: &str = "{\"digest\":\"";
-/// Hexadecimal digits of a digest.
+/// Number of hexadecimal digits in a digest.
 pub(super) const DIGITS: usize = 64;
 
 impl Certificate {
-    /// The text, with the digest that it should have.
+    /// Returns the text of the certificate with its digest.
     pub fn sealed(&self) -> String {
         let blank = Self { digest: "0".repeat(DIGITS), ..self.clone() };
-        // Strings, numbers and lists alone: nothing that JSON could not hold.
+        // The fields are strings, numbers and lists, which JSON can always represent.
         let text = serde_json::to_string_pretty(&blank).unwrap_or_default();
         let digest = digest_of(&compact(&text));
         text.replacen(&blank.digest, &digest, 1) + "\n"
     }
 
-    /// Writes the certificate, sealed; the file appears whole or not at all.
+    /// Writes the certificate with its digest; the file appears whole or not at all.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -122,10 +123,11 @@ impl Certificate {
         crate::write_whole(path, self.sealed().as_bytes())
     }
 
-    /// Reads a certificate whose digest holds; or says what digest was found where which was expected.
+    /// Reads a certificate and checks its digest. If the digest does not match, the inner error has the digests that
+    /// were found and expected.
     ///
     /// # Errors
-    /// The file cannot be read, or is no certificate.
+    /// The file cannot be read, or is not a certificate.
     pub fn read(path: &Path) -> Result<Result<Self, OtherDigest>, CertificateError> {
         let none = |found: NoCertificate| CertificateError::NoCertificate { path: path.into(), found };
         let text = trochoid_io::read_text(path, MAX_BYTES).map_err(|error| match error {
@@ -150,13 +152,13 @@ impl Certificate {
         Ok(Ok(certificate))
     }
 
-    /// Whether a file holds a certificate of the picture of this fingerprint, unchanged since it was written.
+    /// Returns whether a file is an unchanged certificate of the picture with this fingerprint.
     pub fn is_current(path: &Path, fingerprint: &str) -> bool {
         matches!(Self::read(path), Ok(Ok(certificate)) if certificate.fingerprint == fingerprint)
     }
 }
 
-/// Whether a text is 64 hexadecimal digits.
+/// Returns whether a text consists of 64 lowercase hexadecimal digits.
 fn is_digest(text: &str) -> bool {
     text.len() == DIGITS && text.bytes().all(|byte| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte))
 }
@@ -165,7 +167,7 @@ fn digest_of(text: &str) -> String {
     blake3::hash(text.as_bytes()).to_hex().to_string()
 }
 
-/// JSON without the white space between its tokens.
+/// Returns JSON text without white space between tokens.
 fn compact(text: &str) -> String {
     let (mut quoted, mut escaped) = (false, false);
     let mut kept = |c: &char| {

@@ -1,8 +1,8 @@
-//! What may have stood where a file stores a sample: everything that its format rounds to it.
+//! Values that a file format rounds to a stored sample.
 
 use trochoid_io::SampleType;
 
-/// The least and the largest number that are stored as a sample.
+/// Returns the smallest and the largest number that are stored as this sample.
 pub(super) fn before_rounding(stored: SampleType, sample: f32) -> (f64, f64) {
     let value = f64::from(sample);
     match stored {
@@ -12,25 +12,25 @@ pub(super) fn before_rounding(stored: SampleType, sample: f32) -> (f64, f64) {
             let (down, up) = (half_below(value), -half_below(-value));
             (0.5 * (value + down), 0.5 * (value + up))
         }
-        // f32 pixels are stored as they are.
+        // f32 samples are stored unchanged.
         SampleType::Half | SampleType::Float | SampleType::Uint => (value, value),
     }
 }
 
-/// Of whole steps, rounded to nearest.
+/// Returns the range that rounds to the nearest whole step.
 fn steps(value: f64, steps: f64) -> (f64, f64) {
     let step = (value * steps).round();
     ((step - 0.5) / steps, (step + 0.5) / steps)
 }
 
-/// The next 16-bit float below one (IEEE 754 binary16: 11 bits, least step 2⁻²⁴).
+/// Returns the next 16-bit float below a value (IEEE 754 binary16: 11 bits, smallest step 2⁻²⁴).
 fn half_below(value: f64) -> f64 {
     const LEAST: f64 = 1.0 / 16_777_216.0;
     let size = value.abs();
-    // 2 to the power of the exponent, and the distance of neighbors above it.
+    // 2 to the power of the exponent, and the distance between neighbors above it.
     let power = if size == 0.0 { 0.0 } else { f64::from_bits(size.to_bits() & (0x7ff << 52)) };
     let step = (power / 1024.0).max(LEAST);
-    // Toward 0 from a power of two, neighbors are half as far.
+    // Below a power of two, neighbors are half as far apart.
     let step = if value > 0.0 && size == power { (step / 2.0).max(LEAST) } else { step };
     value - step
 }

@@ -1,4 +1,4 @@
-//! Certificates as a whole: what holds, and that nothing can be changed.
+//! Tests of whole certificates: correct ones hold, and changes are detected.
 
 use super::*;
 use crate::{OutputFile, load, output_files, write_output};
@@ -30,7 +30,7 @@ const DOCUMENT: &str = r##"{ "trochoid": 1, "format": { "width": 70, "height": 6
     "three": { "weights": "three", "file": "three.####.exr" },
     "wave": { "field": "wave", "file": "three.####.exr" } } }"##;
 
-/// A folder with a document, and what was made of it.
+/// Folder with a document and its rendered files.
 struct Studio {
     folder: tempfile::TempDir,
 }
@@ -50,7 +50,7 @@ impl Studio {
         self.folder.path().join(name)
     }
 
-    /// Renders a frame, and certifies every image, each beside it.
+    /// Renders a frame, and certifies every image next to it; returns the images.
     fn make(&self, frame: i64) -> Vec<PathBuf> {
         let graph = load(&self.path("a.json"), &[]).expect("valid").graph;
         let settings = Settings::default();
@@ -86,13 +86,13 @@ fn check(certificate: &Path, image: &Path, choice: Choice) -> Result<Verificatio
     verify(&Request { certificate, image, choice, document: None, access: None }, &Silent)
 }
 
-/// What does not hold.
+/// Returns what does not hold.
 fn failures(certificate: &Path, image: &Path) -> Vec<String> {
     let found = check(certificate, image, Choice::All).expect("readable");
     found.failures.iter().map(ToString::to_string).collect()
 }
 
-/// Every way to change one thing in a JSON value: numbers, texts, truth values, items and fields.
+/// Collects all single changes of a JSON value: of numbers, texts, Booleans, items and fields.
 fn mutations(value: &Value, place: &str, all: &mut Vec<(String, Value)>) {
     let mut other = |value: Value| all.push((place.to_string(), value));
     match value {
@@ -148,7 +148,7 @@ fn mutations(value: &Value, place: &str, all: &mut Vec<(String, Value)>) {
     }
 }
 
-/// All changes of a certificate, as texts with the place of the change.
+/// Returns all single changes of a certificate, as places and texts.
 fn changed(certificate: &Path) -> Vec<(String, String)> {
     let text = std::fs::read_to_string(certificate).expect("there");
     let value: Value = serde_json::from_str(&text).expect("JSON");
@@ -234,7 +234,7 @@ fn no_single_change_of_a_certificate_passes() {
             assert!(!found.holds(), "{place}: {text}");
         }
     }
-    // A field said twice, of which readers take the first or the last; other spellings of the same.
+    // A duplicate field, of which readers take the first or the last; another spelling of the same number.
     let text = std::fs::read_to_string(&certificate).expect("there");
     for (from, to) in [("\"frame\": 1", "\"frame\": 2,\n  \"frame\": 1"), ("\"frame\": 1", "\"frame\": 1.0")] {
         std::fs::write(&forged, text.replacen(from, to, 1)).expect("written");
@@ -249,7 +249,7 @@ fn no_single_change_of_a_certificate_passes() {
     }
 }
 
-/// Puts an image in another's place, with one sample of every channel changed by `change`.
+/// Copies an image with one pixel changed by `change` in every channel.
 fn change_pixel(image: &Path, to: &Path, [x, y]: [usize; 2], change: impl Fn(f32) -> f32) {
     let mut picture = read(image, &Selection::default(), &Limits::default()).expect("read");
     let width = picture.data.width();
@@ -305,7 +305,7 @@ fn other_frames_outputs_and_sizes_are_rejected() {
     assert!(failures.iter().any(|failed| failed.contains("small.png: pixels")), "{failures:?}");
 }
 
-/// A picture with a picture as input: its colors are more than a certificate lists.
+/// A picture with a picture as input, which has more colors than a certificate lists.
 const READS: &str = r#"{ "trochoid": 1, "format": { "width": 12, "height": 10 },
   "nodes": { "in": { "type": "Read", "file": "in.exr", "as": "color" }, "across": { "type": "ScreenX" },
              "mix": { "type": "Mix", "a": "in", "b": [0.5, 0.25, 0.125], "weight": "across" } },
@@ -345,7 +345,7 @@ fn inputs_are_found_from_the_certificate_and_held_against_their_hashes() {
     assert!(matches!(&error, CertificateError::NoInput { path, .. } if path.ends_with("in.exr")), "{error}");
 }
 
-/// Changes a certificate and makes its digest fit.
+/// Changes a certificate, and recomputes its digest.
 fn forge(certificate: &Path, forged: &Path, change: impl FnOnce(&mut Certificate)) {
     let mut read = Certificate::read(certificate).expect("read").expect("sealed");
     change(&mut read);
@@ -366,7 +366,7 @@ fn who_lowers_the_error_and_makes_the_digest_fit_is_caught_by_the_references() {
     });
     let found = check(&forged, &image, Choice::Some(200)).expect("readable");
     assert!(found.failures.iter().any(|failed| failed.expected.contains("by the references")), "{:?}", found.failures);
-    // The largest may be true where the percentile is not.
+    // The maximum may be true while the percentile is false.
     forge(&certificate, &forged, |c| c.outputs[0].error.pixels.p999 = Some(1e-12));
     let found = check(&forged, &image, Choice::Some(2000)).expect("readable");
     assert!(found.failures.len() == 1 && found.failures[0].place.ends_with("p999"), "{:?}", found.failures);
@@ -387,7 +387,7 @@ fn who_changes_pixels_with_their_hashes_is_caught_by_the_references() {
     assert_eq!(forge_with(&|sample| sample), [""; 0]);
     let failed = forge_with(&|sample| sample + 1e-4);
     assert!(failed.iter().any(|failed| failed.contains("pixel (40, 3)")), "{failed:?}");
-    // Within a bound that says nothing, the hull still holds.
+    // Even without an error bound, the hull is checked.
     change_pixel(&image, &painted, [40, 3], |_| 0.9);
     let hashes = super::image::StoredImage::read(&painted).expect("read").hashes("painted.exr".into());
     forge(&certificate, &forged, |c| {
@@ -398,8 +398,8 @@ fn who_changes_pixels_with_their_hashes_is_caught_by_the_references() {
     assert!(failed.len() == 1 && failed[0].contains("(40, 3)") && failed[0].contains("outside the hull"), "{failed:?}");
 }
 
-/// What the check cannot tell from the truth where the digest fits: claims that are weaker than they could be, counts that
-/// only the fast path knows, and names of files.
+/// Changes that the check cannot detect if the digest is recomputed: weaker claims than possible, counts that only the
+/// fast path knows, and names of files.
 const BEYOND_CHECKING: &[&str] = &[
     ".document.folder",
     ".image.file",
@@ -428,8 +428,8 @@ fn most_changes_are_found_even_where_the_digest_fits() {
     let mut passed = BTreeSet::new();
     for (place, text) in changed(&certificate) {
         let Ok(read) = serde_json::from_str::<Certificate>(&text) else { continue };
-        // The hash of the document is that of what stands there: of those changes, one is enough.
-        // What is not there is as `null` as what is.
+        // Changes of the document change its hash, so one of them is enough.
+        // A missing field reads the same as `null`.
         if place.starts_with(".plan") && read.plan == honest.plan {
             continue;
         }

@@ -1,264 +1,264 @@
-//! What a certificate says, field by field. Fields stand in the order of their names, and the digest comes first.
+//! Fields of a certificate, in alphabetical order, so that the digest comes first.
 
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
-/// What is certain of one image file.
+/// Certificate of one image file.
 ///
-/// Numbers that may be infinite are `None` (`null`) where they are: nothing is known.
+/// Numbers that may be infinite are `None` (`null`) if they are: there is no bound.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Certificate {
-    /// BLAKE3 of the certificate's text without white space, with zeros in place of these 64 digits.
+    /// BLAKE3 hash of the certificate's text without white space, with zeros in place of these 64 digits.
     pub digest: String,
-    /// What the picture was made from.
+    /// Document that the picture was made from.
     pub document: DocumentText,
-    /// What `--resume` knows the picture by: a hash of version, document, frame and inputs.
+    /// Fingerprint for `--resume`: a hash of version, document, frame and inputs.
     pub fingerprint: String,
-    /// The format that the document asks for.
+    /// Format that the document requests.
     pub format: FormatText,
-    /// The frame.
+    /// Number of the frame.
     pub frame: i64,
-    /// The image file and the hashes of its pixels.
+    /// Image file with the hashes of its pixels.
     pub image: ImageHashes,
-    /// The files that the picture was made from.
+    /// Files that the picture was made from.
     pub inputs: Vec<InputHash>,
-    /// Whether the plan left out what makes no difference (`--unoptimized` does not).
+    /// Whether the plan left out work that makes no difference; `false` with `--unoptimized`.
     pub optimized: bool,
-    /// The outputs in the image.
+    /// Outputs in the image.
     pub outputs: Vec<CertifiedOutput>,
-    /// What became of each node of the document, sorted by name.
+    /// States of the document's nodes, sorted by name.
     pub plan: Vec<PlannedNode>,
-    /// The version of Trochoid that made it.
+    /// Version of Trochoid that made the certificate.
     pub trochoid: String,
-    /// The version of this form: [`VERSION`].
+    /// Version of the format: [`VERSION`].
     pub version: u32,
 }
 
-/// The version of certificates that is written and read.
+/// Version of the certificate format that is written and read.
 pub const VERSION: u32 = 1;
 
-/// A document.
+/// Document in a certificate.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DocumentText {
-    /// Its canonical form: keys sorted, notes left out, `--set` applied.
+    /// Canonical form of the document: keys sorted, notes left out, `--set` applied.
     pub canonical: Box<RawValue>,
-    /// The folder that its paths are relative to, as seen from the certificate's.
+    /// Folder that the document's paths are relative to, relative to the certificate's folder.
     pub folder: String,
-    /// BLAKE3 of the canonical form.
+    /// BLAKE3 hash of the canonical form.
     pub hash: String,
 }
 
-/// A picture's format.
+/// Format of a picture.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FormatText {
-    /// Pixels down.
+    /// Height in pixels.
     pub height: u32,
-    /// Samples a pixel.
+    /// Number of samples per pixel.
     pub samples: u32,
-    /// How often pixels are shaded: "sample" or "pixel".
+    /// Shading rate: "sample" or "pixel".
     pub shading: String,
-    /// Pixels across.
+    /// Width in pixels.
     pub width: u32,
-    /// The space in which colors mix.
+    /// Space in which colors are mixed.
     pub working_space: String,
 }
 
-/// An input file.
+/// Input file with its hash.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InputHash {
-    /// Its length.
+    /// Length of the file in bytes.
     pub bytes: u64,
-    /// BLAKE3 of its bytes.
+    /// BLAKE3 hash of the file's bytes.
     pub hash: String,
-    /// Where it lies, seen from the certificate's folder.
+    /// Path of the file, relative to the certificate's folder.
     pub path: String,
 }
 
-/// An image file by its pixels.
+/// Image file with the hashes of its pixels.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImageHashes {
-    /// Width and height of a block, pixels; those at the right and lower border may be smaller.
+    /// Width and height of a block, in pixels; blocks at the right and lower border may be smaller.
     pub block: u32,
-    /// BLAKE3 of each block, row by row of blocks: channel by channel as listed, row by row, every stored sample as f32,
-    /// little-endian.
+    /// BLAKE3 hash of each block, with blocks in row order. A hash covers the channels in the listed order, row by row,
+    /// with every stored sample as a little-endian f32.
     pub blocks: Vec<String>,
-    /// The channels, sorted by name.
+    /// Channels, sorted by name.
     pub channels: Vec<ChannelText>,
-    /// Where it lies, seen from the certificate's folder.
+    /// Path of the image file, relative to the certificate's folder.
     pub file: String,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: u32,
-    /// The kind of file: "EXR" or "PNG".
+    /// Kind of file: "EXR" or "PNG".
     pub kind: String,
-    /// BLAKE3 of the hashes of all blocks, in their order.
+    /// BLAKE3 hash of the hashes of all blocks in order.
     pub pixels: String,
-    /// Pixels across.
+    /// Width in pixels.
     pub width: u32,
 }
 
-/// A channel of an image file.
+/// Channel of an image file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelText {
-    /// Its full name.
+    /// Full name of the channel.
     pub name: String,
-    /// How samples are stored: "half", "float", "u8" or "u16".
+    /// Type of the stored samples: "half", "float", "u8" or "u16".
     pub stored: String,
 }
 
-/// One output in the image.
+/// Output in an image.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedOutput {
-    /// What was counted on its f32 pixels.
+    /// Counts on the f32 pixels of the output.
     pub audit: AuditText,
-    /// Its channels in the image.
+    /// Channels of the output in the image.
     pub channels: Vec<String>,
-    /// Of a color, what it is mixed from.
+    /// Control colors that a color is mixed from.
     pub controls: Option<Controls>,
-    /// How far it may lie from the references.
+    /// Error bounds against the references.
     pub error: CertifiedError,
-    /// Of a color, what it cannot leave.
+    /// Guarantee on the values of a color.
     pub guarantee: Option<GuaranteeText>,
-    /// Its kind.
+    /// Kind of the output.
     pub kind: String,
-    /// Its name in the document.
+    /// Name of the output in the document.
     pub name: String,
-    /// Stages on the way to it that know no bound everywhere, and why; what depends on them is ambiguous.
+    /// Stages upstream that have no error bound somewhere, and why; samples that depend on them there are ambiguous.
     pub unbounded: Vec<Unbounded>,
 }
 
-/// What was counted on the pixels of an output, before anything was stored.
+/// Counts on the pixels of an output before they were stored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AuditText {
-    /// Pixels held against the hull one by one.
+    /// Number of pixels that were compared with the hull one by one.
     pub judged: u64,
-    /// The margin of rounding within which a pixel counts as inside, in units of the working space.
+    /// Margin of rounding within which a pixel counts as inside, in units of the working space.
     pub margin: f64,
-    /// Pixels that are not a number.
+    /// Number of pixels that are NaN.
     pub nan: u64,
-    /// Pixels outside the hull by more than the margin.
+    /// Number of pixels outside the hull by more than the margin.
     pub outside: u64,
-    /// All pixels.
+    /// Number of all pixels.
     pub pixels: u64,
-    /// The smallest weight seen; `None` where there is none.
+    /// Smallest weight seen; `None` if there are no weights.
     pub weight_min: Option<f64>,
-    /// The largest |Σω − 1| seen.
+    /// Largest |Σω − 1| seen.
     pub weight_sum_max_deviation: f64,
-    /// The largest distance of a pixel outside; 0 where there is none.
+    /// Largest distance of a pixel outside; 0 if there are none.
     pub worst: Option<f64>,
 }
 
-/// The control colors of an output.
+/// Control colors of an output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Controls {
-    /// How many the plan mixes.
+    /// Number of colors that the plan mixes.
     pub count: u64,
-    /// Corners of the hull of all that the document could mix into the output at this frame.
+    /// Number of corners of the hull of all colors that the document could mix into the output at this frame.
     pub corners: u64,
-    /// BLAKE3 of those corners, sorted, each as three f32, little-endian.
+    /// BLAKE3 hash of those corners, sorted, each as three little-endian f32.
     pub hash: String,
-    /// Those that the plan mixes: all of them where `count` is at most [`LISTED`], else as many.
+    /// Colors that the plan mixes: all of them if `count` is at most [`LISTED`], else [`LISTED`] of them.
     pub values: Vec<[f32; 3]>,
 }
 
-/// Control colors that a certificate lists at most.
+/// Maximum number of control colors that a certificate lists.
 pub const LISTED: u64 = 64;
 
-/// What a color output cannot leave.
+/// Guarantee on a color output.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GuaranteeText {
-    /// What was required, if anything.
+    /// Guarantee that was required, if any.
     pub asked: Option<String>,
-    /// What its operations guarantee.
+    /// Guarantee of the output's operations.
     pub class: String,
-    /// What was found to hold on all pixels, if anything.
+    /// Guarantee that was found to hold on all pixels, if any.
     pub held: Option<String>,
 }
 
-/// How far an output may lie from its f64 references, in units of the working space, largest channel.
+/// Error bounds of an output against its f64 references, in units of the working space, of the largest channel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedError {
-    /// What is ambiguous.
+    /// Ambiguous samples and pixels.
     pub ambiguous: Ambiguous,
-    /// Bounds of pixels.
+    /// Error bounds of pixels.
     pub pixels: PixelBounds,
-    /// Bounds of samples.
+    /// Error bounds of samples.
     pub samples: SampleBounds,
 }
 
-/// Samples where a side of a threshold, or what is seen, is not certain, and the pixels that have such.
+/// Samples whose side of a threshold or whose visibility is not certain, and the pixels that contain them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ambiguous {
-    /// One bit a pixel, row by row, the first in the lowest bit of a byte: deflated, in base64.
+    /// One bit per pixel, row by row, the first in the lowest bit of a byte; deflated, in base64.
     pub map: String,
-    /// The largest bound of such pixels, which holds all the same.
+    /// Largest error bound of such pixels, which holds despite the ambiguity.
     pub max: Option<f64>,
-    /// Pixels with an ambiguous sample.
+    /// Number of pixels with an ambiguous sample.
     pub pixels: u64,
-    /// Ambiguous samples.
+    /// Number of ambiguous samples.
     pub samples: u64,
-    /// Their share of all samples.
+    /// Share of ambiguous samples in all samples.
     pub share: f64,
-    /// The share of all samples that are ambiguous and whose bound passes 1/255.
+    /// Share of ambiguous samples whose bound exceeds 1/255 in all samples.
     pub share_beyond_8_bit: f64,
 }
 
-/// Bounds of the pixels without an ambiguous sample.
+/// Error bounds of the pixels without an ambiguous sample.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PixelBounds {
-    /// How many they are.
+    /// Number of these pixels.
     pub count: u64,
-    /// The largest.
+    /// Largest bound.
     pub max: Option<f64>,
-    /// What at most one in a thousand passes.
+    /// Bound that at most one in a thousand exceeds.
     pub p999: Option<f64>,
 }
 
-/// Bounds of the samples that are not ambiguous.
+/// Error bounds of the samples that are not ambiguous.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SampleBounds {
-    /// How many they are.
+    /// Number of these samples.
     pub count: u64,
-    /// The largest.
+    /// Largest bound.
     pub max: Option<f64>,
-    /// What at most one in a thousand passes.
+    /// Bound that at most one in a thousand exceeds.
     pub p999: Option<f64>,
 }
 
-/// A stage that knows no bound.
+/// Stage without an error bound.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Unbounded {
-    /// The node.
+    /// Name of the node.
     pub node: String,
-    /// Why.
+    /// Reason that there is no bound.
     pub why: String,
 }
 
-/// What became of a node.
+/// State of a node in the plan.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlannedNode {
-    /// Its name.
+    /// Name of the node.
     pub name: String,
-    /// "evaluated" or "left_out".
+    /// State: "evaluated" or "left_out".
     pub state: String,
-    /// Its type.
+    /// Type of the node.
     #[serde(rename = "type")]
     pub ty: String,
-    /// Why it is left out.
+    /// Reason that the node is left out.
     pub why: Option<String>,
 }

@@ -1,14 +1,14 @@
-//! What stands in a certificate, as people read it.
+//! Readable forms of the values in a certificate.
 
 use super::{ChannelText, FormatText, InputHash, PlannedNode};
 
-/// A value that a check can name.
+/// Value that a failure can name.
 pub(super) trait Words {
-    /// In words.
+    /// Returns the value in words.
     fn words(&self) -> String;
 }
 
-/// What is written as it is displayed.
+/// Implements [`Words`] by `Display`.
 macro_rules! displayed {
     ($($ty:ty),*) => {
         $(impl Words for $ty {
@@ -58,7 +58,7 @@ impl Words for PlannedNode {
     }
 }
 
-/// Width and height.
+/// Width and height in pixels.
 #[derive(PartialEq)]
 pub(super) struct Size(pub(super) [u32; 2]);
 

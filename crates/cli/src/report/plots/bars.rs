@@ -1,4 +1,4 @@
-//! Errors by pass, stacked.
+//! Stacked bars of the error by pass.
 
 use super::{INK, Mark, Outcome, SMALL, WIDTH, at, font, legend, svg};
 use crate::report::data::Report;
@@ -7,7 +7,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 use trochoid::accuracy::Rung;
 
-/// Okabe's and Ito's colors, which most color-blind people tell apart.
+/// Colors of Okabe and Ito, which most color-blind people can tell apart.
 const COLORS: [RGBColor; 7] = [
     RGBColor(0x00, 0x72, 0xB2),
     RGBColor(0xE6, 0x9F, 0x00),
@@ -22,11 +22,11 @@ const ROW: i32 = 34;
 const LEFT: i32 = 250;
 const RIGHT: i32 = 120;
 
-/// A bar for each rung, of the passes' shares; `None` where no pass makes errors.
+/// Draws a bar for each rung with the shares of the passes; `None` if no pass has errors.
 pub(in crate::report) fn passes(report: &Report<'_>) -> Outcome<Option<String>> {
     let total = |rung: &Rung| rung.passes.iter().map(|pass| pass.drop).sum::<f64>();
     let rows: Vec<_> = report.rungs().filter(|(rung, _)| total(rung) > 0.0).collect();
-    // The passes, first those with the largest shares of all rungs.
+    // The passes, sorted by the sum of their shares over all rungs, largest first.
     let mut names: Vec<(&str, f64)> = Vec::new();
     for (rung, _) in &rows {
         for pass in &rung.passes {
@@ -46,7 +46,7 @@ pub(in crate::report) fn passes(report: &Report<'_>) -> Outcome<Option<String>> 
     if names.len() > shown.len() {
         marks.push((Mark::Patch(OTHER), "other passes"));
     }
-    // Legends may take a few lines.
+    // A legend may take several lines.
     let top = 66 + 24 * (marks.iter().map(|(_, name)| name.len() as i32 * 10 + 52).sum::<i32>() / WIDTH as i32);
     let height = top + ROW * rows.len() as i32 + 44;
     let span = f64::from(WIDTH as i32 - LEFT - RIGHT);
@@ -71,7 +71,7 @@ pub(in crate::report) fn passes(report: &Report<'_>) -> Outcome<Option<String>> 
             let parts = shown.iter().map(|(name, color)| (drop(name), *color)).chain([(f64::INFINITY, OTHER)]);
             let mut done = 0.0;
             for (part, color) in parts {
-                // The others take what is left.
+                // The other passes take the rest.
                 let end = (done + part).min(all);
                 let x = |drop: f64| LEFT + (span * drop / all).round() as i32;
                 if x(end) > x(done) {

@@ -4,17 +4,17 @@ use super::{Area, INK, Outcome, SMALL, at, font};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
-/// A box: left, top, right, bottom.
+/// Box: left, top, right, bottom.
 type Corners = [i32; 4];
 
-/// Where there is room for labels yet.
+/// Bounds for labels, and the boxes that are taken already.
 pub(super) struct Labels {
     bounds: Corners,
     taken: Vec<Corners>,
 }
 
 impl Labels {
-    /// Within these corners.
+    /// Creates empty bounds for labels.
     pub(super) fn within(bounds: Corners) -> Self {
         Self { bounds, taken: Vec::new() }
     }
@@ -24,7 +24,7 @@ impl Labels {
         self.taken.push([x - 7, y - 7, x + 7, y + 7]);
     }
 
-    /// Writes a label beside a point: as near as there is room, with a line from the point where that is not at it.
+    /// Writes a label beside a point, as near as there is room, with a leader line if it is not adjacent to the point.
     pub(super) fn put(&mut self, area: &Area<'_>, point: (i32, i32), text: &str) -> Outcome<()> {
         let style = font(SMALL);
         let (width, height) = area.estimate_text_size(text, &style)?;
@@ -44,7 +44,7 @@ impl Labels {
             let covered: i32 = self.taken.iter().map(|taken| overlap(own, *taken)).sum();
             covered + if outside { 100_000 } else { 0 }
         };
-        // The first of the best: places further away come later.
+        // Among equally good places the first wins; places farther away come later.
         let Some(place) = places.min_by_key(cost) else { return Ok(()) };
         let own = boxed(place);
         let middle = (own[1] + own[3]) / 2;
@@ -59,7 +59,7 @@ impl Labels {
     }
 }
 
-/// The area that two boxes share.
+/// Returns the area that two boxes share.
 fn overlap(a: Corners, b: Corners) -> i32 {
     let side = |low: usize, high: usize| (a[high].min(b[high]) - a[low].max(b[low])).max(0);
     side(0, 2) * side(1, 3)

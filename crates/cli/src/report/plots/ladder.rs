@@ -1,4 +1,4 @@
-//! Error against time, certified against measured, asked against achieved.
+//! Plots of error against time, certified against measured error, and requested against achieved error.
 
 use super::labels::Labels;
 use super::{CERTIFIED, INK, LogLog, MEASURED, Mark, Outcome, REFUSED, WIDTH, around, legend, log_log, svg};
@@ -10,12 +10,12 @@ use trochoid::accuracy::Limit;
 
 const HEIGHT: u32 = 480;
 
-/// Whether a plane of logarithms can show it.
+/// Returns whether a logarithmic axis can show a value.
 fn shows(value: f64) -> bool {
     value.is_finite() && value > 0.0
 }
 
-/// Where a point of the plane lies on the drawing.
+/// Returns the position of a point in the drawing.
 fn spot(chart: &LogLog<'_>, point: (f64, f64)) -> (i32, i32) {
     chart.backend_coord(&point)
 }
@@ -25,7 +25,7 @@ fn room(chart: &LogLog<'_>) -> Labels {
     Labels::within([across.start + 4, down.start - 8, WIDTH as i32 - 4, down.end - 4])
 }
 
-/// Error against time: what is certified, and what is measured; `None` where there is neither.
+/// Plots certified and measured error against time; `None` if there is neither.
 pub(in crate::report) fn time(report: &Report<'_>) -> Outcome<Option<String>> {
     let rungs = || report.rungs();
     if !rungs().any(|(rung, _)| shows(rung.certified.max) || shows(rung.measured.max)) {
@@ -64,7 +64,7 @@ pub(in crate::report) fn time(report: &Report<'_>) -> Outcome<Option<String>> {
         let marks = [
             (Mark::Dot(CERTIFIED), "certified"),
             (Mark::Ring(MEASURED), "measured"),
-            (Mark::Line, "no other settings are both faster and certified to less"),
+            (Mark::Line, "no other settings are both faster and certified to a smaller error"),
         ];
         legend(area, (100, 20), &marks)?;
         Ok(())
@@ -72,7 +72,7 @@ pub(in crate::report) fn time(report: &Report<'_>) -> Outcome<Option<String>> {
     .map(Some)
 }
 
-/// Certified against measured errors, the largest of each; `None` where no settings have both.
+/// Plots the largest certified against the largest measured errors; `None` if no settings have both.
 pub(in crate::report) fn measured(report: &Report<'_>) -> Outcome<Option<String>> {
     let points = || {
         let all = report.rungs().map(|(rung, label)| ((rung.measured.max, rung.certified.max), label));
@@ -101,11 +101,11 @@ pub(in crate::report) fn measured(report: &Report<'_>) -> Outcome<Option<String>
     .map(Some)
 }
 
-/// The line where both coordinates are the same.
+/// Draws the line where both coordinates are equal.
 fn equal(chart: &mut LogLog<'_>, x: &Range<f64>, y: &Range<f64>) -> Outcome<()> {
     let (low, high) = (x.start.max(y.start), x.end.min(y.end));
     if low < high {
-        // Dashes are cut from a series of points: the more, the straighter.
+        // Dashes are cut from a series of points: more points make a straighter line.
         let points = (0..=200).map(|step| {
             let value = low * (high / low).powf(f64::from(step) / 200.0);
             (value, value)
@@ -116,8 +116,8 @@ fn equal(chart: &mut LogLog<'_>, x: &Range<f64>, y: &Range<f64>) -> Outcome<()> 
     Ok(())
 }
 
-/// Tolerances asked for against what is achieved; what is refused against the least that can be; `None` where nothing is
-/// certain.
+/// Plots requested tolerances against achieved errors, and refused ones against the smallest certified error; `None` if
+/// nothing is certified.
 pub(in crate::report) fn asked(report: &Report<'_>) -> Outcome<Option<String>> {
     let ladder = report.ladder;
     let certified = |rung: usize| ladder.rungs[rung].certified.max;
@@ -154,7 +154,7 @@ pub(in crate::report) fn asked(report: &Report<'_>) -> Outcome<Option<String>> {
             labels.put(area, spot(&chart, point), &asked)?;
         }
         let met = format!("met{}", report.on_strips());
-        let mut marks = vec![(Mark::Dot(CERTIFIED), met.as_str()), (Mark::Dashes, "just as asked")];
+        let mut marks = vec![(Mark::Dot(CERTIFIED), met.as_str()), (Mark::Dashes, "exactly as requested")];
         let refusal = refusal(report);
         if let Some(refusal) = &refusal {
             marks.insert(1, (Mark::Cross(REFUSED), refusal.as_str()));
@@ -165,7 +165,8 @@ pub(in crate::report) fn asked(report: &Report<'_>) -> Outcome<Option<String>> {
     .map(Some)
 }
 
-/// Which pass limits what is refused: the most accurate settings have but one worst place.
+/// Returns the legend for refused tolerances, with the pass that limits them: it is the same for all, because the
+/// most accurate settings have a single worst place.
 fn refusal(report: &Report<'_>) -> Option<String> {
     let refused = report.ladder.attempts.iter().find(|attempt| attempt.rung.is_none())?;
     Some(match &refused.limit {

@@ -1,4 +1,4 @@
-//! Plots as SVG, in two colors of the page and few of their own, so that they are readable in the light and in the dark.
+//! Plots as SVG, in two colors of the page and few of their own, so that they are readable in light and dark mode.
 
 mod bars;
 mod labels;
@@ -20,16 +20,16 @@ use plotters::style::{FontStyle, register_font};
 use std::error::Error;
 use std::ops::Range;
 
-/// The page gives ink its own color by this one.
+/// Ink: the style sheet of the page replaces this color by its own.
 pub(super) const INK: RGBColor = RGBColor(0x1B, 0x24, 0x30);
 const CERTIFIED: RGBColor = RGBColor(0x3B, 0x7D, 0xBD);
 const MEASURED: RGBColor = RGBColor(0xDB, 0x85, 0x2E);
 const REFUSED: RGBColor = RGBColor(0xD0, 0x4A, 0x4A);
 
-/// The page's own font; the metrics by which labels are laid out are those of a wide one.
+/// Font of the page; labels are laid out by the metrics of a wide one.
 const FONT: &str = "system-ui, sans-serif";
 pub(super) const WIDTH: u32 = 1040;
-/// Sizes are of lines, which SVG makes 1.24 times as high as letters.
+/// Font sizes are heights of lines, which SVG makes 1.24 times as high as letters.
 const SMALL: i32 = 15;
 const NORMAL: i32 = 16;
 
@@ -38,7 +38,7 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type LogAxis = WithKeyPoints<LogCoord<f64>>;
 type LogLog<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<LogAxis, LogAxis>>;
 
-/// An SVG element of so many pixels.
+/// Draws an SVG element of this height in pixels.
 fn svg(height: u32, draw: impl FnOnce(&Area<'_>) -> Outcome<()>) -> Outcome<String> {
     register_font(FONT, FontStyle::Normal, dejavu::sans::regular()).map_err(|_| "the font cannot be read")?;
     let mut text = String::new();
@@ -58,14 +58,14 @@ fn at(anchor: HPos) -> Pos {
     Pos::new(anchor, VPos::Center)
 }
 
-/// Whole powers of ten around two numbers.
+/// Returns the smallest range between powers of ten that contains two numbers.
 pub(super) fn decades(low: f64, high: f64) -> Range<f64> {
-    // Exact powers stay where they are.
+    // Exact powers of ten stay unchanged.
     let (first, last) = ((low.log10() + 1e-9).floor(), (high.log10() - 1e-9).ceil());
     10.0_f64.powf(first)..10.0_f64.powf(last.max(first + 1.0))
 }
 
-/// What an axis of logarithms shows: all values that have a logarithm, with a margin.
+/// Returns the range of a logarithmic axis: all values that have a logarithm, with a margin.
 fn around(values: impl IntoIterator<Item = f64>) -> Range<f64> {
     let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
     for value in values.into_iter().filter(|value| value.is_finite() && *value > 0.0) {
@@ -74,7 +74,7 @@ fn around(values: impl IntoIterator<Item = f64>) -> Range<f64> {
     if high == 0.0 { 0.1..1.0 } else { low / 1.8..high * 1.8 }
 }
 
-/// Powers of ten, at most eight of them; with 2 and 5 of each where they are few.
+/// Returns at most about eight powers of ten as ticks, with 2 and 5 times each on short ranges.
 fn ticks(range: &Range<f64>) -> Vec<f64> {
     let (first, last) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
     let factors: &[f64] = if range.end / range.start < 300.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
@@ -84,7 +84,7 @@ fn ticks(range: &Range<f64>) -> Vec<f64> {
     all.filter(|tick| range.contains(tick)).collect()
 }
 
-/// A plane of two logarithms, with its lines and names.
+/// Draws the axes of a log–log plot, with grid lines and titles.
 fn log_log<'a>(area: &Area<'a>, [x, y]: [Range<f64>; 2], [across, up]: [&str; 2]) -> Outcome<LogLog<'a>> {
     let axis =
         |range: &Range<f64>| -> LogAxis { LogCoord::from(range.clone().log_scale()).with_key_points(ticks(range)) };
@@ -111,7 +111,7 @@ fn log_log<'a>(area: &Area<'a>, [x, y]: [Range<f64>; 2], [across, up]: [&str; 2]
     Ok(chart)
 }
 
-/// What a symbol or a line stands for.
+/// Symbol or line in a legend.
 enum Mark {
     Dot(RGBColor),
     Ring(RGBColor),
@@ -121,7 +121,7 @@ enum Mark {
     Patch(RGBColor),
 }
 
-/// What marks mean, side by side from the left, line after line.
+/// Draws a legend from left to right, in several lines if necessary; returns the position of the last line.
 fn legend(area: &Area<'_>, start: (i32, i32), marks: &[(Mark, &str)]) -> Outcome<i32> {
     let (mut x, mut y) = start;
     for (mark, name) in marks {

@@ -1,4 +1,4 @@
-//! Run time by the knobs with which work grows.
+//! Run time over the knobs that increase work.
 
 use super::{CERTIFIED, INK, NORMAL, Outcome, SMALL, WIDTH, font, svg};
 use crate::report::data::Report;
@@ -9,7 +9,7 @@ use trochoid::accuracy::Scaling;
 const COLUMNS: usize = 3;
 const HEIGHT: u32 = 260;
 
-/// A small plot for each knob; `None` where there is none.
+/// Draws a small plot for each knob; `None` if there are none.
 pub(in crate::report) fn scalings(report: &Report<'_>) -> Outcome<Option<String>> {
     let all: Vec<&Scaling> = report.ladder.scalings.iter().filter(|scaling| !scaling.points.is_empty()).collect();
     if all.is_empty() {
@@ -50,8 +50,8 @@ pub(in crate::report) fn scalings(report: &Report<'_>) -> Outcome<Option<String>
     Ok(Some(svg))
 }
 
-/// As knobs are written.
+/// Formats the value of a knob.
 fn plain(value: &f64) -> String {
-    // Ticks are sums of steps: the last digits are of no account.
+    // Ticks are sums of steps, so their last digits are rounding errors.
     ((value * 1e6).round() / 1e6 + 0.0).to_string()
 }

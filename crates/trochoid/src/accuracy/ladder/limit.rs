@@ -1,4 +1,4 @@
-//! Why no settings meet a tolerance.
+//! The reason that no settings meet a tolerance.
 
 use super::{Request, TargetError};
 use crate::accuracy::unbounded;
@@ -7,28 +7,28 @@ use trochoid_engine::{Buffers, Cache, Certifier, Limiting, Monitor};
 use trochoid_graph::CheckedGraph;
 use trochoid_image::Window;
 
-/// What keeps the most accurate settings from being certified to less.
+/// What limits the certified error of the most accurate settings.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Limit {
-    /// The pass that makes most of the error where it is largest.
+    /// The pass with the largest share of the error at the worst pixel.
     Pass {
-        /// The node.
+        /// Name of the node.
         node: String,
-        /// Its type.
+        /// Type of the node.
         ty: &'static str,
     },
-    /// The rounding of f32 in all passes together.
+    /// f32 rounding in all passes together.
     Rounding,
-    /// No sample's error is certain, since a pass knows no bound.
+    /// No sample has a certified error, because a pass has no error bound.
     Unbounded {
-        /// The node.
+        /// Name of the node.
         node: String,
-        /// Its type.
+        /// Type of the node.
         ty: &'static str,
-        /// Why.
+        /// Reason that it has no error bound.
         why: &'static str,
     },
-    /// No sample's error is certain, since what is seen is not.
+    /// No sample has a certified error, because visibility is not certain anywhere.
     Unseen,
 }
 
@@ -36,14 +36,14 @@ impl fmt::Display for Limit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Pass { node, ty } => write!(f, "limited by \"{node}\" ({ty})"),
-            Self::Rounding => write!(f, "limited by the rounding of f32"),
-            Self::Unbounded { node, ty, .. } => write!(f, "\"{node}\" ({ty}) knows no bound"),
-            Self::Unseen => write!(f, "what is seen is certain nowhere"),
+            Self::Rounding => write!(f, "limited by f32 rounding"),
+            Self::Unbounded { node, ty, .. } => write!(f, "\"{node}\" ({ty}) has no error bound"),
+            Self::Unseen => write!(f, "visibility is not certain anywhere"),
         }
     }
 }
 
-/// What limits the settings of a graph where they are worst.
+/// Returns what limits the certified error of a graph at its worst pixel.
 pub(super) fn limit(
     graph: &CheckedGraph,
     request: &Request<'_>,

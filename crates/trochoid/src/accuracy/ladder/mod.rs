@@ -1,4 +1,4 @@
-//! Error against run time: settings side by side, from the coarsest to the most accurate, each certified, measured and timed.
+//! Error against run time: settings from the coarsest to the most accurate, each certified, measured and timed.
 
 mod limit;
 mod request;
@@ -21,48 +21,49 @@ use trochoid_image::{Format, Window};
 use truth::Truth;
 use work::{savings, scalings};
 
-/// All that was found.
+/// Measured settings of an output, with the tolerances that they meet.
 #[derive(Clone, Debug)]
 pub struct Ladder {
-    /// The output.
+    /// Name of the output.
     pub output: String,
-    /// The frame.
+    /// Number of the frame.
     pub frame: i64,
-    /// The format.
+    /// Format of the measured pictures.
     pub format: Format,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// By falling error, as far as that is known: first those of coarse and fine meshes, then the more accurate methods.
+    /// Rungs in order of decreasing error, as far as that is known: coarse and fine meshes first, then the more
+    /// accurate methods.
     pub rungs: Vec<Rung>,
-    /// What became of each tolerance.
+    /// Result of each tolerance.
     pub attempts: Vec<Attempt>,
     /// Nodes that the output does not need, or parts of their work.
     pub savings: Vec<Saving>,
-    /// How run time grows with the work that knobs ask of nodes.
+    /// Run time by the values of knobs that increase work.
     pub scalings: Vec<Scaling>,
 }
 
-/// A tolerance, and what it gets.
+/// Tolerance, and the settings that meet it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attempt {
-    /// Of displayed values.
+    /// Tolerance of displayed values.
     pub tolerance: f64,
-    /// What it allows in the working space.
+    /// Error that the tolerance allows in the working space.
     pub allowed: f64,
-    /// Index of the fastest settings that are certified to meet it, of those among which [`plan`](super::plan) chooses;
-    /// `None` where none do. Where strips of the picture alone are certified, they meet it there.
+    /// Index of the fastest settings that are certified to meet the tolerance, out of those that [`plan`](super::plan)
+    /// chooses from; `None` if none do. If only strips of the picture are certified, the tolerance is met on these.
     pub rung: Option<usize>,
-    /// Where none do, why.
+    /// Reason that no settings meet the tolerance.
     pub limit: Option<Limit>,
 }
 
-/// What accuracy knobs that are numbers are multiplied by.
+/// Factors for accuracy knobs that are numbers.
 const FINENESS: [f64; 4] = [0.25, 0.5, 2.0, 4.0];
 
-/// Measures an output of a document, given how to load it with assignments beyond its own.
+/// Measures an output of a document; `load` loads the document with additional assignments.
 ///
 /// # Errors
-/// As [`plan`](super::plan), except that missing a tolerance is none; or the reference fails.
+/// As [`plan`](super::plan), except that a missed tolerance is not an error; or the reference fails.
 pub fn climb(
     load: &dyn Fn(&[String]) -> Result<Loaded, LoadError>,
     asked: &LadderRequest<'_>,
@@ -85,7 +86,7 @@ pub fn climb(
     let window = graph.format().window();
     let regions: Vec<Window> = if asked.whole { vec![window] } else { pilot::strips(window).to_vec() };
     let settings = settings(&graph, request);
-    // The truth, the rungs, and three steps after them; how far a run within a step is says nothing.
+    // Steps: the references, the rungs, and three more. Progress of a run within a step is not reported.
     let told = monitor;
     let monitor = &Unhurried(monitor);
     let (grain, steps) = (asked.pixels.max(1), settings.len() + 4);
@@ -129,13 +130,13 @@ pub fn climb(
     })
 }
 
-/// The fastest of those settings among which a plan chooses that are certified to what is allowed.
+/// Returns the fastest settings for a plan whose certified error is allowed.
 fn fastest(rungs: &[Rung], allowed: f64) -> Option<usize> {
     let meets = rungs.iter().enumerate().filter(|(_, rung)| rung.is_method && rung.certified.max <= allowed);
     meets.min_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds)).map(|(index, _)| index)
 }
 
-/// Forwards whether to stop, and what is prepared.
+/// Monitor that forwards everything but progress.
 struct Unhurried<'a>(&'a dyn Monitor);
 
 impl Monitor for Unhurried<'_> {
@@ -150,7 +151,7 @@ impl Monitor for Unhurried<'_> {
     }
 }
 
-/// The first of so many steps.
+/// Monitor of the first of several equal steps.
 struct Part<'a> {
     monitor: &'a dyn Monitor,
     steps: usize,
@@ -174,8 +175,8 @@ fn threads(asked: usize) -> usize {
     if asked > 0 { asked } else { std::thread::available_parallelism().map_or(1, usize::from) }
 }
 
-/// All settings, from the coarsest on, and whether they are methods to choose: finer and coarser meshes are not, because they
-/// change what is ambiguous.
+/// Returns all settings, coarsest first, and whether a plan may choose them. Finer and coarser meshes may not be
+/// chosen, because they change which samples are ambiguous.
 fn settings(graph: &CheckedGraph, request: &Request<'_>) -> Vec<(Vec<String>, bool)> {
     let methods = knobs::find(graph, request.outputs, request.frame);
     let at = |level: usize| -> Vec<String> {

@@ -1,19 +1,19 @@
-//! What a ladder is asked for.
+//! Request for a ladder.
 
 use crate::accuracy::Request;
 use trochoid_image::Format;
 
-/// What is to be measured.
+/// Measurements that are requested of a ladder.
 #[derive(Clone, Copy, Debug)]
 pub struct LadderRequest<'a> {
-    /// Output, frame and how plans run; the tolerance does not count.
+    /// Output, frame and settings of plans; its tolerance is ignored.
     pub request: Request<'a>,
-    /// The size at which all is measured, if not the document's.
+    /// Format of the measured pictures, if not the document's.
     pub format: Option<Format>,
-    /// How many pixels are held against the f64 reference.
+    /// Number of pixels that are compared with the f64 reference.
     pub pixels: usize,
-    /// Whether all of the picture is certified, or an eighth of it.
+    /// Whether the whole picture is certified, or only an eighth of it.
     pub whole: bool,
-    /// Tolerances to ask for, of displayed values.
+    /// Tolerances of displayed values to try.
     pub tolerances: &'a [f64],
 }

@@ -1,4 +1,4 @@
-//! One rung: settings certified, measured and timed.
+//! A rung of a ladder: settings that are certified, measured and timed.
 
 use super::request::LadderRequest;
 use super::truth::{Truth, chosen};
@@ -9,78 +9,78 @@ use trochoid_engine::{Buffers, Cache, Certified, Certifier, Frame, Monitor, Pict
 use trochoid_graph::CheckedGraph;
 use trochoid_image::Window;
 
-/// Runs of each kind, and seconds after which there is no further one.
+/// Maximum number of runs, and seconds after which no further run starts.
 const RUNS: usize = 5;
 const PATIENCE: f64 = 8.0;
-/// Pixels at which is found out what makes the errors.
+/// Number of pixels at which the shares of passes in the error are determined.
 const PROBES: usize = 24;
 
-/// Errors of pixels.
+/// Statistics of the errors of pixels or samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// The largest.
+    /// Largest error.
     pub max: f64,
-    /// What 99.9 % of them do not pass.
+    /// 99.9th percentile.
     pub p999: f64,
-    /// What half of them do not pass.
+    /// Median.
     pub median: f64,
-    /// Root mean square; of certified errors, which are known by their distribution, `NaN`.
+    /// Root mean square; `NaN` for certified errors, of which only the distribution is known.
     pub rms: f64,
 }
 
-/// Settings, and what they give.
+/// Settings with their certified and measured errors and their cost.
 #[derive(Clone, Debug)]
 pub struct Rung {
-    /// Assignments that make them, `NODE.KNOB=VALUE`.
+    /// Assignments `NODE.KNOB=VALUE` of the settings.
     pub set: Vec<String>,
-    /// Whether `plan` may choose them.
+    /// Whether `plan` may choose these settings.
     pub is_method: bool,
-    /// Certified errors of samples in no doubt, in units of the working space; `NaN` where all are in doubt.
+    /// Certified errors of samples that are not ambiguous, in units of the working space; `NaN` if all are ambiguous.
     pub certified: Errors,
-    /// The share of samples in doubt, and of those whose error may pass half a step of eight bits.
+    /// Share of ambiguous samples.
     pub ambiguous: f64,
-    /// The same of those that may be off by more than 1/255.
+    /// Share of ambiguous samples whose error may exceed 1/255.
     pub ambiguous_beyond_8_bit: f64,
-    /// Measured errors of pixels in no doubt, and of how many.
+    /// Measured errors of pixels without ambiguous samples.
     pub measured: Errors,
-    /// How many those are.
+    /// Number of pixels with measured errors.
     pub measured_pixels: usize,
-    /// The median of certified over measured errors of these pixels, where neither is 0.
+    /// Median ratio of certified to measured errors of these pixels, except where one is 0.
     pub ratio: f64,
-    /// Pixels outside the hull.
+    /// Number of pixels outside the hull.
     pub hull_exits: u64,
-    /// Pixels that are not a number.
+    /// Number of pixels that are NaN.
     pub nan: u64,
-    /// Median seconds of the frame.
+    /// Median seconds for the frame.
     pub seconds: f64,
-    /// By how many seconds the slowest run differs from the fastest.
+    /// Seconds between the fastest and the slowest run.
     pub spread: f64,
-    /// Seconds that were predicted.
+    /// Predicted seconds for the frame.
     pub predicted: f64,
-    /// Bytes that stages and planes held.
+    /// Bytes held by stages and planes.
     pub bytes: usize,
-    /// Whether no other settings are both faster and certified to less.
+    /// Whether no other settings are both faster and certified to a smaller error.
     pub is_best: bool,
-    /// Where the certified error comes from, at chosen pixels in no doubt.
+    /// Shares of the passes in the certified error, at chosen pixels without ambiguous samples.
     pub passes: Vec<PassError>,
-    /// By pixel, row by row, the largest certified error of its channels; empty unless all is certified.
+    /// Largest certified error of the channels of each pixel, row by row; empty unless the whole picture is certified.
     pub map: Vec<f32>,
-    /// The picture.
+    /// Picture rendered with the settings.
     pub picture: Picture,
 }
 
-/// What a pass makes of the certified error.
+/// Share of a pass in the certified error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassError {
-    /// The node.
+    /// Name of the node.
     pub node: String,
-    /// Its type.
+    /// Type of the node.
     pub ty: &'static str,
-    /// By how much the bound falls if it has no errors of its own, on average over pixels.
+    /// Drop of the bound if the pass has no errors of its own, averaged over pixels.
     pub drop: f64,
 }
 
-/// One rung in the making.
+/// Inputs for measuring a rung.
 pub(super) struct Measuring<'a> {
     pub(super) graph: &'a CheckedGraph,
     pub(super) asked: &'a LadderRequest<'a>,
@@ -111,7 +111,7 @@ impl Measuring<'_> {
         let measured_pixels = measured.len();
         let sum = |of: &dyn Fn(&Certified) -> u64| certified.iter().map(of).sum::<u64>() as f64;
         let all = sum(&|c| c.clear.total() + c.unclear.total()).max(1.0);
-        // Where all are in doubt, 0 would say that they are exact.
+        // If all are ambiguous, 0 would mean that they are exact.
         let clear = certified.iter().filter(|c| c.clear.total() > 0);
         let most = |of: &dyn Fn(&Certified) -> f64| clear.clone().map(of).fold(f64::NAN, f64::max);
         Ok(Rung {
@@ -141,7 +141,7 @@ impl Measuring<'_> {
         })
     }
 
-    /// Errors of pixels in no doubt, and how many times as large they are certified.
+    /// Returns the errors of pixels without ambiguous samples, and the median ratio of certified to measured errors.
     fn measured(&self, picture: &Picture, certified: &[Certified]) -> (Vec<f64>, f64) {
         let (mut errors, mut ratios) = (Vec::new(), Vec::new());
         for ([x, y], truth) in self.truth.pixels.iter().zip(&self.truth.values) {
@@ -166,7 +166,7 @@ impl Measuring<'_> {
         (errors, ratio)
     }
 
-    /// What each pass makes of the bounds.
+    /// Returns the share of each pass in the bounds.
     fn passes(&self, certified: &[Certified], cache: &mut Cache) -> Result<Vec<PassError>, TargetError> {
         let (graph, request) = (self.graph, &self.asked.request);
         let certifier = Certifier::new(graph, request.outputs, request.frame, &[], request.settings)?;
@@ -191,7 +191,7 @@ impl Measuring<'_> {
     }
 }
 
-/// Which part has a pixel, and where.
+/// Returns the part that contains a pixel, and the index of the pixel in it.
 fn place(certified: &[Certified], [x, y]: [i64; 2]) -> Option<(&Certified, usize)> {
     let holds = |window: Window| (window.x0..window.x1).contains(&x) && (window.y0..window.y1).contains(&y);
     let part = certified.iter().find(|part| holds(part.window))?;
@@ -214,7 +214,7 @@ fn errors(mut values: Vec<f64>) -> Errors {
     Errors { max: at(1.0), p999: at(0.999), median: at(0.5), rms: (squares / count as f64).sqrt() }
 }
 
-/// A frame, the median of its seconds over some runs with nothing kept between them, and how far they differ.
+/// Evaluates a frame several times without a cache; returns the frame, the median of the seconds, and their spread.
 pub(super) fn timed(
     graph: &CheckedGraph,
     request: &Request<'_>,

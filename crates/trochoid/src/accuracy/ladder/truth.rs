@@ -1,4 +1,4 @@
-//! Pixels of the f64 references.
+//! Pixels evaluated by the f64 references.
 
 use super::request::LadderRequest;
 use crate::accuracy::TargetError;
@@ -7,7 +7,7 @@ use trochoid_engine::{Cache, EvalError, Monitor, ReferenceError, ReferenceFrame}
 use trochoid_graph::CheckedGraph;
 use trochoid_image::Window;
 
-/// Pixels and their true values.
+/// Pixels and their reference values.
 pub(super) struct Truth {
     pub(super) pixels: Vec<[i64; 2]>,
     pub(super) values: Vec<Vec<f64>>,
@@ -45,14 +45,14 @@ fn of_reference(error: ReferenceError) -> TargetError {
     }
 }
 
-/// So many pixels of some windows, each once, spread by the golden section of their number.
+/// Chooses this many distinct pixels of some windows, spread evenly by multiples of the golden ratio.
 pub(super) fn chosen(regions: &[Window], count: usize) -> Vec<[i64; 2]> {
     let total: usize = regions.iter().map(|region| region.area()).sum();
     let mut places: BTreeSet<usize> = BTreeSet::new();
     let mut step = 0_u64;
     while places.len() < count.min(total) {
         step += 1;
-        // Weyl's sequence: fractions of multiples of the golden section.
+        // Weyl sequence: fractions of multiples of the golden ratio.
         let part = (step.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as f64 / 4_294_967_296.0;
         places.insert(((part * total as f64) as usize).min(total - 1));
     }

@@ -1,4 +1,4 @@
-//! Work: what is left out of it, and how run time grows with it.
+//! Omitted work, and the growth of run time with work.
 
 use super::rung::timed;
 use super::{Request, TargetError};
@@ -7,32 +7,32 @@ use crate::accuracy::knobs;
 use trochoid_engine::{Buffers, Cache, Monitor, Plan, State};
 use trochoid_graph::CheckedGraph;
 
-/// What is left out.
+/// Node, or part of its work, that is left out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Saving {
-    /// The node.
+    /// Name of the node.
     pub node: String,
-    /// Its type.
+    /// Type of the node.
     pub ty: &'static str,
-    /// Why, or which part of its work.
+    /// Reason that it is left out, or the part that is.
     pub why: String,
-    /// Seconds that it would take; `None` where that was not measured.
+    /// Seconds saved; `None` if not measured.
     pub seconds: Option<f64>,
 }
 
-/// Run time by the value of a knob.
+/// Run time by the values of a knob.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scaling {
-    /// `NODE.KNOB`.
+    /// Knob, as `NODE.KNOB`.
     pub knob: String,
-    /// Value, and median seconds of the frame.
+    /// Values with the median seconds for the frame.
     pub points: Vec<(f64, f64)>,
 }
 
-/// What knobs with which work grows are multiplied by.
+/// Factors for knobs that increase work.
 const WORK: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 
-/// What is left out of a document as it stands.
+/// Returns the work that is left out of a document.
 pub(super) fn savings(
     graph: &CheckedGraph,
     request: &Request<'_>,
@@ -63,7 +63,7 @@ pub(super) fn savings(
     Ok(savings)
 }
 
-/// Run times by the knobs with which work grows.
+/// Measures run times by the values of knobs that increase work.
 pub(super) fn scalings(
     graph: &CheckedGraph,
     request: &Request<'_>,
@@ -78,7 +78,7 @@ pub(super) fn scalings(
             if points.iter().any(|(known, _)| *known == value) {
                 continue;
             }
-            // Not every value goes with the document's others.
+            // Some values are not valid together with the rest of the document.
             let Ok(graph) = sized(&[number.assignment(factor)]) else { continue };
             points.push((value, timed(&graph, request, monitor)?.1));
         }

@@ -1,6 +1,6 @@
 //! Colors for uncovered pixels, which have none of their own: they take the nearest covered pixel's color.
 
-use trochoid_image::Plane;
+use crate::Plane;
 
 /// Marks a column without a covered pixel.
 const NONE: u32 = u32::MAX;
@@ -11,7 +11,10 @@ const NONE: u32 = u32::MAX;
 /// The nearest pixel has the least exact Euclidean distance between centers. Found in two passes (Meijster, Roerdink,
 /// Hesselink, *A General Algorithm for Computing Distance Transforms in Linear Time*, 2000): first the nearest covered
 /// row g of each column, then, along each row y, the lower envelope of the parabolas (x − i)² + (y − gᵢ)².
-pub(crate) fn spread(planes: &mut [Plane; 3], alpha: &Plane) -> bool {
+///
+/// # Panics
+/// If the planes have another window than the alpha.
+pub fn spread(planes: &mut [Plane; 3], alpha: &Plane) -> bool {
     let width = alpha.window().width();
     let covered = |index: usize| alpha.samples()[index] != 0.0;
     if !(0..alpha.samples().len()).any(covered) {
@@ -93,7 +96,7 @@ fn envelope(rows: &[u32], y: usize, stack: &mut Vec<(usize, i64)>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trochoid_image::Window;
+    use crate::Window;
 
     #[test]
     fn the_nearest_covered_pixel_is_nearest() {
