@@ -1,4 +1,5 @@
-//! Nodes are known by their declarations: no other code asks for one by its name, and no node for an item by its key.
+//! Nodes are known by their declarations: no other code asks for one by its name, and no node for an item by its key. Options of
+//! the command line are known to the command line alone.
 
 use crate::architecture::sources;
 use crate::support::root;
@@ -107,8 +108,47 @@ fn messages_name_nodes_that_exist() {
     assert!(faults.is_empty(), "no nodes of these names:\n{}", faults.join("\n"));
 }
 
+/// Crates that know command lines: the programs' own, and those that are no part of them.
+const COMMAND_LINES: &[&str] = &["bench", "book", "cli", "terminal"];
+
+/// The first option of a command line that a line of code names. A whole command in backticks refers to the manual.
+fn names_an_option(line: &str) -> Option<&str> {
+    if line.trim_start().starts_with("//") {
+        return None;
+    }
+    // Every other part stands between backticks.
+    let mut parts = line.split('`').enumerate();
+    parts.find_map(|(index, part)| {
+        let command = index % 2 == 1 && part.starts_with("trochoid ");
+        let mut options = part.match_indices("--").filter(|(at, _)| {
+            let starts = |c: char| c.is_ascii_lowercase();
+            part[at + 2..].starts_with(starts) && !part[..*at].ends_with(|c: char| c.is_alphanumeric() || c == '-')
+        });
+        options.next().filter(|_| !command).map(|(at, _)| &part[at..])
+    })
+}
+
+#[test]
+fn no_message_below_the_command_line_names_an_option() {
+    let mut faults = Vec::new();
+    for (place, text) in all_sources() {
+        if COMMAND_LINES.iter().any(|name| place.starts_with(&format!("crates/{name}/"))) {
+            continue;
+        }
+        for (index, line) in text.lines().enumerate() {
+            faults.extend(names_an_option(line).map(|option| format!("{place}:{}: {option}", index + 1)));
+        }
+    }
+    assert!(faults.is_empty(), "carry the remedy as data, and let the command line name it:\n{}", faults.join("\n"));
+}
+
 #[test]
 fn what_is_sought_is_found() {
+    assert_eq!(names_an_option(r#"    or allow more (--memory)""#), Some("--memory)\""));
+    assert_eq!(names_an_option(r#"format!("--set {text}")"#), Some(r#"--set {text}")"#));
+    for line in ["/// As `--set` does.", "`trochoid plan --out` writes it", "a -- b", "--1.0"] {
+        assert_eq!(names_an_option(line), None, "{line}");
+    }
     assert_eq!(names_a_node(r#"if node.ty == "Mix" {"#), Some("Mix"));
     assert_eq!(names_a_node(r#"write("say \"a\"", "Mix")"#), Some("Mix"));
     for line in [r#"// "Mix""#, r#"{ "type": "Mix" }"#, r#""Mix of both""#] {

@@ -4,6 +4,7 @@ use crate::explain::{self, Explained};
 use crate::failure::{Failure, INVALID, Message, count, once};
 use crate::files::{self, Reach};
 use crate::outputs::choose;
+use crate::remedies;
 use crate::shell::{self, HEADING, printable, wrap};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
@@ -61,7 +62,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         Ok(loaded) => loaded,
         Err(LoadError::Invalid(diagnostics)) if args.json => {
             let name = args.graph.display().to_string();
-            let diagnostics: Vec<Value> = diagnostics.iter().map(Diagnostic::to_json).collect();
+            let diagnostics = remedies::values(&diagnostics);
             shell::print_json(&json!({ "document": name, "valid": false, "diagnostics": diagnostics }))?;
             return Err(Failure::silent(INVALID));
         }
@@ -98,7 +99,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         }
         shell::print_json(&json)?;
     } else {
-        shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
+        shell::tell(&remedies::texts(&loaded.warnings));
         let mut text = to_text(&loaded, &findings, explained.is_none());
         explained.iter().flatten().for_each(|explained| text.push_str(&explained.to_text()));
         shell::print(&text)?;
@@ -145,11 +146,14 @@ impl Faults {
             over.into_iter().for_each(|path| all.join(files::written_over(&path)));
             return Ok(all);
         }
-        let mut faults: Vec<Value> = outside.iter().map(Diagnostic::to_json).collect();
+        let mut faults = remedies::values(&outside);
         let fault = |found: String, remedy: &str| json!({ "severity": "error", "port": "outputs", "found": found, "remedy": remedy });
         match written {
             Some(OutputError::Pattern(names)) => {
-                faults.extend(names.iter().map(|name| fault(format!("{}: {}", name.place, name.found), &name.remedy)));
+                faults.extend(names.iter().map(|name| {
+                    let (found, remedy) = remedies::name(name, "--out");
+                    fault(found, &remedy)
+                }));
             }
             other => faults.extend(other.map(|error| fault(error.to_string(), ""))),
         }
@@ -339,7 +343,7 @@ fn to_json(loaded: &Loaded, findings: &Findings, valid: bool) -> Value {
         "document": graph.name(),
         "document_hash": graph.document_hash(),
         "valid": valid,
-        "diagnostics": loaded.warnings.iter().map(Diagnostic::to_json).collect::<Vec<_>>(),
+        "diagnostics": remedies::values(&loaded.warnings),
         "format": { "width": format.width(), "height": format.height(), "samples": format.samples() },
         "working_space": graph.space().name(),
         "frames": { "first": first, "last": last, "fps": graph.fps() },

@@ -16,6 +16,7 @@
 
 use crate::failure::{Failure, INVALID};
 use crate::interrupt;
+use crate::remedies;
 use crate::shell::{HEADING, printable, wrap};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
@@ -297,7 +298,7 @@ impl Explained<'_> {
         });
         let measured = match &self.costs {
             None => Value::Null,
-            Some(Err(error)) => json!({ "error": error.to_string() }),
+            Some(Err(error)) => json!({ "error": remedies::measuring(error) }),
             Some(Ok(costs)) => json!({
                 "width": costs.format.width(), "height": costs.format.height(), "samples": costs.format.samples(),
                 "runs": costs.runs, "seconds": costs.seconds, "seconds_in_full": costs.seconds_in_full,

@@ -1,5 +1,6 @@
 //! Failures of commands: exit codes and messages, and their conversion from the errors of the library.
 
+use crate::remedies;
 use std::fmt;
 use trochoid::accuracy::PlanFileError;
 use trochoid::certificate::CertificateError;
@@ -54,6 +55,7 @@ impl Message {
 
 impl From<&Diagnostic> for Message {
     fn from(diagnostic: &Diagnostic) -> Self {
+        let diagnostic = remedies::diagnostic(diagnostic);
         Self { severity: diagnostic.severity, text: diagnostic.statement().to_string() }
     }
 }
@@ -87,12 +89,29 @@ impl Failure {
     /// Returns the failure of an evaluation; `place` is a prefix such as "frame 3: ".
     pub(crate) fn evaluated(place: &str, error: &EvalError) -> Self {
         let EvalError::TooMuchMemory { place: at, found, total, limit, remedy } = error else {
-            return Self::new(FAILED, format!("{place}{error}"));
+            return Self::new(FAILED, format!("{place}{}", remedies::evaluation(error)));
         };
         let (takes, most) = (in_bytes(*total), in_bytes(*limit));
         let text = format!("{place}{at}: found a frame that takes about {takes}: {found}; expected at most {most}");
         let remedy = format!("{remedy}; or allow more: --memory {}", enough_memory(*total));
         Self { code: FAILED, ..Self::usage(text, remedy) }
+    }
+
+    /// Returns the failure to name or write files; `option` gives their pattern.
+    pub(crate) fn written(error: &OutputError, option: &str) -> Self {
+        match error {
+            OutputError::Pattern(faults) => {
+                let message = |fault| {
+                    let (text, remedy) = remedies::name(fault, option);
+                    Message::error(text).with_remedy(&remedy)
+                };
+                Self { code: INVALID, messages: faults.iter().map(message).collect() }
+            }
+            OutputError::Refused(refused) => refused.diagnostic().into(),
+            OutputError::Foreign(file) => Self::usage(file, remedies::REPLACE),
+            OutputError::Io(error) => Self::new(FAILED, remedies::written(error)),
+            error => Self::new(FAILED, error),
+        }
     }
 
     /// Adds another failure's messages, and keeps the higher exit code.
@@ -137,14 +156,7 @@ impl From<OutputError> for Failure {
 
 impl From<&OutputError> for Failure {
     fn from(error: &OutputError) -> Self {
-        match error {
-            OutputError::Pattern(faults) => {
-                Self { code: INVALID, messages: faults.iter().map(Message::error).collect() }
-            }
-            OutputError::Refused(refused) => refused.diagnostic().into(),
-            OutputError::Foreign { .. } => Self::new(INVALID, error),
-            error => Self::new(FAILED, error),
-        }
+        Self::written(error, "--out")
     }
 }
 
@@ -166,6 +178,7 @@ impl From<CertificateError> for Failure {
             CertificateError::Document(LoadError::Invalid(faults)) => LoadError::Invalid(once(faults)).into(),
             CertificateError::Document(error) => error.into(),
             CertificateError::Reference(ReferenceError::Eval(error)) => Self::evaluated("", &error),
+            CertificateError::Write(error) => Self { code: FAILED, ..error.into() },
             CertificateError::NoCertificate { .. } => Self::new(INVALID, error),
             error => Self::new(FAILED, error),
         }
@@ -175,8 +188,11 @@ impl From<CertificateError> for Failure {
 /// Removes repeated remedies: of consecutive faults with the same remedy, only the last keeps it.
 pub(crate) fn once(mut faults: Vec<Diagnostic>) -> Vec<Diagnostic> {
     for index in 1..faults.len() {
-        if faults[index - 1].remedy == faults[index].remedy {
-            faults[index - 1].remedy.clear();
+        let (before, rest) = faults.split_at_mut(index);
+        let (one, next) = (&mut before[index - 1], &rest[0]);
+        if (&one.remedy, &one.means) == (&next.remedy, &next.means) {
+            one.remedy.clear();
+            one.means = None;
         }
     }
     faults

@@ -1,11 +1,12 @@
 //! Files that a document may read and write, and files that a run may overwrite.
 
 use crate::failure::{Failure, once};
+use crate::remedies;
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 use trochoid::io::Target;
 use trochoid::{
-    Access, CheckedGraph, Diagnostic, Form, InputFiles, LoadError, Loaded, Refused, allow_options, check_destination,
+    Access, CheckedGraph, Diagnostic, Form, InputFiles, LoadError, Loaded, Refused, check_destination,
     check_replaced_by, quoted_path, refusals, refused_files,
 };
 
@@ -56,9 +57,9 @@ impl Reach {
             } else {
                 ""
             };
-            let allowed = allow_options(refused.iter().map(|refused| &refused.outside));
+            let allowed = remedies::allow(refused.iter().map(|refused| &refused.outside));
             let remedy = format!("--strict restricts the document to its own folder: add {allowed}{without}");
-            faults.iter_mut().for_each(|fault| fault.remedy.clone_from(&remedy));
+            faults.iter_mut().for_each(|fault| (fault.remedy, fault.means) = (remedy.clone(), None));
         }
         faults
     }

@@ -3,9 +3,10 @@
 use crate::failure::Failure;
 use crate::files::{self, Over};
 use crate::outputs;
+use crate::remedies;
 use crate::shell::{self, printable};
 use std::path::PathBuf;
-use trochoid::{Diagnostic, Form, GENERATOR, Plan, Settings, VERSION};
+use trochoid::{Form, GENERATOR, Plan, Settings, VERSION};
 
 /// Options of `trochoid graph`.
 #[derive(Debug, clap::Args)]
@@ -35,7 +36,7 @@ pub(crate) struct Args {
 /// The document is invalid or cannot be read, has no such output, or the file cannot be written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let loaded = trochoid::load(&args.graph, &args.set)?;
-    shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
+    shell::tell(&remedies::texts(&loaded.warnings));
     let graph = &loaded.graph;
     let mut faults = Vec::new();
     let chosen = outputs::choose(graph, &args.output, &mut faults);

@@ -20,6 +20,7 @@ mod outputs;
 mod plan;
 mod preview;
 mod progress;
+mod remedies;
 mod render;
 mod report;
 mod schema;

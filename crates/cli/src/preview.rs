@@ -3,13 +3,14 @@
 use crate::failure::{FAILED, Failure, INTERRUPTED};
 use crate::files::{self, Files};
 use crate::progress::Progress;
+use crate::remedies;
 use crate::shell::{self, printable};
 use crate::{frames, interrupt, outputs, webp};
 use std::path::PathBuf;
 use trochoid::io::{PngImage, Samples, write_png8};
 use trochoid::{
-    Buffers, Cache, CheckedGraph, Diagnostic, EvalError, Form, Kind, MemoryConsumer, Picture, Pictures, Plan, Settings,
-    marks, quoted_path,
+    Buffers, Cache, CheckedGraph, EvalError, Form, Kind, MemoryConsumer, Picture, Pictures, Plan, Settings, marks,
+    quoted_path,
 };
 use webp_animation::{ColorMode, Encoder, EncoderOptions, EncodingConfig};
 
@@ -61,7 +62,7 @@ const LARGEST: u32 = 16_383;
 /// is written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let loaded = args.files.load(&args.graph, &args.set)?;
-    shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
+    shell::tell(&remedies::texts(&loaded.warnings));
     let graph = &loaded.graph;
     let mut faults = Vec::new();
     let output = outputs::choose(graph, args.output.as_slice(), &mut faults)[0];
@@ -88,7 +89,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         let image =
             PngImage { clamp: true, metadata: marks(Form::Preview), ..PngImage::new(size[0], size[1], channels) };
         write_png8(args.files.over.target(&args.out, form(args)), &image)
-            .map_err(|error| Failure::new(FAILED, error))?;
+            .map_err(|error| Failure::new(FAILED, remedies::written(&error)))?;
     } else {
         let cannot = |error: webp_animation::Error| Failure::new(FAILED, format!("{}: {error}", args.out.display()));
         let encoding = Some(EncodingConfig::new_lossy(f32::from(args.quality)));

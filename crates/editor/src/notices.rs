@@ -84,7 +84,6 @@ impl Notices {
     }
 
     fn tell(&mut self, level: Level, text: String) {
-        let text = crate::prose::here(&text);
         // Said once more, it is the newest, and stays in sight.
         let is_this = |known: &Notice| (known.level, &known.text) == (level, &text);
         let number = match self.all.iter().position(is_this) {

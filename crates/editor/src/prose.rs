@@ -33,45 +33,9 @@ pub(crate) fn explained(response: egui::Response, text: &str) -> egui::Response 
     })
 }
 
-/// Remedies of the command line, and what is done here instead; a `…` is whatever stands there.
-const REMEDIES: [(&str, &str); 6] = [
-    ("if you trust the document with this file: --allow …", "allow it here if you trust the document"),
-    ("if you trust the document with these files: --allow …", "allow them here if you trust the document"),
-    ("or replace it with --overwrite", "or move the file away that is there"),
-    ("or say --overwrite", "or move the file away that is there"),
-    (", or to try it by --set …", ""),
-    ("; or allow more memory (--memory, or Settings::memory_limit)", ""),
-];
-
-/// A message of the library as the editor says it: with what is to be done here, and no options of the command line.
-pub(crate) fn here(message: &str) -> String {
-    let mut lines: Vec<String> = message.split('\n').map(String::from).collect();
-    for line in &mut lines {
-        for (there, here) in REMEDIES {
-            let (begin, to_end) = there.strip_suffix('…').map_or((there, false), |begin| (begin, true));
-            if let Some(at) = line.find(begin) {
-                let end = if to_end { line.len() } else { at + begin.len() };
-                line.replace_range(at..end, here);
-            }
-        }
-    }
-    lines.join("\n")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trochoid::{OutputError, Outside};
-
-    #[test]
-    fn messages_name_no_options_of_the_command_line() {
-        let outside = Outside { leads_to: "/plates/a.png".into(), allowed: vec!["/shots".into()] };
-        let told = here(&outside.to_string());
-        assert!(told.ends_with("/shots; allow it here if you trust the document"), "{told}");
-        let told = here(&OutputError::Foreign { path: "/plates/a.png".into() }.to_string());
-        assert!(told.ends_with("give another name, or move the file away that is there"), "{told}");
-        assert_eq!(here("a plain\nmessage"), "a plain\nmessage");
-    }
 
     #[test]
     fn backticks_become_code() {

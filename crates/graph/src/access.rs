@@ -1,6 +1,6 @@
 //! Access control: the files that a document may make a program read and write.
 
-use crate::{CheckedGraph, Diagnostic, FrameContext, Item, NodeId, OutputSpec, Severity, Takes, quoted_path};
+use crate::{CheckedGraph, Diagnostic, FrameContext, Item, Means, NodeId, OutputSpec, Severity, Takes};
 use std::path::{Component, Path, PathBuf};
 
 /// The files that a document may make a program read and write: whole folder trees, and single files.
@@ -73,31 +73,29 @@ impl Outside {
         self.leads_to.parent().unwrap_or(&self.leads_to)
     }
 
-    fn expected(&self) -> String {
+    /// Returns what was expected: the folders and files that are allowed, in words.
+    pub fn expected(&self) -> String {
         let allowed: Vec<String> = self.allowed.iter().map(|root| root.display().to_string()).collect();
         format!("a file that the document may reach, beneath {}", allowed.join(", "))
     }
-
-    fn remedy(&self) -> String {
-        remedy([self])
-    }
 }
 
-fn remedy<'o>(paths: impl IntoIterator<Item = &'o Outside, IntoIter: ExactSizeIterator>) -> String {
-    let paths = paths.into_iter();
-    let what = if paths.len() == 1 { "this file" } else { "these files" };
-    format!("if you trust the document with {what}: {}", allow_options(paths))
-}
+/// Remedy of one refused file.
+const ALLOW: &str = "allow it if you trust the document";
+/// Remedy of several.
+const ALLOW_ALL: &str = "allow them if you trust the document";
 
 /// Returns the faults of files that a document may not reach; the remedy of each allows all of them.
 pub fn refusals(refused: &[Refused]) -> Vec<Diagnostic> {
-    let remedy = remedy(refused.iter().map(|refused| &refused.outside));
-    refused.iter().map(|refused| Diagnostic { remedy: remedy.clone(), ..refused.diagnostic() }).collect()
+    let remedy = if refused.len() == 1 { ALLOW } else { ALLOW_ALL };
+    let means = Means::Allow(refused.iter().map(|refused| refused.outside.clone()).collect());
+    let fault =
+        |refused: &Refused| Diagnostic { remedy: remedy.into(), means: Some(means.clone()), ..refused.diagnostic() };
+    refused.iter().map(fault).collect()
 }
 
-/// Returns the command-line options that allow some paths, quoted for a shell: one per folder, without folders
-/// beneath others.
-pub fn allow_options<'o>(paths: impl IntoIterator<Item = &'o Outside>) -> String {
+/// Returns the folders that have to be allowed for some paths, each once, without folders beneath others.
+pub fn folders_to_allow<'o>(paths: impl IntoIterator<Item = &'o Outside>) -> Vec<&'o Path> {
     let folders: Vec<&Path> = paths.into_iter().map(Outside::folder).collect();
     let mut named: Vec<&Path> = Vec::new();
     for folder in &folders {
@@ -106,12 +104,12 @@ pub fn allow_options<'o>(paths: impl IntoIterator<Item = &'o Outside>) -> String
             named.push(folder);
         }
     }
-    named.iter().map(|folder| format!("--allow {}", quoted_path(folder))).collect::<Vec<_>>().join(" ")
+    named
 }
 
 impl std::fmt::Display for Outside {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "found the file {}; expected {}; {}", self.leads_to.display(), self.expected(), self.remedy())
+        write!(f, "found the file {}; expected {}; {ALLOW}", self.leads_to.display(), self.expected())
     }
 }
 
@@ -269,13 +267,15 @@ impl Refused {
         Diagnostic {
             severity: Severity::Error,
             file: self.document.clone(),
+            is_assigned: false,
             line,
             column,
             node: self.node.clone(),
             port: self.item.clone(),
             found: self.found(),
             expected: self.outside.expected(),
-            remedy: self.outside.remedy(),
+            remedy: ALLOW.into(),
+            means: Some(Means::Allow(vec![self.outside.clone()])),
         }
     }
 
@@ -284,7 +284,8 @@ impl Refused {
         if self.node.is_some() { Right::Read } else { Right::Write }
     }
 
-    fn found(&self) -> String {
+    /// Returns what was found: the file as named, and where it leads, in words.
+    pub fn found(&self) -> String {
         let (path, leads_to) = (self.path.display(), self.outside.leads_to.display());
         let same = self.path == self.outside.leads_to;
         if same { format!("the file {path}") } else { format!("the file {path}, which leads to {leads_to}") }
@@ -294,7 +295,7 @@ impl Refused {
 /// Formats what was found, what was expected and what to do, like messages of nodes.
 impl std::fmt::Display for Refused {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "found {}; expected {}; {}", self.found(), self.outside.expected(), self.outside.remedy())
+        write!(f, "found {}; expected {}; {ALLOW}", self.found(), self.outside.expected())
     }
 }
 
@@ -305,7 +306,7 @@ impl CheckedGraph {
     }
 
     /// Sets the files that the document may reach; the default is [`Access::usual`] of its folder. Files that are
-    /// named by assignments outside of the document (`--set`) are always allowed.
+    /// named by assignments outside of the document are always allowed.
     #[must_use]
     pub fn with_access(mut self, access: Access) -> Self {
         self.access = access;
@@ -371,11 +372,10 @@ mod tests {
     }
 
     #[test]
-    fn options_allow_each_folder_once_as_a_shell_takes_them() {
+    fn each_folder_is_to_be_allowed_once_and_none_beneath_another() {
         let outside = |path: &str| Outside { leads_to: path.into(), allowed: Vec::new() };
-        let paths = ["/a b/x.png", "/c/d/y.png", "/c/z.png", "/c/z2.png", "/it's/#1/x"].map(outside);
-        assert_eq!(allow_options(&paths), r##"--allow '/a b' --allow /c --allow "/it's/#1""##);
-        assert!(paths[0].to_string().ends_with("--allow '/a b'"));
+        let paths = ["/a b/x.png", "/c/d/y.png", "/c/z.png", "/c/z2.png", "/e/x"].map(outside);
+        assert_eq!(folders_to_allow(&paths), ["/a b", "/c", "/e"].map(Path::new));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Diagnostics of validation: faults and warnings, each with its place, what was found, what was expected, and a
 //! remedy.
 
+use crate::Outside;
 use std::fmt;
 
 /// Whether a diagnostic stops the document from being evaluated.
@@ -17,8 +18,10 @@ pub enum Severity {
 pub struct Diagnostic {
     /// Error or warning.
     pub severity: Severity,
-    /// Name of the document, or the command-line option that contains the fault.
+    /// Name of the document, or the assignment from outside of it that contains the fault.
     pub file: String,
+    /// Whether `file` is an assignment.
+    pub is_assigned: bool,
     /// Line, from 1; 0 if the place is unknown.
     pub line: usize,
     /// Column in characters, from 1; 0 if the place is unknown.
@@ -33,6 +36,30 @@ pub struct Diagnostic {
     pub expected: String,
     /// Remedy: an instruction to the user.
     pub remedy: String,
+    /// Means of the remedy that a front end can offer, if any.
+    pub means: Option<Means>,
+}
+
+/// Means of a remedy, which a front end can offer by an option or a button.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Means {
+    /// Allowing the document these files.
+    Allow(Vec<Outside>),
+    /// Assigning a whole list in place of an item of it.
+    SetList {
+        /// Name of the list.
+        list: String,
+        /// Example of such an assignment.
+        example: String,
+    },
+    /// Changing a key of the document that no assignment can change.
+    EditDocument {
+        /// The key.
+        key: String,
+    },
+    /// Choosing one output of several.
+    ChooseOutput,
 }
 
 impl Diagnostic {

@@ -1,7 +1,7 @@
 //! Documents before validation: parsed JSON, in which every value has its place.
 
 use crate::spanned::{Entry, Json, Places, Spanned, line_and_column, parse, shorten};
-use crate::{Diagnostic, Severity};
+use crate::{Diagnostic, Means, Severity};
 use std::sync::OnceLock;
 
 /// Largest size of a document, in bytes.
@@ -17,7 +17,7 @@ pub struct Document {
     /// Made when the place of the first fault is needed.
     places: OnceLock<Places>,
     pub(crate) root: Spanned,
-    /// Texts of `--set`, in order; their values have offsets from [`OVERRIDE`] on.
+    /// Assignments, in order; their values have offsets from [`OVERRIDE`] on.
     overrides: Vec<String>,
 }
 
@@ -34,6 +34,7 @@ impl Document {
             Box::new(Diagnostic {
                 severity: Severity::Error,
                 file: name.into(),
+                is_assigned: false,
                 line,
                 column,
                 node: None,
@@ -41,6 +42,7 @@ impl Document {
                 found,
                 expected,
                 remedy: remedy.into(),
+                means: None,
             })
         };
         if text.len() > MAX_BYTES {
@@ -80,7 +82,7 @@ impl Document {
         &self.name
     }
 
-    /// Sets a knob or port of a node, like `--set NODE.KNOB=VALUE`; `VALUE` is JSON, or a bare word that stands for a
+    /// Sets a knob or port of a node by an assignment `NODE.KNOB=VALUE`; `VALUE` is JSON, or a bare word that stands for a
     /// string.
     ///
     /// # Errors
@@ -88,7 +90,8 @@ impl Document {
     pub fn set(&mut self, assignment: &str) -> Result<(), Box<Diagnostic>> {
         let mut fault = Diagnostic {
             severity: Severity::Error,
-            file: format!("--set {}", shorten(assignment)),
+            file: shorten(assignment),
+            is_assigned: true,
             line: 0,
             column: 0,
             node: None,
@@ -96,6 +99,7 @@ impl Document {
             found: format!("\"{}\"", shorten(assignment)),
             expected: "NODE.KNOB=VALUE, for example storm.height=3".into(),
             remedy: "write a node of the document, a dot, one of its knobs, =, and a JSON value".into(),
+            means: None,
         };
         let Some(((node, knob), value)) =
             assignment.split_once('=').and_then(|(path, value)| Some((path.split_once('.')?, value)))
@@ -108,11 +112,9 @@ impl Document {
             fault.expected = "a knob of the node itself".into();
             // For example "stops[1]" of "stops[1].color".
             let list = list.split('[').next().unwrap_or(list);
-            fault.remedy = format!(
-                "set all of \"{}\", for example --set {}",
-                shorten(list),
-                crate::quoted(&format!("{node}.{list}=[{{ … }}]"))
-            );
+            let (list, example) = (shorten(list), format!("{node}.{list}=[{{ … }}]"));
+            fault.remedy = format!("set all of \"{list}\", for example {example}");
+            fault.means = Some(Means::SetList { list, example });
             return Err(Box::new(fault));
         }
         let mut value = match parse(value) {
@@ -149,29 +151,30 @@ impl Document {
         fault.expected = "a node of the document".into();
         if at_top {
             fault.found = format!("\"{}\", which is not a node but a key beside \"nodes\"", shorten(node));
-            fault.remedy = format!("change \"{}\" in the document itself: --set changes only nodes", shorten(node));
+            let key = shorten(node);
+            fault.remedy = format!("change \"{key}\" in the document itself: assignments change only nodes");
+            fault.means = Some(Means::EditDocument { key });
         } else if let Some(near) = crate::nearest(node, names.iter().map(String::as_str)) {
             fault.remedy = format!("did you mean \"{near}\"?");
         }
         Err(Box::new(fault))
     }
 
-    /// Returns file, line and column of an offset.
-    pub(crate) fn place(&self, offset: usize) -> (String, usize, usize) {
-        match offset.checked_sub(OVERRIDE) {
-            Some(index) => {
-                let text = self.overrides.get(index).map_or("", String::as_str);
-                (format!("--set {}", shorten(text)), 0, 0)
-            }
-            None => {
-                let places = self.places.get_or_init(|| Places::new(&self.text));
-                let (line, column) = places.find(&self.text, offset);
-                (self.name.clone(), line, column)
-            }
-        }
+    /// Returns the assignment of an offset, if it is in one.
+    pub(crate) fn assignment(&self, offset: usize) -> Option<String> {
+        let index = offset.checked_sub(OVERRIDE)?;
+        Some(shorten(self.overrides.get(index).map_or("", String::as_str)))
     }
 
-    /// Returns the document as canonical text: keys sorted, `ui` and notes left out, `--set` applied. Documents with
+    /// Returns line and column of an offset; 0 if it is in an assignment.
+    pub(crate) fn place(&self, offset: usize) -> (usize, usize) {
+        if offset >= OVERRIDE {
+            return (0, 0);
+        }
+        self.places.get_or_init(|| Places::new(&self.text)).find(&self.text, offset)
+    }
+
+    /// Returns the document as canonical text: keys sorted, `ui` and notes left out, assignments applied. Documents with
     /// the same canonical text have the same results.
     pub fn canonical(&self) -> String {
         let mut text = String::with_capacity(self.text.len());

@@ -134,22 +134,6 @@ impl NodeError {
             Self::Data(_) | Self::Cancelled => None,
         }
     }
-
-    /// Returns the error in words, for a node of this name.
-    pub fn of_node<'a>(&'a self, node: &'a str) -> impl Display + 'a {
-        fmt::from_fn(move |f| self.say(f, node))
-    }
-
-    fn say(&self, f: &mut fmt::Formatter<'_>, node: &str) -> fmt::Result {
-        match self {
-            Self::Data(data) => data.fmt(f),
-            Self::Failed(error) => Display::fmt(error.get(), f),
-            Self::Missing { error, knob } => {
-                write!(f, "{}, in the node's \"{knob}\", or to try it by --set {node}.{knob}=…", error.get())
-            }
-            Self::Cancelled => f.write_str("cancelled"),
-        }
-    }
 }
 
 impl<E: Error + Send + Sync + 'static> From<E> for NodeError {
@@ -166,7 +150,12 @@ impl From<BadData> for NodeError {
 
 impl Display for NodeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.say(f, "NODE")
+        match self {
+            Self::Data(data) => data.fmt(f),
+            Self::Failed(error) => Display::fmt(error.get(), f),
+            Self::Missing { error, knob } => write!(f, "{}, in the node's \"{knob}\"", error.get()),
+            Self::Cancelled => f.write_str("cancelled"),
+        }
     }
 }
 

@@ -93,8 +93,7 @@ impl AtomicFile {
             && fs::metadata(&target).is_ok_and(|found| found.is_file())
             && !may_replace(&target)
         {
-            let expected = "the existing file is not Trochoid's: give another name, or use --overwrite";
-            return Err(Error::unwritable(&path, "the file", expected));
+            return Err(Error::Foreign { path });
         }
         // The file stays open until it has its name: a locked file is not taken for an abandoned one.
         temporary.persist(&target).map_err(Error::io(&path, "rename the finished file"))?;

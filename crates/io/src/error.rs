@@ -182,6 +182,15 @@ pub enum Error {
         /// What is required instead, or what to do.
         expected: &'static str,
     },
+    /// The existing file may not be replaced; nothing was written.
+    #[error(
+        "{}: the file cannot be written: the existing file is not Trochoid's: give another name, or move it away",
+        path.display()
+    )]
+    Foreign {
+        /// Path of the file.
+        path: PathBuf,
+    },
 }
 
 impl Error {
@@ -200,7 +209,8 @@ impl Error {
             | Self::NotFound { path, .. }
             | Self::Ambiguous { path, .. }
             | Self::Unrepresentable { path, .. }
-            | Self::Unwritable { path, .. } => path,
+            | Self::Unwritable { path, .. }
+            | Self::Foreign { path } => path,
         }
     }
 

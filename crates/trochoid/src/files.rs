@@ -1,6 +1,6 @@
 //! Destinations of files: checked before anything is evaluated, and written whole or not at all.
 
-use crate::output_file::{NoDestination, OutputError};
+use crate::output_file::{ForeignFile, NoDestination, OutputError};
 use crate::{Form, is_ours};
 use std::collections::HashSet;
 use std::fs;
@@ -98,7 +98,11 @@ pub fn check_replaced(path: &Path, overwrites: bool) -> Result<(), OutputError> 
 /// As [`check_replaced`].
 pub fn check_replaced_by(path: &Path, form: Form, overwrites: bool) -> Result<(), OutputError> {
     let is_file = fs::metadata(path).is_ok_and(|found| found.is_file());
-    if overwrites || !is_file || is_ours(path, form) { Ok(()) } else { Err(OutputError::Foreign { path: path.into() }) }
+    if overwrites || !is_file || is_ours(path, form) {
+        Ok(())
+    } else {
+        Err(OutputError::Foreign(ForeignFile { path: path.into() }))
+    }
 }
 
 /// Returns a target that replaces only [our own files](is_ours) of the same form, unless `overwrites` is set. This is
@@ -185,10 +189,10 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.json");
         fs::write(&path, "theirs").expect("written");
-        assert!(matches!(check_replaced_by(&path, Form::Report, false), Err(OutputError::Foreign { .. })));
+        assert!(matches!(check_replaced_by(&path, Form::Report, false), Err(OutputError::Foreign(_))));
         check_replaced_by(&path, Form::Report, true).expect("asked for");
         let error = write_guarded(&path, b"{}", Form::Report, false).expect_err("theirs").to_string();
-        assert!(error.contains("--overwrite"), "{error}");
+        assert!(error.ends_with("move the existing file away"), "{error}");
         assert_eq!(fs::read_to_string(&path).expect("there"), "theirs");
         let ours = format!("{{\"status\": \"done\", \"trochoid\": \"{}\"}}", crate::VERSION);
         write_guarded(&path, ours.as_bytes(), Form::Report, true).expect("asked for");

@@ -64,6 +64,7 @@ fn invalid(file: String, place: (usize, usize), found: String, expected: String,
     LoadError::Invalid(vec![Diagnostic {
         severity: Severity::Error,
         file,
+        is_assigned: false,
         line: place.0,
         column: place.1,
         node: None,
@@ -71,6 +72,7 @@ fn invalid(file: String, place: (usize, usize), found: String, expected: String,
         found,
         expected,
         remedy: remedy.into(),
+        means: None,
     }])
 }
 
@@ -130,6 +132,7 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
         Diagnostic {
             severity: Severity::Warning,
             file: graph.name().into(),
+            is_assigned: false,
             line,
             column,
             node: Some(node.name.clone()),
@@ -139,6 +142,7 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
             remedy: remedy.unwrap_or_else(|| {
                 "correct the path, which is relative to the document, or make the file before rendering".into()
             }),
+            means: None,
         }
     };
     missing.into_iter().map(fault).collect()

@@ -1,23 +1,34 @@
 //! Names of the output files of frames, and checks of their patterns.
 
-use crate::output_file::{NameFault, OutputError, OutputFile, layer};
+use crate::output_file::{NameFault, NamePlace, OutputError, OutputFile, layer};
 use std::path::{Component, Path, PathBuf};
-use trochoid_graph::{CheckedGraph, Kind, OutputSpec, escape_frame, expand_frame, one_frame_pattern, quoted, resolved};
+use trochoid_graph::{
+    CheckedGraph, Kind, Means, OutputSpec, escape_frame, expand_frame, one_frame_pattern, quoted, resolved,
+};
 
 /// Faults without duplicates: the fault of a pattern is reported once, even if it names several outputs.
 #[derive(Default)]
 struct Faults(Vec<NameFault>);
 
 impl Faults {
-    fn add(&mut self, place: &str, found: impl Into<String>, remedy: impl Into<String>) {
-        let fault = NameFault { place: place.into(), found: found.into(), remedy: remedy.into() };
+    fn add(&mut self, place: &NamePlace, found: impl Into<String>, remedy: impl Into<String>) {
+        self.push(NameFault { place: place.clone(), found: found.into(), remedy: remedy.into(), means: None });
+    }
+
+    /// One name for several outputs or files.
+    fn add_shared(&mut self, place: &NamePlace, found: String) {
+        let remedy = "add {output} to it, or choose one output".into();
+        self.push(NameFault { place: place.clone(), found, remedy, means: Some(Means::ChooseOutput) });
+    }
+
+    fn push(&mut self, fault: NameFault) {
         if !self.0.contains(&fault) {
             self.0.push(fault);
         }
     }
 
     /// Adds the faults of a pattern. `written` is the pattern itself; `template` has the known placeholders replaced.
-    fn of_pattern(&mut self, place: &str, written: &str, template: &str, several_frames: bool) {
+    fn of_pattern(&mut self, place: &NamePlace, written: &str, template: &str, several_frames: bool) {
         if let Some((_, rest)) = template.split_once('{') {
             let found = rest.split_once('}').map_or(rest, |(name, _)| name);
             let found = format!("\"{written}\" has the unknown placeholder {{{found}}}");
@@ -55,13 +66,13 @@ pub fn output_files(
     pattern: Option<&str>,
 ) -> Result<Vec<OutputFile>, OutputError> {
     let mut faults = Faults::default();
-    let given = pattern.map(|pattern| format!("--out {}", quoted(pattern)));
+    let given = pattern.map(|pattern| NamePlace::Pattern(pattern.into()));
     if let (Some(pattern), Some(place)) = (pattern, &given)
         && outputs.len() > 1
         && !pattern.contains("{output}")
     {
         let found = format!("the pattern \"{pattern}\" gives {} outputs one name", outputs.len());
-        faults.add(place, found, "add {output} to it, or choose one output with --output");
+        faults.add_shared(place, found);
     }
     let mut files: Vec<OutputFile> = Vec::new();
     let mut places: Vec<PathBuf> = Vec::new();
@@ -137,9 +148,9 @@ fn refuse_same_layers(graph: &CheckedGraph, file: &OutputFile, faults: &mut Faul
 }
 
 /// Returns the place of an output's item in the document.
-fn place_of(graph: &CheckedGraph, spec: &OutputSpec, item: &str) -> String {
+fn place_of(graph: &CheckedGraph, spec: &OutputSpec, item: &'static str) -> NamePlace {
     let [line, column] = spec.place;
-    format!("{}:{line}:{column}: output \"{}\", {item}", graph.name(), spec.name)
+    NamePlace::Output { place: format!("{}:{line}:{column}", graph.name()), output: spec.name.clone(), item }
 }
 
 /// Returns the path that the document itself gives to an output.
@@ -150,8 +161,8 @@ pub(crate) fn own_file(graph: &CheckedGraph, spec: &OutputSpec, frame: i64) -> O
 
 /// Names a companion, such as the certificate, for each file of a frame.
 ///
-/// `pattern`, the value of `option`, is relative to the current folder and may contain `{output}` (the names of a
-/// file's outputs, joined by `+`) and `####` or `%04d`. `ending` is the required extension, such as ".json".
+/// `pattern` is relative to the current folder and may contain `{output}` (the names of a file's outputs, joined by
+/// `+`) and `####` or `%04d`. `ending` is the required extension, such as ".json".
 ///
 /// # Errors
 /// The pattern gives several files or several frames one name, or has another extension.
@@ -159,14 +170,14 @@ pub fn companion_files(
     graph: &CheckedGraph,
     files: &[OutputFile],
     (frame, several_frames): (i64, bool),
-    (option, pattern): (&str, &str),
+    pattern: &str,
     ending: &str,
 ) -> Result<Vec<PathBuf>, OutputError> {
     let mut faults = Faults::default();
-    let place = format!("{option} {}", quoted(pattern));
+    let place = NamePlace::Pattern(pattern.into());
     if files.len() > 1 && !pattern.contains("{output}") {
         let found = format!("the pattern \"{pattern}\" gives {} files one name", files.len());
-        faults.add(&place, found, "add {output} to it, or choose one output with --output");
+        faults.add_shared(&place, found);
     }
     if !pattern.to_lowercase().ends_with(ending) {
         faults.add(&place, format!("\"{pattern}\" has another extension than {ending}"), "add it");

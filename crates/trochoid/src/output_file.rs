@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::path::PathBuf;
-use trochoid_graph::{OutputSpec, Refused};
+use trochoid_graph::{Means, OutputSpec, Refused, quoted};
 
 /// File to write for one frame, with its outputs.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,15 +27,8 @@ pub enum OutputError {
     Refused(Box<Refused>),
     /// The existing file was not written by Trochoid, is of another kind, or is truncated so that it cannot be
     /// identified.
-    #[error(
-        "{}: exists already and does not bear Trochoid's mark: it is a file of another program, of another kind, or cut \
-         off\n  remedy: give another name, or replace it with --overwrite",
-        path.display()
-    )]
-    Foreign {
-        /// Path of the file.
-        path: PathBuf,
-    },
+    #[error("{0}\n  remedy: give another name, or move the existing file away")]
+    Foreign(ForeignFile),
     /// A file cannot be written to this path.
     #[error("{}: {reason}", path.display())]
     Destination {
@@ -53,6 +46,17 @@ pub enum OutputError {
         /// Reason for the failure.
         source: std::io::Error,
     },
+}
+
+/// Existing file that does not bear Trochoid's mark.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{}: exists already and does not bear Trochoid's mark: it is a file of another program, of another kind, or cut off",
+    path.display()
+)]
+pub struct ForeignFile {
+    /// Path of the file.
+    pub path: PathBuf,
 }
 
 /// Reason that a file cannot be written to a path.
@@ -86,12 +90,39 @@ pub enum NoDestination {
 /// Fault in the name of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NameFault {
-    /// Place of the fault: an output of the document, or an option.
-    pub place: String,
+    /// Place of the fault.
+    pub place: NamePlace,
     /// Description of the fault.
     pub found: String,
     /// Suggested remedy.
     pub remedy: String,
+    /// Means of the remedy that a front end can offer, if any.
+    pub means: Option<Means>,
+}
+
+/// Place of a fault in a name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NamePlace {
+    /// Item of an output of a document.
+    Output {
+        /// Document, line and column.
+        place: String,
+        /// The output's name.
+        output: String,
+        /// The item's key.
+        item: &'static str,
+    },
+    /// Pattern that the caller gave.
+    Pattern(String),
+}
+
+impl fmt::Display for NamePlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Output { place, output, item } => write!(f, "{place}: output \"{output}\", {item}"),
+            Self::Pattern(pattern) => f.write_str(&quoted(pattern)),
+        }
+    }
 }
 
 impl fmt::Display for NameFault {

@@ -58,10 +58,10 @@ impl Accuracy {
     pub(super) fn refused(&self, args: &Args, error: LoadError) -> Failure {
         match (error, &args.plan) {
             (LoadError::Invalid(mut faults), Some(plan)) => {
-                for fault in faults.iter_mut().filter(|fault| fault.file.starts_with("--set ")) {
-                    let assignment = fault.file.trim_start_matches("--set ");
+                for fault in faults.iter_mut().filter(|fault| fault.is_assigned) {
                     // Assignments of the command line have been accepted before.
-                    fault.file = format!("{}: set {assignment}", plan.display());
+                    (fault.file, fault.is_assigned) = (format!("{}: set {}", plan.display(), fault.file), false);
+                    fault.means = None;
                     fault.remedy = format!(
                         "plan again for this document: trochoid plan {} --tolerance 1/64 --out {}",
                         quoted_path(&args.graph),

@@ -30,7 +30,8 @@ impl Beside {
         several: bool,
     ) -> Result<Vec<Self>, Failure> {
         let names = |option: &str, pattern: &Option<String>, ending: &str| match pattern {
-            Some(pattern) => companion_files(graph, files, (frame, several), (option, pattern), ending)
+            Some(pattern) => companion_files(graph, files, (frame, several), pattern, ending)
+                .map_err(|error| Failure::written(&error, option))
                 .map(|names| names.into_iter().map(Some).collect::<Vec<_>>()),
             None => Ok(vec![None; files.len()]),
         };

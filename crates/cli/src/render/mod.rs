@@ -9,10 +9,11 @@ mod line;
 mod written;
 
 use crate::failure::Failure;
+use crate::remedies;
 use crate::{frames, interrupt, shell};
 pub(crate) use args::Args;
 use job::Job;
-use trochoid::{Diagnostic, Form, RunReport, RunStatus};
+use trochoid::{Form, RunReport, RunStatus};
 
 /// Renders the requested frames and outputs.
 ///
@@ -48,7 +49,7 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
             return Failure::all(faults);
         }
     };
-    shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
+    shell::tell(&remedies::texts(&loaded.warnings));
     let job = Job::new(&loaded.graph, args, frames.clone(), &mut faults);
     Failure::all(faults)?;
     shell::tell(job.warnings().iter().chain(&job.notes()));

@@ -31,12 +31,13 @@ mod text;
 use crate::failure::{FAILED, Failure};
 use crate::files::{self, Files};
 use crate::progress::Progress;
+use crate::remedies;
 use crate::shell::{self, printable};
 use crate::{interrupt, outputs};
 use data::Report;
 use std::path::PathBuf;
 use trochoid::accuracy::{self, Ladder, LadderRequest, Request, TargetError};
-use trochoid::{CheckedGraph, Diagnostic, EvalError, Form, Format, Kind, Settings, Tolerance};
+use trochoid::{CheckedGraph, EvalError, Form, Format, Kind, Settings, Tolerance};
 
 /// Options of `trochoid report`.
 #[derive(Debug, clap::Args)]
@@ -104,7 +105,7 @@ const FORMS: [Form; 3] = [Form::Report, Form::Table, Form::Page];
 /// whole or not at all.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let loaded = args.files.load(&args.graph, &args.set)?;
-    shell::tell(&loaded.warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
+    shell::tell(&remedies::texts(&loaded.warnings));
     let graph = &loaded.graph;
     let frame = args.frame.unwrap_or(graph.frames().0);
     let mut faults = Vec::new();
@@ -174,8 +175,9 @@ fn measure(args: &Args, graph: &CheckedGraph, output: usize, frame: i64) -> Resu
         Err(TargetError::Evaluate(error @ EvalError::Node { .. })) if small.is_some() => {
             let [width, height] = [graph.format().width(), graph.format().height()];
             progress.tell(&[format!(
-                "warning: --size {}: found a node that needs the document's size ({error}); measured at {width} × {height} pixels",
-                args.size
+                "warning: --size {}: found a node that needs the document's size ({}); measured at {width} × {height} pixels",
+                args.size,
+                remedies::evaluation(&error)
             )]);
             climb(None)
         }

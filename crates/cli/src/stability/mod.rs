@@ -5,10 +5,11 @@ mod text;
 
 use crate::failure::{FAILED, Failure};
 use crate::files::{self, Over};
+use crate::remedies;
 use crate::shell;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use trochoid::{CheckedGraph, Diagnostic, Figure, Form, InputFiles, Loaded, NodeId, Offer, Stability, quoted_path};
+use trochoid::{CheckedGraph, Figure, Form, InputFiles, Loaded, NodeId, Offer, Stability, quoted_path};
 
 /// Options of `trochoid stability`.
 #[derive(Debug, clap::Args)]
@@ -60,7 +61,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         Some(path) => trochoid::load(path, &args.set)?,
         None => trochoid::parse("the default ToonSea", DEFAULT, Path::new("."), &args.set)?,
     };
-    shell::tell(&warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>());
+    shell::tell(&remedies::texts(&warnings));
     if let Some(out) = &args.out {
         if let Some(ending) = out.extension().filter(|_| !is_png(out) && !out.is_dir()) {
             let message = format!(
@@ -146,7 +147,10 @@ fn write_maps(
     for (id, map) in mapped {
         let name = &graph.node(id).name;
         let path = if is_png(out) { out.clone() } else { out.join(format!("{name}.png")) };
-        map::write(&path, args.over, name, map).map_err(|error| Failure::new(FAILED, error))?;
+        map::write(&path, args.over, name, map).map_err(|error| {
+            let told = error.downcast_ref().map_or_else(|| error.to_string(), remedies::written);
+            Failure::new(FAILED, told)
+        })?;
         written.push((id, path));
     }
     Ok(written)

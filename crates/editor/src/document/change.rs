@@ -72,7 +72,7 @@ impl Edit {
 }
 
 /// A place as people call it: `storm.height` for `nodes.storm.height`.
-fn spoken(path: &Path) -> String {
+pub fn spoken(path: &Path) -> String {
     let steps = path.0.strip_prefix(&[Step::from("nodes")][..]).unwrap_or(&path.0);
     Path(steps.to_vec()).to_string()
 }

@@ -48,6 +48,7 @@ fn trouble(name: &str, found: &str) -> Diagnostic {
     Diagnostic {
         severity: Severity::Error,
         file: name.into(),
+        is_assigned: false,
         line: 0,
         column: 0,
         node: None,
@@ -55,5 +56,6 @@ fn trouble(name: &str, found: &str) -> Diagnostic {
         found: found.into(),
         expected: "a document".into(),
         remedy: String::new(),
+        means: None,
     }
 }

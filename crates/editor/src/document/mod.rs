@@ -18,7 +18,7 @@ mod tests;
 mod trial;
 pub mod version;
 
-pub use change::Edit;
+pub use change::{Edit, spoken};
 pub use json::{Op, Path, Step};
 pub use session::Session;
 pub use sheet::{Node, Pin, Point, Sheet, Wire};

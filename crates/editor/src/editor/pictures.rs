@@ -254,7 +254,7 @@ impl Editor {
                     seen.progress = Some(share);
                 }
                 News::Failed { generation, why, begun, refused } if generation == self.asked.generation => {
-                    (seen.failed, seen.refused) = (Some(crate::prose::here(&why.to_string())), refused);
+                    (seen.failed, seen.refused) = (Some(why.to_string()), refused);
                     (seen.culprit, seen.broken) = (why.node().map(String::from), begun);
                     seen.progress = None;
                     // It stays in sight until there is another.

@@ -440,7 +440,7 @@ fn bar_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, state: &State, hover:
         }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             if let Some(place) = &state.dropper {
-                let text = format!("Click a color for {}", spoken(place));
+                let text = format!("Click a color for {}", crate::document::spoken(place));
                 ui.add(egui::Label::new(RichText::new(text).strong()).truncate());
             } else if viewer.space.shown {
                 ui.add(egui::Label::new(RichText::new("Drag to turn, scroll to come nearer").weak()).truncate());
@@ -457,10 +457,4 @@ fn bar_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, state: &State, hover:
             }
         });
     });
-}
-
-/// A place of the document as people call it.
-fn spoken(place: &crate::document::Path) -> String {
-    let text = place.to_string();
-    text.strip_prefix("nodes.").map(String::from).unwrap_or(text)
 }

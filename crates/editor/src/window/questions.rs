@@ -89,7 +89,7 @@ fn reach_ui(editor: &mut Editor, context: &Context, refused: Vec<Refused>) -> Op
         ui.add_space(4.0);
         ScrollArea::vertical().max_height(240.0).show(ui, |ui| {
             for refused in &refused {
-                ui.label(crate::prose::here(&refused.diagnostic().to_string()));
+                ui.label(refused.diagnostic().to_string());
             }
         });
         ui.add_space(8.0);

@@ -12,7 +12,7 @@ use trochoid_weights::{Audit, Hull};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EvalError {
     /// A node could not read its files, or its input data are illegal.
-    #[error("{place}: node \"{node}\" ({ty}): {}", error.of_node(node))]
+    #[error("{place}: node \"{node}\" ({ty}): {error}")]
     Node {
         /// Document, line and column: those of the file's name if the node reads a file.
         place: String,
@@ -31,9 +31,10 @@ pub enum EvalError {
         /// Reason why it does not fit.
         reason: BufferFault,
     },
-    /// The frame takes more memory than allowed, according to the estimate or to what a node then really held.
+    /// The frame takes more memory than [`Settings::memory_limit`](crate::Settings::memory_limit), according to the
+    /// estimate or to what a node then really held.
     #[error(
-        "{place}: found a frame that takes about {}: {found}; expected at most {}: {remedy}; or allow more memory (--memory, or Settings::memory_limit)",
+        "{place}: found a frame that takes about {}: {found}; expected at most {}: {remedy}",
         in_bytes(*total), in_bytes(*limit)
     )]
     TooMuchMemory {

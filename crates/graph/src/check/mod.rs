@@ -27,7 +27,9 @@ pub fn check(document: &Document, registry: &Registry, folder: &Path) -> (Option
     let mut checker = Checker { document, registry, diagnostics: Vec::new(), space: Default::default() };
     let graph = checker.graph(folder);
     let mut diagnostics = checker.diagnostics;
-    diagnostics.sort_by(|a, b| (&a.file, a.line, a.column).cmp(&(&b.file, b.line, b.column)));
+    // Assignments first.
+    diagnostics
+        .sort_by(|a, b| (!a.is_assigned, &a.file, a.line, a.column).cmp(&(!b.is_assigned, &b.file, b.line, b.column)));
     diagnostics.dedup();
     let valid = diagnostics.iter().all(|diagnostic| diagnostic.severity == Severity::Warning);
     (graph.filter(|_| valid), diagnostics)
@@ -101,10 +103,12 @@ impl<'a> Checker<'a> {
         if self.is_full() {
             return;
         }
-        let (file, line, column) = self.document.place(place.offset);
+        let assignment = self.document.assignment(place.offset);
+        let (line, column) = self.document.place(place.offset);
         self.diagnostics.push(Diagnostic {
             severity,
-            file,
+            is_assigned: assignment.is_some(),
+            file: assignment.unwrap_or_else(|| self.document.name().into()),
             line,
             column,
             node: place.node.map(shorten),
@@ -112,6 +116,7 @@ impl<'a> Checker<'a> {
             found,
             expected,
             remedy,
+            means: None,
         });
     }
 
@@ -140,7 +145,7 @@ impl<'a> Checker<'a> {
                 seen.insert(entry.key.as_str(), entry.offset)
             };
             if let Some(first) = first {
-                let (_, line, column) = self.document.place(first);
+                let (line, column) = self.document.place(first);
                 self.error(
                     place.at(entry.offset),
                     format!("a second \"{}\"", shorten(&entry.key)),
@@ -234,7 +239,7 @@ impl<'a> Checker<'a> {
                 let ty = draft.ty?;
                 let Draft { name, disabled, record, kinds, offset, offsets, .. } = draft;
                 let place = |offset: usize| {
-                    let (_, line, column) = document.place(offset);
+                    let (line, column) = document.place(offset);
                     [line, column]
                 };
                 let places = offsets.into_iter().map(|(item, offset)| (item, place(offset)));
@@ -382,7 +387,7 @@ impl<'a> Checker<'a> {
 /// Returns line and column of the format.
 fn format_place(document: &Document, root: &[&Entry]) -> [usize; 2] {
     let format = root.iter().find(|entry| entry.key == "format");
-    let (_, line, column) = document.place(format.map_or(0, |entry| entry.value.offset));
+    let (line, column) = document.place(format.map_or(0, |entry| entry.value.offset));
     [line, column]
 }
 

@@ -207,7 +207,7 @@ impl<'a> Checker<'a> {
     }
 
     fn line_and_column(&self, offset: usize) -> [usize; 2] {
-        let (_, line, column) = self.document.place(offset);
+        let (line, column) = self.document.place(offset);
         [line, column]
     }
 

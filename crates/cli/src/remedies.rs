@@ -1,0 +1,127 @@
+//! Options of the command line as remedies. The library's errors name none; they carry what could be allowed, chosen or set,
+//! and every option that is told of them comes from here.
+
+use serde_json::Value;
+use trochoid::{
+    Diagnostic, EvalError, Means, MeasureError, NameFault, NamePlace, NodeError, Outside, Refused, folders_to_allow,
+    io, quoted, quoted_path,
+};
+use trochoid_terminal::enough_memory;
+
+/// Remedy of a file of somebody else that stands where one is to be written.
+pub(crate) const REPLACE: &str = "give another name, or replace it with --overwrite";
+
+/// The options that allow some files.
+pub(crate) fn allow<'o>(files: impl IntoIterator<Item = &'o Outside>) -> String {
+    let folders = folders_to_allow(files);
+    folders.iter().map(|folder| format!("--allow {}", quoted_path(folder))).collect::<Vec<_>>().join(" ")
+}
+
+fn trusted(files: &[Outside]) -> String {
+    let what = if files.len() == 1 { "this file" } else { "these files" };
+    format!("if you trust the document with {what}: {}", allow(files))
+}
+
+/// A remedy with the option that it takes.
+fn with_option(remedy: &str, means: &Means) -> String {
+    match means {
+        Means::Allow(files) => trusted(files),
+        Means::SetList { list, example } => format!("set all of \"{list}\", for example --set {}", quoted(example)),
+        Means::EditDocument { key } => format!("change \"{key}\" in the document itself: --set changes only nodes"),
+        Means::ChooseOutput => format!("{remedy} with --output"),
+        _ => remedy.into(),
+    }
+}
+
+/// A diagnostic with the options that it is about, and those that remedy it.
+pub(crate) fn diagnostic(fault: &Diagnostic) -> Diagnostic {
+    let mut fault = fault.clone();
+    if std::mem::take(&mut fault.is_assigned) {
+        fault.file = format!("--set {}", fault.file);
+    }
+    if let Some(means) = fault.means.take() {
+        fault.remedy = with_option(&fault.remedy, &means);
+    }
+    fault
+}
+
+/// Diagnostics as lines of text.
+pub(crate) fn texts(faults: &[Diagnostic]) -> Vec<String> {
+    faults.iter().map(|fault| diagnostic(fault).to_string()).collect()
+}
+
+/// Diagnostics as JSON.
+pub(crate) fn values(faults: &[Diagnostic]) -> Vec<Value> {
+    faults.iter().map(|fault| diagnostic(fault).to_json()).collect()
+}
+
+/// What is wrong with a name of files, whose pattern an option gives, and what to do.
+pub(crate) fn name(fault: &NameFault, option: &str) -> (String, String) {
+    let place = match &fault.place {
+        NamePlace::Pattern(pattern) => format!("{option} {}", quoted(pattern)),
+        place => place.to_string(),
+    };
+    let remedy = fault.means.as_ref().map_or_else(|| fault.remedy.clone(), |means| with_option(&fault.remedy, means));
+    (format!("{place}: {}", fault.found), remedy)
+}
+
+/// Why an evaluation failed, and what to do, in one sentence.
+pub(crate) fn evaluation(failed: &EvalError) -> String {
+    match failed {
+        EvalError::Node { node, error: NodeError::Missing { knob, .. }, .. } => {
+            format!("{failed}, or to try it by --set {node}.{knob}=…")
+        }
+        EvalError::Node { place, node, ty, error } => match error.source().and_then(|error| error.downcast_ref()) {
+            Some(refused @ Refused { outside, .. }) => {
+                let (found, expected) = (refused.found(), outside.expected());
+                let remedy = trusted(std::slice::from_ref(outside));
+                format!("{place}: node \"{node}\" ({ty}): found {found}; expected {expected}; {remedy}")
+            }
+            None => failed.to_string(),
+        },
+        EvalError::TooMuchMemory { total, .. } => {
+            format!("{failed}; or allow more: --memory {}", enough_memory(*total))
+        }
+        _ => failed.to_string(),
+    }
+}
+
+/// Why costs cannot be measured, in the same way.
+pub(crate) fn measuring(failed: &MeasureError) -> String {
+    match failed {
+        MeasureError::Evaluate(error) => evaluation(error),
+        MeasureError::Plan(error) => error.to_string(),
+    }
+}
+
+/// Why a file was not written, in the same way.
+pub(crate) fn written(failed: &io::Error) -> String {
+    match failed {
+        io::Error::Foreign { path } => {
+            let path = path.display();
+            format!(
+                "{path}: the file cannot be written: the existing file is not Trochoid's: give another name, or use --overwrite"
+            )
+        }
+        _ => failed.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_allow_each_folder_once_as_a_shell_takes_them() {
+        let outside = |path: &str| Outside { leads_to: path.into(), allowed: Vec::new() };
+        let paths = ["/a b/x.png", "/c/d/y.png", "/c/z.png", "/c/z2.png", "/it's/#1/x"].map(outside);
+        assert_eq!(allow(&paths), r##"--allow '/a b' --allow /c --allow "/it's/#1""##);
+        assert_eq!(trusted(&paths[..1]), "if you trust the document with this file: --allow '/a b'");
+    }
+
+    #[test]
+    fn a_file_of_somebody_else_is_replaced_by_an_option() {
+        let told = written(&io::Error::Foreign { path: "a.png".into() });
+        assert!(told.starts_with("a.png: ") && told.ends_with("or use --overwrite"), "{told}");
+    }
+}
