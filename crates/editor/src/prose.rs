@@ -1,9 +1,9 @@
-//! Texts that name knobs and values in backticks, as nodes' declarations do.
+//! Texts with knob names and values in backticks, as in nodes' declarations; and messages adapted to the editor.
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{FontFamily, FontId, TextStyle, Ui};
 
-/// A text whose parts in backticks are drawn as code, of a style's size.
+/// Lays out a text with the parts in backticks in a monospace font.
 pub(crate) fn prose(ui: &Ui, text: &str, style: &TextStyle, is_weak: bool) -> LayoutJob {
     let font = style.resolve(ui.style());
     let visuals = ui.visuals();
@@ -12,20 +12,20 @@ pub(crate) fn prose(ui: &Ui, text: &str, style: &TextStyle, is_weak: bool) -> La
     job.wrap.max_width = ui.available_width();
     for (index, part) in text.split('`').enumerate() {
         let family = if index % 2 == 1 { FontFamily::Monospace } else { font.family.clone() };
-        // Letters of one width look larger than others.
+        // Monospace letters look larger than others of the same size.
         let size = if index % 2 == 1 { 0.94 * font.size } else { font.size };
         job.append(part, 0.0, TextFormat::simple(FontId::new(size, family), color));
     }
     job
 }
 
-/// A label of such a text.
+/// Draws such a text as a wrapped label.
 pub(crate) fn prose_ui(ui: &mut Ui, text: &str) {
     let job = prose(ui, text, &TextStyle::Body, false);
     ui.add(egui::Label::new(job).wrap());
 }
 
-/// What such a text says when the pointer rests on something.
+/// Shows such a text as a tooltip.
 pub(crate) fn explained(response: egui::Response, text: &str) -> egui::Response {
     response.on_hover_ui(|ui| {
         ui.set_max_width(ui.spacing().tooltip_width);
@@ -33,17 +33,17 @@ pub(crate) fn explained(response: egui::Response, text: &str) -> egui::Response 
     })
 }
 
-/// Remedies of the command line, and what is done here instead; a `…` is whatever stands there.
+/// Remedies that mention the command line, and their replacements in the editor; `…` stands for the rest of the line.
 const REMEDIES: [(&str, &str); 6] = [
     ("if you trust the document with it: --allow …", "allow it here if you trust the document"),
     ("if you trust the document with them: --allow …", "allow them here if you trust the document"),
-    ("or replace it with --overwrite", "or move the file away that is there"),
-    ("or say --overwrite", "or move the file away that is there"),
+    ("or replace it with --overwrite", "or move the existing file away"),
+    ("or say --overwrite", "or move the existing file away"),
     (", or to try it by --set …", ""),
     ("; or allow more memory (--memory, or Settings::memory_limit)", ""),
 ];
 
-/// A message of the library as the editor says it: with what is to be done here, and no options of the command line.
+/// Adapts a library message to the editor: replaces remedies that mention command-line options.
 pub(crate) fn here(message: &str) -> String {
     let mut lines: Vec<String> = message.split('\n').map(String::from).collect();
     for line in &mut lines {
@@ -69,7 +69,7 @@ mod tests {
         let told = here(&outside.to_string());
         assert!(told.ends_with("/shots; allow it here if you trust the document"), "{told}");
         let told = here(&OutputError::Foreign { path: "/plates/a.png".into() }.to_string());
-        assert!(told.ends_with("give another name, or move the file away that is there"), "{told}");
+        assert!(told.ends_with("give another name, or move the existing file away"), "{told}");
         assert_eq!(here("a plain\nmessage"), "a plain\nmessage");
     }
 

@@ -1,4 +1,4 @@
-//! One picture, made.
+//! Evaluation of a single picture.
 
 use super::lens::{Lens, OUTPUT};
 use super::queue::Cancellation;
@@ -10,15 +10,16 @@ use std::time::Instant;
 use trochoid::Monitor;
 use trochoid::{Buffers, Cache, EvalError, Format, Plan, Settings, Window};
 
-/// Why there is no picture.
+/// Reason why there is no picture.
 pub(super) enum Failure {
-    /// It is out of date.
+    /// A newer request made the picture obsolete.
     Cancelled,
-    /// Why, and the node that it was.
+    /// Message, and the node at fault.
     Because(String, Option<String>),
 }
 
-/// Evaluates a job through its lens, so many times smaller; `finished` says whether that is what was asked for.
+/// Evaluates a job through its lens with the resolution divided by `shrink`; `finished` says whether this is the
+/// requested size rather than a coarse preview.
 pub(super) fn evaluate(
     job: &Job,
     lens: &Arc<Lens>,
@@ -38,7 +39,7 @@ pub(super) fn evaluate(
     let format = graph.format();
     let mut settings = Settings::default();
     settings.region = job.region.map(|region| part(region, format));
-    // What an edit leaves alone is there at once in coarse pictures.
+    // Coarse previews keep intermediate results, so that parts unaffected by an edit are available at once.
     settings.keep = !finished;
     let plan = Plan::new(graph, &[OUTPUT], job.frame, &[], &settings).map_err(|error| because(&error))?;
     let mut frame = match plan.evaluate(&Buffers::new(), cache, monitor) {
@@ -68,7 +69,7 @@ pub(super) fn evaluate(
     })
 }
 
-/// The pixels of a part of the picture, at least one.
+/// Returns the pixels of a region, at least one.
 fn part(region: [f32; 4], format: Format) -> Window {
     let pixels = |share: f32, side: u32| (f64::from(share) * f64::from(side)).round() as i64;
     let window = format.window();

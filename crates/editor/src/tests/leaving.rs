@@ -133,7 +133,7 @@ fn a_run_is_not_ended_by_closing_the_window_unasked() {
     act(&mut window, Action::Render);
     assert_eq!(editor(&window).notices.texts(), Vec::<&str>::new());
     act(&mut window, Action::Quit);
-    window.get_by_label("Go on rendering").click();
+    window.get_by_label("Keep rendering").click();
     window.run_steps(3);
     assert!(!editor(&window).is_closing() && editor(&window).state().render.is_some());
     act(&mut window, Action::Quit);
@@ -162,7 +162,7 @@ fn saving_asks_where_another_program_has_changed_the_file() {
     ask(&mut window, Action::Save);
     assert_eq!(std::fs::read_to_string(&file).unwrap(), theirs);
     window.run_steps(3);
-    window.get_by_label("Write over it").click();
+    window.get_by_label("Overwrite").click();
     window.run_steps(3);
     assert_eq!(std::fs::read_to_string(&file).unwrap(), editor(&window).state().session.text());
 }
@@ -231,6 +231,6 @@ fn a_change_is_not_made_of_what_the_typed_text_has_changed() {
     window.run_steps(2);
     act(&mut window, Action::Edit(Edit::set(Path::node("dusk").to("weight"), &json!(0.1))));
     assert_eq!(editor(&window).state().session.text(), typed);
-    assert!(editor(&window).notices.texts().iter().any(|text| text.contains("once more")));
+    assert!(editor(&window).notices.texts().iter().any(|text| text.contains("repeat your edit")));
     until(&mut window, "nothing typed", |editor| editor.panels.source.pending().is_none());
 }

@@ -116,7 +116,7 @@ fn what_is_kept_against_the_file_is_kept_for_good() {
     std::fs::write(&desk.file, DUSK.replace("0.25", "0.75")).unwrap();
     until(&mut desk.window, "the question", |editor| editor.prompts.is_open());
     desk.window.run_steps(2);
-    desk.window.get_by_label("Keep what is here").click();
+    desk.window.get_by_label("Keep my version").click();
     desk.window.run_steps(3);
     assert!(desk.dot());
     desk.keeps("the copy", Some(DUSK));

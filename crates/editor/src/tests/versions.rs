@@ -29,7 +29,7 @@ fn a_newer_document_is_shown_and_never_written_unasked() {
     let on_disk = || std::fs::read_to_string(&file).unwrap();
     let mut window = window(Session::open(&file).unwrap(), None);
     finished(&mut window);
-    window.get_by_label_contains("of version 2 of the format, and this editor knows version 1");
+    window.get_by_label_contains("uses format version 2; this editor supports version 1");
     for name in ["Node haze, Haze", "Node sky, Ramp", "Node dusk, Mix"] {
         window.get_by_label(name);
     }
@@ -38,7 +38,7 @@ fn a_newer_document_is_shown_and_never_written_unasked() {
     assert_eq!(on_disk(), newer(), "nothing was changed");
     act(&mut window, set(0.5));
     save(&mut window);
-    window.get_by_label("Write over a newer document?");
+    window.get_by_label("Overwrite a newer document?");
     window.get_by_label("Cancel").click();
     window.run_steps(3);
     assert_eq!(on_disk(), newer());
@@ -46,10 +46,10 @@ fn a_newer_document_is_shown_and_never_written_unasked() {
     act(&mut window, Action::Quit);
     window.get_by_label("Save").click();
     window.run_steps(3);
-    window.get_by_label("Write over a newer document?");
+    window.get_by_label("Overwrite a newer document?");
     assert!(!editor(&window).is_closing());
     assert_eq!(on_disk(), newer());
-    window.get_by_label("Write over it").click();
+    window.get_by_label("Overwrite").click();
     window.run_steps(3);
     assert!(editor(&window).is_closing());
     assert_eq!(on_disk(), newer().replace("0.25", "0.5"), "what is not known stays as it was");
@@ -70,7 +70,7 @@ fn a_document_without_a_known_version_says_so_and_can_be_given_one() {
     for (text, found) in [
         (DUSK.replace("\"trochoid\": 1", "\"trochoid\": 0"), "Found \"trochoid\": 0; expected 1"),
         (DUSK.replace("\"trochoid\": 1", "\"trochoid\": \"1\""), "Found \"trochoid\": \"1\"; expected 1"),
-        (DUSK.replace("  \"trochoid\": 1,\n", ""), "Found no \"trochoid\" at the top"),
+        (DUSK.replace("  \"trochoid\": 1,\n", ""), "Found no \"trochoid\" entry at the top level"),
     ] {
         let mut window = window(Session::new(text.clone(), None), None);
         finished(&mut window);

@@ -97,7 +97,7 @@ fn screenshots_of_what_appears() {
     harness.run_steps(3);
     let empty = nowhere(&harness);
     drag(&mut harness, from.center(), empty);
-    harness.get_by_label("Name of a type of node").type_text("m");
+    harness.get_by_label("Node type").type_text("m");
     shoot(&mut harness, "search");
     harness.key_press(Key::Escape);
     harness.run_steps(3);
