@@ -1,4 +1,4 @@
-//! What is typed, armed, running or changed elsewhere when something else is turned to.
+//! Tests of leaving a document while text is typed, a tool is armed, rendering runs, or the file changes on disk.
 
 use super::{DUSK, dusk};
 use crate::actions::{Action, Pane};
@@ -24,7 +24,7 @@ fn click(window: &mut Window, pos: Pos2) {
     window.run_steps(4);
 }
 
-/// A wide window in which the weight of `dusk` is being typed.
+/// Opens a wide window in which the weight of `dusk` is being typed.
 fn typing(text: &str) -> Window {
     let mut window = unseen_in(dusk(), [1280.0, 1200.0]);
     select(&mut window, "dusk");
@@ -35,7 +35,7 @@ fn typing(text: &str) -> Window {
     window
 }
 
-/// The middle of a node on the canvas.
+/// Returns the middle of a node on the canvas.
 fn place(window: &Window, node: &str) -> Pos2 {
     let editor = editor(window);
     let sheet = editor.state().sheet();

@@ -1,5 +1,5 @@
-//! No work is lost, and none that is saved comes back: copies in case that the editor ends unexpectedly, and text that is
-//! typed and not applied.
+//! Tests that no work is lost and no saved work is offered for recovery: backups of editors that end unexpectedly, and
+//! text that is typed but not applied.
 
 use super::DUSK;
 use crate::actions::{Action, Pane};

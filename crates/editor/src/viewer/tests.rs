@@ -1,4 +1,4 @@
-//! The viewer as it is used: clicks and keys, and what comes of them.
+//! Tests of the viewer, driven by simulated clicks and keys.
 
 use super::handles::Eye;
 use crate::actions::Action;

@@ -1,4 +1,4 @@
-//! Pictures of the canvas, drawn by wgpu: they need a graphics driver, so they are asked for by name.
+//! Screenshots of the canvas, drawn by wgpu; they need a graphics driver, so they run only on request.
 
 use super::{Driver, GRAPH, click, drag, nowhere, place, press};
 use crate::actions::Action;
