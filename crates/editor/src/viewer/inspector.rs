@@ -119,7 +119,7 @@ pub(super) fn inspector_ui(ui: &mut Ui, state: &State, result: &Result, at: Pos2
 
 fn kind(result: &Result) -> String {
     match (result.lens.clay, result.picture.kind) {
-        (true, _) => "Lit like clay".into(),
+        (true, _) => "Clay shading".into(),
         (false, Kind::Color) => format!("Color in {}", result.lens.graph.space()),
         (false, kind) => kind.to_string(),
     }

@@ -309,11 +309,11 @@ fn a_flat_palette_has_no_inside() {
 fn what_is_no_picture_says_so() {
     let mut window = open(SEA, WINDOW);
     act(&mut window, Action::Look("waves".into(), 0));
-    assert!(window.query_by_label("Lit like clay: a Surface is no picture").is_some());
+    assert!(window.query_by_label("Clay shading: a Surface is not a picture").is_some());
     act(&mut window, Action::Look("camera".into(), 0));
     assert!(window.query_by_label_contains("a Camera is no picture").is_some());
     act(&mut window, Action::Look("view".into(), 1));
-    assert!(window.query_by_label_contains("Lit like clay").is_none());
+    assert!(window.query_by_label_contains("Clay shading").is_none());
 }
 
 #[test]

@@ -256,7 +256,7 @@ fn field_ui(ui: &mut Ui, state: &State, display: &mut Display) {
     }
     if let Some([low, high]) = &mut display.range {
         let speed = f64::from((*high - *low).abs().max(1e-3)) * 0.01;
-        for (end, help) in [(low, "Value shown as black"), (high, "What is white.")] {
+        for (end, help) in [(low, "Value shown as black"), (high, "Value shown as white")] {
             let told = shown_as(*end).decimals(3).speed(speed).ui(ui);
             told.response.clone().on_hover_text(help);
             *end = told.value().map_or(*end, |value| value as f32);
