@@ -15,9 +15,9 @@ pub struct State {
     pub selection: BTreeSet<String>,
     /// Selected output, if no node is selected.
     pub output: Option<String>,
-    /// What the viewer shows.
+    /// Subject and display settings of the viewer.
     pub look: Look,
-    /// What has been evaluated.
+    /// Results of evaluation.
     pub seen: Seen,
     /// Current frame.
     pub frame: i64,

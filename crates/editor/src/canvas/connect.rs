@@ -1,4 +1,4 @@
-//! Which ends of wires fit together, and what to suggest if they do not.
+//! Checks which ends of wires fit together, and suggests what to do if they do not.
 
 use super::plan::End;
 use crate::document::meaning::Meaning;

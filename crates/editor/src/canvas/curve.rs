@@ -6,7 +6,7 @@ use egui::{Pos2, Rect, Vec2, vec2};
 /// Maximum distance between the drawn polyline and the curve, in screen points.
 const TOLERANCE: f32 = 0.2;
 
-/// How a wire passes the points between its ends.
+/// Way in which a wire passes the points between its ends.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Through {
     /// Vertically, as along a route of the automatic layout.

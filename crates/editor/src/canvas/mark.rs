@@ -12,7 +12,7 @@ use egui::{Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Sense
 use egui::{WidgetInfo, WidgetType, vec2};
 use std::collections::BTreeSet;
 
-/// How far marks extend below their node, on the canvas.
+/// Distance that marks extend below their node, on the canvas.
 pub(super) const REACH: f32 = 34.0;
 
 impl Canvas {
