@@ -1,4 +1,4 @@
-//! The chapters: copied from `docs/src`, with documents rendered, names of nodes linked, and the pages of nodes added.
+//! Chapters of the manual: copied from `docs/src`, with documents rendered, node names linked, and node pages added.
 
 use crate::fault::{Fault, Faults};
 use crate::node_page::{node_page, row};
@@ -6,10 +6,10 @@ use crate::{copy, documents, text, write};
 use std::path::{Path, PathBuf};
 use trochoid::{End, registry};
 
-/// Where the list of nodes goes: in the summary the pages, in the chapter a table.
+/// Placeholder for the list of nodes: a list of pages in the summary, a table in a chapter.
 const NODES: &str = "<!-- nodes -->";
 
-/// Writes the book's pages and pictures from `docs` into the folder `book`, and says what is wrong with them.
+/// Writes the pages and pictures of the book from `docs` into the folder `book`, and returns the faults found.
 pub(crate) fn write_all(docs: &Path, book: &Path) -> Faults {
     let mut faults = Faults::new();
     let mut note = |result: Result<(), Fault>| faults.extend(result.err());
@@ -29,7 +29,7 @@ pub(crate) fn write_all(docs: &Path, book: &Path) -> Faults {
     faults
 }
 
-/// All files beneath a folder, each with its place in it, in the order of their names.
+/// Returns all files below a folder with their relative paths, sorted by name.
 fn files(folder: &Path) -> Vec<(PathBuf, PathBuf)> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_path_buf()];
@@ -47,7 +47,7 @@ fn files(folder: &Path) -> Vec<(PathBuf, PathBuf)> {
     found
 }
 
-/// The page of a node type, and its picture.
+/// Writes the page of a node type, and its picture.
 fn node(docs: &Path, book: &Path, declaration: &trochoid::Declaration) -> Result<(), Fault> {
     let name = declaration.name;
     let folder = docs.join("nodes");
@@ -58,7 +58,7 @@ fn node(docs: &Path, book: &Path, declaration: &trochoid::Declaration) -> Result
     write(&pages.join(format!("{name}.md")), &node_page(declaration, &document))
 }
 
-/// One chapter.
+/// Writes a chapter.
 fn chapter(file: &Path, book: &Path, place: &Path) -> Faults {
     let page = match text(file) {
         Ok(page) => page,
@@ -77,10 +77,10 @@ fn chapter(file: &Path, book: &Path, place: &Path) -> Faults {
     faults
 }
 
-/// Renders a document that stands in a chapter, and holds the chapter's picture against it.
+/// Renders a document in a chapter and compares the result with the stored picture.
 fn guide_document(file: &Path, book: &Path, name: &str, document: &str) -> Result<(), Fault> {
     let picture = name.replace(".json", ".png");
-    // Copies of stored pictures come later, in the order of names; what is rendered lies elsewhere.
+    // Stored pictures are copied later, in name order, so the rendered one goes to a folder of its own.
     let rendered = book.join("rendered").join(&picture);
     documents::render(&format!("{}, {name}", file.display()), document, Path::new("."), &rendered)?;
     let stored = file.parent().unwrap_or(Path::new(".")).join("pictures").join(&picture);
@@ -91,7 +91,7 @@ fn guide_document(file: &Path, book: &Path, name: &str, document: &str) -> Resul
     Err(Fault::OtherPicture { stored, document: name.into(), rendered })
 }
 
-/// The documents of a chapter: blocks of code that begin with "```json NAME.json".
+/// Returns the documents of a chapter: code blocks that begin with "```json NAME.json".
 fn named_documents(page: &str) -> Vec<(String, String)> {
     let mut found = Vec::new();
     let mut lines = page.lines();
@@ -124,7 +124,7 @@ fn table_of_nodes() -> String {
     tables
 }
 
-/// Links what stands in backticks and is a node type to its page.
+/// Links node types in backticks to their pages.
 fn link_nodes(page: &str) -> String {
     let mut in_code = false;
     let mut linked = Vec::new();
@@ -148,7 +148,7 @@ fn link_line(line: &str) -> String {
         } else if is_code {
             out.push_str(&format!("`{part}`"));
         } else {
-            // An odd mark at the line's end is no code.
+            // An unpaired backtick at the end of the line does not begin code.
             out.push_str(if index % 2 == 1 { "`" } else { "" });
             out.push_str(part);
         }
@@ -156,7 +156,7 @@ fn link_line(line: &str) -> String {
     out
 }
 
-/// Brings the repository's files that a chapter links to (`../../samples/…`) into the book.
+/// Copies the repository files that a chapter links to (`../../samples/…`) into the book.
 fn bring_files(page: &str, file: &Path, book: &Path) -> (String, Faults) {
     const UP: &str = "](../../";
     let mut faults = Faults::new();

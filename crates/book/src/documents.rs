@@ -1,17 +1,17 @@
-//! Documents that stand in the book: checked, and rendered.
+//! Checks and renders the documents in the book.
 
 use crate::fault::Fault;
 use std::path::Path;
 use trochoid::io::{Limits, Selection, read};
 use trochoid::{Buffers, Cache, OutputFile, Plan, Settings, Silent, parse, write_output};
 
-/// The largest difference of a stored picture's values from what its document makes: rounding on another machine.
+/// Maximum difference between a stored picture and a rendering: rounding on another machine.
 const SAME: f32 = 2.5 / 255.0;
 
 /// Renders the first output of a document at its first frame, as a PNG.
 ///
 /// # Errors
-/// The document has a fault or a warning, cannot be rendered, or leaves the hull of its control colors.
+/// Fails if the document has a fault or a warning, cannot be rendered, or leaves the hull of its control colors.
 pub(crate) fn render(name: &str, document: &str, folder: &Path, to: &Path) -> Result<(), Fault> {
     let loaded = parse(name, document, folder, &[])?;
     if let Some(warning) = loaded.warnings.into_iter().next() {
@@ -34,10 +34,10 @@ pub(crate) fn render(name: &str, document: &str, folder: &Path, to: &Path) -> Re
         .map_err(|source| Fault::Picture { document: document(), source: source.into() })
 }
 
-/// Whether two pictures are the same, but for rounding.
+/// Returns whether two pictures are equal up to rounding.
 ///
 /// # Errors
-/// One of them cannot be read.
+/// Fails if one of them cannot be read.
 pub(crate) fn same_pictures(a: &Path, b: &Path) -> Result<bool, trochoid::io::Error> {
     let picture = |path: &Path| read(path, &Selection::default(), &Limits::default());
     let (a, b) = (picture(a)?, picture(b)?);
@@ -51,7 +51,7 @@ pub(crate) fn same_pictures(a: &Path, b: &Path) -> Result<bool, trochoid::io::Er
 mod tests {
     use super::*;
 
-    /// A picture of one color, 8 × 4, with more nodes beside it.
+    /// Returns a document that renders a single color, 8 × 4, with further nodes.
     fn document(color: &str, more: &str) -> String {
         format!(
             r##"{{ "trochoid": 1, "format": {{ "width": 8, "height": 4 }},

@@ -1,11 +1,11 @@
-//! Every link of the book's pages, and whether it leads somewhere.
+//! Checks that every link in the book has a target.
 
 use crate::fault::{Fault, Faults, LinkFault};
 use crate::text;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The links and pictures of all pages beneath a folder that lead to no file, or to no heading of a page.
+/// Returns the links and images of all pages below a folder whose file or heading does not exist.
 pub(crate) fn check(folder: &Path) -> Faults {
     let mut faults = Faults::new();
     let mut pages: BTreeMap<PathBuf, String> = BTreeMap::new();
@@ -37,7 +37,7 @@ pub(crate) fn check(folder: &Path) -> Faults {
     faults
 }
 
-/// What is wrong with one link of a page.
+/// Returns the fault of a link, if any.
 fn fault(path: &Path, page: &str, target: &str, pages: &BTreeMap<PathBuf, String>) -> Option<LinkFault> {
     if target.contains("://") || target.starts_with("mailto:") {
         return None;
@@ -53,7 +53,7 @@ fn fault(path: &Path, page: &str, target: &str, pages: &BTreeMap<PathBuf, String
     (!found).then_some(LinkFault::Heading)
 }
 
-/// The names of a page's headings in links, as mdBook and forges make them.
+/// Returns the anchors of a page's headings, as mdBook and code hosts generate them.
 fn headings(page: &str) -> impl Iterator<Item = String> {
     prose(page).filter(|line| line.starts_with('#')).map(|line| {
         let letters = line.trim_start_matches('#').trim().chars().filter_map(|c| match c {
@@ -65,7 +65,7 @@ fn headings(page: &str) -> impl Iterator<Item = String> {
     })
 }
 
-/// The lines of a page that are no code.
+/// Returns the lines of a page outside code blocks.
 fn prose(page: &str) -> impl Iterator<Item = &str> {
     let mut in_code = false;
     page.lines().filter(move |line| {
@@ -75,11 +75,11 @@ fn prose(page: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// Where the links and pictures of a page lead.
+/// Returns the link and image targets of a page.
 fn targets(page: &str) -> Vec<String> {
     let mut found = Vec::new();
     for line in prose(page) {
-        // Code has no links.
+        // Links inside code do not count.
         let bare: String = line.split('`').step_by(2).collect();
         for (open, close) in [("](", ')'), ("src=\"", '"'), ("href=\"", '"')] {
             for (at, _) in bare.match_indices(open) {

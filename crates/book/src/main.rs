@@ -1,7 +1,7 @@
-//! Builds the book: its chapters, a page for each node type, and every picture of a document that stands in it.
+//! Builds the manual: chapters, a page for each node type, and the pictures of all documents in it.
 //!
-//! `cargo run -p trochoid-book --features html` writes `book/html` into Cargo's target folder; without the feature the
-//! pages are written as Markdown, and everything is checked just the same. What is wrong is said at once, and fails.
+//! `cargo run -p trochoid-book --features html` writes `book/html` into Cargo's target folder. Without the feature, the
+//! pages are written as Markdown and checked in the same way. Faults are reported together, and the build fails.
 
 mod chapters;
 mod documents;
@@ -15,6 +15,7 @@ use fault::{Fault, Faults};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+/// Faults of the book: one line each, with the place.
 fn main() -> ExitCode {
     match build() {
         Ok(place) => {
@@ -31,12 +32,12 @@ fn main() -> ExitCode {
     }
 }
 
-/// Builds the book, and says where it begins.
+/// Builds the book and returns its first page.
 ///
 /// # Errors
-/// What is wrong with it.
+/// Fails with the faults found.
 fn build() -> Result<PathBuf, Faults> {
-    // Documents of the book read beneath the repository's root.
+    // Documents in the book use paths relative to the repository root.
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).expect("crates/book lies in the repository");
     let of = |path: &Path, source| vec![Fault::File { path: path.into(), source }];
     std::env::set_current_dir(root).map_err(|error| of(root, error))?;
@@ -47,7 +48,7 @@ fn build() -> Result<PathBuf, Faults> {
         std::fs::remove_dir_all(&source).map_err(|error| of(&source, error))?;
     }
     let mut faults = chapters::write_all(Path::new("docs"), &book);
-    // What has no page yet would be linked to in vain from everywhere.
+    // A missing page would be reported again for every link to it.
     if faults.is_empty() {
         faults = links::check(&source);
     }
@@ -60,20 +61,20 @@ fn build() -> Result<PathBuf, Faults> {
     Ok(source.join("SUMMARY.md"))
 }
 
-/// The text of a file.
+/// Reads a text file.
 fn text(path: &Path) -> Result<String, trochoid::io::Error> {
     const MOST: u64 = 1 << 24;
     trochoid::io::read_text(path, MOST)
 }
 
-/// Writes a file, and the folders above it.
+/// Writes a file, creating its folders.
 fn write(path: &Path, text: &str) -> Result<(), Fault> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(path, text));
     written.map_err(|source| Fault::File { path: path.into(), source })
 }
 
-/// Copies a file, and makes the folders above it.
+/// Copies a file, creating its folders.
 fn copy(from: &Path, to: &Path) -> Result<(), Fault> {
     let folder = to.parent().unwrap_or(Path::new("."));
     let copied = std::fs::create_dir_all(folder).and_then(|()| std::fs::copy(from, to));

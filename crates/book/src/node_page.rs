@@ -1,10 +1,10 @@
-//! The page of a node type, from its declaration.
+//! Generates the page of a node type from its declaration.
 
 use serde_json::Value;
 use std::fmt::Write as _;
 use trochoid::{Declaration, End, Item, Knob, List, Port, counted};
 
-/// The page of a node type: `document` is the one that shows it, whose picture lies beside the page.
+/// Returns the page of a node type. `document` is its example, whose picture is next to the page.
 pub(crate) fn node_page(declaration: &Declaration, document: &str) -> String {
     let name = declaration.name;
     let mut page = format!("# {name}\n\n{}\n\n![{name}]({name}.png)\n\n", prose(declaration.summary));
@@ -31,7 +31,7 @@ pub(crate) fn node_page(declaration: &Declaration, document: &str) -> String {
     page
 }
 
-/// One line of the list of nodes, as a row of a table.
+/// Returns a node type's row in the table of nodes.
 pub(crate) fn row(declaration: &Declaration) -> String {
     let name = declaration.name;
     format!(
@@ -87,7 +87,7 @@ fn knob_row(page: &mut String, knob: &Knob, prefix: &str) {
     let _ = writeln!(page, "| `{prefix}{}` | {takes} | {default}{keyed} | {} |", knob.name, cell(knob.help));
 }
 
-/// A list of records, and below it what each of them holds; `prefix` is the list that it lies in.
+/// Adds a list of records, followed by the items of each record; `prefix` is the name of the enclosing list.
 fn list_rows(page: &mut String, list: &List, prefix: &str) {
     let required = if list.min > 0 { "**required**" } else { "none" };
     let name = format!("{prefix}{}", list.name);
@@ -125,7 +125,7 @@ fn prose(text: &str) -> String {
     out
 }
 
-/// As [`prose`], within a table, whose cells end at any bar.
+/// Like [`prose`], for a table cell, which a vertical bar would end.
 fn cell(text: &str) -> String {
     let prose = prose(text);
     let mut out = String::with_capacity(prose.len());

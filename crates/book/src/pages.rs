@@ -1,4 +1,4 @@
-//! The book as HTML, by mdBook.
+//! Builds the HTML book with mdBook.
 
 use crate::fault::{Fault, Faults};
 use mdbook_driver::MDBook;
@@ -7,10 +7,10 @@ use std::sync::{Arc, Mutex};
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Metadata, Subscriber, span};
 
-/// Builds the pages in the folder `book`, and says where the first one is.
+/// Builds the HTML pages in the folder `book` and returns the first one.
 ///
 /// # Errors
-/// mdBook fails, or warns.
+/// Fails if mdBook fails or warns.
 pub(crate) fn write(book: &Path) -> Result<PathBuf, Faults> {
     let warnings = Warnings::default();
     let built = tracing::subscriber::with_default(warnings.clone(), || MDBook::load(book)?.build());
@@ -19,7 +19,7 @@ pub(crate) fn write(book: &Path) -> Result<PathBuf, Faults> {
     if faults.is_empty() { Ok(book.join("html/index.html")) } else { Err(faults) }
 }
 
-/// Keeps what mdBook warns of.
+/// Collects the warnings of mdBook.
 #[derive(Clone, Default)]
 struct Warnings(Arc<Mutex<Faults>>);
 
@@ -49,7 +49,7 @@ impl Subscriber for Warnings {
     fn exit(&self, _: &span::Id) {}
 }
 
-/// An event's message.
+/// Message of an event.
 struct Text(String);
 
 impl Visit for Text {

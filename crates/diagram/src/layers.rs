@@ -1,21 +1,21 @@
-//! Boxes in layers, joined by wires that run from the top down.
+//! Layered layout of boxes connected by wires that run from top to bottom.
 
 use rust_sugiyama::configure::{Config, CrossingMinimization, RankingType};
 use rust_sugiyama::from_vertices_and_edges;
 use std::collections::BTreeMap;
 
-/// Between neighbors in a layer.
+/// Distance between neighbors in a layer, in pixels.
 const BESIDE: f64 = 10.0;
-/// Between layers.
+/// Distance between layers, in pixels.
 const BETWEEN: f64 = 46.0;
-/// What a wire that passes a layer takes there.
+/// Width of a wire that passes a layer, in pixels.
 const PASSING: f64 = 8.0;
-/// How often layers are drawn toward those above and below them.
+/// Number of sweeps that pull each layer toward its neighbors.
 const SWEEPS: usize = 40;
-/// More boxes than these are not compared pair by pair: it would take minutes.
+/// Maximum number of boxes for pairwise transposition, which would take minutes for more.
 const COMPARED: usize = 1500;
 
-/// What leaves a box at one pin, and the boxes that it leads to.
+/// A wire from one pin of a box to one or several boxes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Net {
     /// The box above.
@@ -24,33 +24,34 @@ pub struct Net {
     pub to: Vec<usize>,
 }
 
-/// A point in pixels, x to the right and y down.
+/// Point in pixels; x points right, y down.
 pub type Point = [f64; 2];
 
-/// Where boxes and wires lie.
+/// Positions of boxes and wires.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
-    /// By box: its upper left corner.
+    /// Upper left corner of each box.
     pub corners: Vec<Point>,
-    /// By net: pieces of wire, each from point to point downward; pieces that pass several boxes are shared.
+    /// Pieces of wire for each net, as points from top to bottom; a piece that leads to several boxes is shared.
     pub wires: Vec<Vec<Vec<Point>>>,
-    /// Width and height of all.
+    /// Total width and height.
     pub size: Point,
 }
 
-/// Lays boxes of the sizes given, in pixels, out in layers: each stands above all that it leads to, as low as that
-/// allows, in an order with few crossings (Sugiyama, Tagawa and Toda 1981; Brandes and Köpf 2001), and as near to
-/// what it is joined to as its neighbors allow: the squares of all wires' widths are least.
+/// Lays out boxes of the given sizes, in pixels, in layers. Each box stands above all boxes it leads to, as low as
+/// possible; the order within a layer has few crossings (Sugiyama, Tagawa and Toda 1981; Brandes and Köpf 2001); and
+/// each box is as close to its connections as its neighbors allow: the sum of the squared horizontal extents of the
+/// wires is minimal.
 ///
-/// A net that leads past layers runs through each of them once, whatever the number of boxes that it leads to. The nets
-/// must have no cycle, as those of a checked graph have none. The same boxes and nets always lie the same.
+/// A net that passes layers runs through each of them once, however many boxes it leads to. The nets must be free of
+/// cycles, as in a checked graph. The same boxes and nets always give the same layout.
 pub fn layers(boxes: &[[f64; 2]], nets: &[Net]) -> Layout {
     let ranks = ranks(boxes.len(), nets);
     let mut vertices: Vec<(u32, (f64, f64))> =
         boxes.iter().enumerate().map(|(index, size)| (index as u32, (size[0], 1.0))).collect();
     let mut rank_of = ranks.clone();
     let mut edges = Vec::new();
-    // By net: the vertices that stand for it in the layers that it passes, from the top down.
+    // For each net, the vertices that represent it in the layers it passes, from top to bottom.
     let mut passing: Vec<Vec<usize>> = Vec::new();
     for net in nets {
         let lowest = net.to.iter().map(|&to| ranks[to]).max().unwrap_or(0);
@@ -116,7 +117,7 @@ pub fn layers(boxes: &[[f64; 2]], nets: &[Net]) -> Layout {
     Layout { corners, wires, size }
 }
 
-/// By box: its layer, 0 the uppermost. A box stands just above the highest of those that it leads to.
+/// Returns the layer of each box, 0 at the top. A box is directly above the highest box it leads to.
 fn ranks(count: usize, nets: &[Net]) -> Vec<usize> {
     let mut above = vec![Vec::new(); count];
     let mut open = vec![0; count];
@@ -141,8 +142,8 @@ fn ranks(count: usize, nets: &[Net]) -> Vec<usize> {
     height.iter().map(|height| highest - height).collect()
 }
 
-/// By vertex: its center along x; parts that nothing joins stand side by side, the left edge of all at 0. The first
-/// `boxes` vertices are boxes, all others stand for wires.
+/// Returns the x coordinate of each vertex's center. Unconnected parts stand side by side; the leftmost edge is at 0.
+/// The first `boxes` vertices are boxes, the others represent wires.
 fn centers(vertices: &[(u32, (f64, f64))], edges: &[(u32, u32)], rank_of: &[usize], boxes: usize) -> Vec<f64> {
     let config = Config {
         vertex_spacing: BESIDE,
@@ -154,7 +155,7 @@ fn centers(vertices: &[(u32, (f64, f64))], edges: &[(u32, u32)], rank_of: &[usiz
     };
     let mut joined = vec![Vec::new(); vertices.len()];
     for [above, below] in edges.iter().map(|(above, below)| [*above as usize, *below as usize]) {
-        // Wires run the straighter the longer they are (Gansner, Koutsofios, North and Vo 1993).
+        // Longer wires are straightened more strongly (Gansner, Koutsofios, North and Vo 1993).
         let strength = [1.0, 2.0, 8.0][usize::from(above >= boxes) + usize::from(below >= boxes)];
         joined[above].push((below, strength));
         joined[below].push((above, strength));
@@ -175,7 +176,7 @@ fn centers(vertices: &[(u32, (f64, f64))], edges: &[(u32, u32)], rank_of: &[usiz
             row.sort_by(|&a, &b| centers[a].total_cmp(&centers[b]).then(a.cmp(&b)));
             settle(row, &mut centers, width, |vertex, centers| [centers[vertex], 1.0]);
         }
-        // The library leaves as much room to a whole column as its widest box needs.
+        // The library gives a whole column the width of its widest box, so positions are improved here.
         for sweep in 0..SWEEPS {
             for nth in 0..rows.len() {
                 let row = &rows[if sweep % 2 == 0 { nth } else { rows.len() - 1 - nth }];
@@ -195,12 +196,12 @@ fn centers(vertices: &[(u32, (f64, f64))], edges: &[(u32, u32)], rank_of: &[usiz
     centers
 }
 
-/// Places the vertices of a layer in their order, none over another, all together as near as can be to where each is
-/// drawn, by how strongly it is: least squares under an order, by pooling neighbors that violate it.
+/// Places the vertices of a layer in order and without overlap, minimizing the weighted squared distances to their
+/// preferred positions: isotonic least squares by pooling adjacent violators.
 fn settle(row: &[usize], centers: &mut [f64], width: impl Fn(usize) -> f64, drawn: impl Fn(usize, &[f64]) -> [f64; 2]) {
-    // Without the widths before them, centers that do not overlap ascend.
+    // After subtracting the preceding widths, centers that do not overlap are ascending.
     let mut before = Vec::with_capacity(row.len());
-    // Sums of strength times place and of strength, and the number of vertices.
+    // Sum of strength times position, sum of strengths, and number of vertices.
     let mut pools: Vec<(f64, f64, usize)> = Vec::new();
     for (index, &vertex) in row.iter().enumerate() {
         before.push(match index.checked_sub(1) {
@@ -221,11 +222,11 @@ fn settle(row: &[usize], centers: &mut [f64], width: impl Fn(usize) -> f64, draw
     }
 }
 
-/// Where wires touch boxes: side by side in the order in which they come, so that they do not cross at the box.
+/// Positions where wires meet boxes, ordered so that wires do not cross at the box.
 struct Pins {
-    /// By net: where it leaves its box.
+    /// x coordinate at which each net leaves its box.
     below: Vec<f64>,
-    /// By net and by box that it leads to: where it arrives.
+    /// x coordinates at which each net arrives at its boxes.
     above: Vec<Vec<f64>>,
 }
 
@@ -233,7 +234,7 @@ impl Pins {
     fn new(boxes: &[[f64; 2]], nets: &[Net], passing: &[Vec<usize>], ranks: &[usize], centers: &[f64]) -> Self {
         let mut below = vec![0.0; nets.len()];
         let mut above: Vec<Vec<f64>> = nets.iter().map(|net| vec![0.0; net.to.len()]).collect();
-        // By box: where the wire goes to or comes from along x, and which it is.
+        // For each box: the x coordinate of the wire's other end, and the wire.
         let mut leaving = vec![Vec::new(); boxes.len()];
         let mut coming = vec![Vec::new(); boxes.len()];
         for (index, net) in nets.iter().enumerate() {
@@ -255,7 +256,7 @@ impl Pins {
     }
 }
 
-/// Pins evenly over the middle of an edge, by where their wires come from.
+/// Spreads pins evenly over the middle of an edge, ordered by the other ends of their wires.
 fn spread<K: Copy + Ord>(wires: &mut [(f64, K)], width: f64, center: f64, mut set: impl FnMut(K, f64)) {
     wires.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let step = (width * 0.8 / wires.len() as f64).min(18.0);
@@ -269,7 +270,7 @@ fn spread<K: Copy + Ord>(wires: &mut [(f64, K)], width: f64, center: f64, mut se
 mod tests {
     use super::*;
 
-    /// A graph without cycles from a seed: nets lead to boxes of higher index.
+    /// Returns a random graph without cycles: nets lead to boxes with higher indices.
     fn random(seed: u64, count: usize) -> (Vec<[f64; 2]>, Vec<Net>) {
         let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
         let mut random = move |below: usize| {

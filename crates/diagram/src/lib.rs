@@ -1,8 +1,8 @@
-//! A document's graph as a picture: its nodes from sources at the top to outputs at the bottom, with their control
+//! Renders a document's graph as a diagram: nodes from sources at the top to outputs at the bottom, with their control
 //! colors as swatches.
 //!
-//! Boxes are laid out in layers ([`layers`]) and drawn as SVG ([`tree`]), whose text is selectable and whose boxes and
-//! wires say more when pointed at.
+//! Boxes are laid out in layers ([`layers`]) and drawn as SVG ([`tree`]) with selectable text and with tooltips for
+//! boxes and wires.
 
 mod layers;
 mod palette;

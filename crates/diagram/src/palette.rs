@@ -1,10 +1,10 @@
-//! The control colors of a document.
+//! Control colors of a document.
 
 use std::collections::HashSet;
 use trochoid_graph::{CheckedGraph, Item, NodeId, Source, Takes, Values};
 use trochoid_image::WorkingSpace;
 
-/// A color for display: sRGB of 8 bits a channel, clipped to what a display shows.
+/// Display color: 8-bit sRGB, clipped to the display's range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Swatch(pub [u8; 3]);
 
@@ -21,7 +21,7 @@ impl std::fmt::Display for Swatch {
     }
 }
 
-/// The colors that a node sets itself, at the document's first frame, in the order in which it declares them.
+/// Returns the colors that a node itself sets at the document's first frame, in declaration order.
 pub fn controls(graph: &CheckedGraph, id: NodeId) -> Vec<Swatch> {
     let mut colors = Vec::new();
     let settled = graph.settle(id, graph.frames().0);
@@ -42,7 +42,7 @@ fn collect(items: &[Item], record: &Values, colors: &mut Vec<[f64; 3]>) {
     }
 }
 
-/// Every control color of some nodes once, in the order of the document.
+/// Returns every distinct control color of the shown nodes, in document order.
 pub fn palette(graph: &CheckedGraph, shown: &[bool]) -> Vec<Swatch> {
     let mut known = HashSet::new();
     let nodes = (0..graph.nodes().len()).filter(|&index| shown[index]);

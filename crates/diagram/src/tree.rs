@@ -1,4 +1,4 @@
-//! A graph as SVG.
+//! Draws a graph as SVG.
 
 use crate::layers::{Net, Point, layers};
 use crate::palette::{Swatch, controls, palette};
@@ -11,10 +11,10 @@ const MARGIN: f64 = 28.0;
 const PADDING: f64 = 12.0;
 const NAME: f64 = 13.0;
 const TYPE: f64 = 11.0;
-/// Side of a color in a box, and colors in a row there.
+/// Side of a swatch in a box, in pixels, and number of swatches per row.
 const SWATCH: f64 = 12.0;
 const IN_A_ROW: usize = 12;
-/// Side of a color below the graph, and what its name takes beneath it.
+/// Side of a swatch below the graph, and height of its label, in pixels.
 const CONTROL: f64 = 44.0;
 const LABEL: f64 = 16.0;
 
@@ -27,7 +27,7 @@ const FRONT: &str = "#5a86a3";
 const BACK: &str = "#c1844d";
 const SANS: &str = "Inter, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif";
 
-/// One box: a node of the document, or one of its outputs.
+/// A box of the diagram: a node or an output.
 struct Card {
     name: String,
     kind: String,
@@ -88,11 +88,12 @@ impl Card {
 
 /// Draws a graph as SVG: sources at the top, outputs at the bottom, control colors below.
 ///
-/// `outputs` are indices of outputs to show, with all that is connected to them; every node of the document where it is
-/// empty. `left_out` says by node why it is not evaluated; it is drawn pale then. Wires are colored by what they carry.
+/// `outputs` selects the outputs to show, by index, with everything connected to them; if empty, all nodes and outputs
+/// are shown. `left_out` gives, for each node, the reason why it is not evaluated, if any; such nodes are drawn pale.
+/// Wires are colored by the kind of data on them.
 ///
 /// # Panics
-/// An output has no such index, or `left_out` is shorter than the nodes.
+/// Panics if an output index is out of range or `left_out` has fewer entries than there are nodes.
 pub fn tree(graph: &CheckedGraph, outputs: &[usize], left_out: &[Option<String>]) -> String {
     let all: Vec<usize> = (0..graph.outputs().len()).collect();
     let chosen = if outputs.is_empty() { &all } else { outputs };
@@ -132,13 +133,13 @@ pub fn tree(graph: &CheckedGraph, outputs: &[usize], left_out: &[Option<String>]
             group.append(Path::new().set("d", curve(piece)));
         }
         lines.append(group);
-        // The last point of a piece that leads to a box; trunks end between layers.
+        // Pieces of two points lead to boxes; longer ones are trunks that end between layers.
         let tops = pieces.iter().filter(|piece| piece.len() == 2).map(|piece| piece[1]);
         for [x, y] in tops.chain(pieces.iter().flat_map(|piece| piece.first()).take(1).copied()) {
             pins.append(dot([x + MARGIN, y + MARGIN], color(kind)));
         }
     }
-    // What is not evaluated mixes nothing in.
+    // Control colors of nodes that are not evaluated are not part of the palette.
     let evaluated: Vec<bool> = shown.iter().zip(left_out).map(|(shown, why)| *shown && why.is_none()).collect();
     let controls = palette(graph, &evaluated);
     let width = (layout.size[0]).max(8.0 * CONTROL) + 2.0 * MARGIN;
@@ -153,7 +154,7 @@ pub fn tree(graph: &CheckedGraph, outputs: &[usize], left_out: &[Option<String>]
     format!("{}\n", document.add(pins).add(below))
 }
 
-/// The nets of a graph, and the output of a node at which each begins.
+/// Nets of a graph, with the node output at which each begins.
 #[derive(Default)]
 struct Wires {
     nets: Vec<Net>,
@@ -175,7 +176,7 @@ impl Wires {
     }
 }
 
-/// The color of wires that carry a kind.
+/// Returns the color of wires that carry a kind.
 fn color(kind: Kind) -> &'static str {
     match kind {
         Kind::Color => "#d08a2e",
@@ -187,7 +188,7 @@ fn color(kind: Kind) -> &'static str {
     }
 }
 
-/// Straight down through layers, and in a curve from one to the next.
+/// Returns a path that is straight across layers and curved between them.
 fn curve(points: &[Point]) -> Data {
     let at = |point: Point| (point[0] + MARGIN, point[1] + MARGIN);
     let mut data = Data::new().move_to(at(points[0]));
@@ -207,7 +208,7 @@ fn dot(at: Point, fill: &str) -> Circle {
     Circle::new().set("cx", at[0]).set("cy", at[1]).set("r", 2.6).set("fill", fill)
 }
 
-/// The control colors in rows below `top`, and where they end.
+/// Draws the control colors in rows below `top`; also returns the bottom of the rows.
 fn swatches(controls: &[Swatch], width: f64, top: f64) -> (Group, f64) {
     let mut group = Group::new();
     if controls.is_empty() {
@@ -234,7 +235,8 @@ fn text(content: &str, at: Point, size: f64, fill: &str) -> Text {
     Text::new(content).set("x", at[0]).set("y", at[1]).set("font-size", size).set("fill", fill)
 }
 
-/// Width of a text in units of its size, for a sans serif at hand: only boxes depend on it.
+/// Estimates the width of a text relative to its font size, for a typical sans serif; it affects only the sizes of
+/// boxes.
 fn width(text: &str) -> f64 {
     let em = |c: char| match c {
         'i' | 'j' | 'l' | '.' | ',' | '\'' | '|' => 0.3,
@@ -248,7 +250,7 @@ fn width(text: &str) -> f64 {
     text.chars().map(em).sum()
 }
 
-/// Without control characters, which XML does not know, and not so long that it would stretch the picture.
+/// Replaces control characters, which XML does not allow, and truncates texts that would widen the diagram too much.
 fn printable(text: &str) -> String {
     let mut shown: String =
         text.chars().take(400).map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c }).collect();

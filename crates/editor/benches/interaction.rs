@@ -1,4 +1,4 @@
-//! How long the interface takes, without a screen: `cargo bench -p trochoid-editor --bench interaction`.
+//! Measures the response times of the interface, without a screen: `cargo bench -p trochoid-editor --bench interaction`.
 //!
 //! A window of 1920 × 1080 points is laid out and tessellated as it would be for the graphics driver, whose part is not
 //! measured. Times to a picture run from the edit to the drawing that has the picture.

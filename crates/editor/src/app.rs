@@ -1,19 +1,19 @@
-//! The window of the system around the editor.
+//! The native window that hosts the editor.
 
 use crate::document::Session;
 use crate::editor::Editor;
 use std::path::{Path, PathBuf};
 
-/// Why the editor cannot run.
+/// Reason why the editor cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The document cannot be read.
     #[error(transparent)]
     Document(trochoid::io::Error),
-    /// There is no display, or no way to draw on it.
+    /// No window can be opened: there is no display or no usable graphics driver.
     #[error(
         "no window can be opened: {0}\n  remedy: the editor needs a display and a graphics driver (Mesa will do); on a machine \
-         without, use `trochoid render`, or a virtual display such as Xvfb"
+         without them, use `trochoid render`, or a virtual display such as Xvfb"
     )]
     Window(#[source] WindowError),
 }
@@ -29,18 +29,19 @@ pub enum WindowError {
     Refused(eframe::Error),
 }
 
-/// Under which key the panels are kept. The system's window has `window`.
+/// Storage key of the panel layout. eframe itself uses `window`.
 const KEY: &str = "panels";
 
 struct App {
     editor: Editor,
-    /// As the system was told last: it may not tell, and every command asks for another frame.
+    /// Title last sent to the system: it is sent only on a change, because every viewport command requests another
+    /// frame.
     title: String,
     context: egui::Context,
 }
 
 impl App {
-    /// An editor, its window as it was kept.
+    /// Creates the app around an editor and restores the stored panel layout.
     fn new(mut editor: Editor, context: egui::Context, storage: Option<&dyn eframe::Storage>) -> Self {
         if let Some(kept) = storage.and_then(|storage| storage.get_string(KEY)) {
             editor.restore(&kept, &context);
@@ -65,7 +66,8 @@ impl eframe::App for App {
         }
     }
 
-    /// It grows with every widget that was ever seen, and holds nothing that must last: what must is in [`KEY`].
+    /// Keeps egui's own memory out of storage: it grows with every widget ever shown and holds nothing worth keeping.
+    /// The panel layout is stored under [`KEY`].
     fn persist_egui_memory(&self) -> bool {
         false
     }
@@ -76,11 +78,11 @@ impl eframe::App for App {
     }
 }
 
-/// Opens a window on a document, or on a new one, and returns when it is closed. Documents may reach the files and folders of
-/// `allow` besides their own.
+/// Opens a window on a document, or on a new one, and returns when it is closed. Documents may access the files and
+/// folders in `allow` in addition to their own folder.
 ///
 /// # Errors
-/// The document cannot be read, or there is no display. A document with faults opens.
+/// Fails if the document cannot be read or there is no display. A document with errors in its graph still opens.
 pub fn open(document: Option<&Path>, allow: &[PathBuf]) -> Result<(), OpenError> {
     let session = match document {
         Some(file) => Session::open(file).map_err(OpenError::Document)?,
@@ -119,7 +121,7 @@ mod tests {
     use eframe::{App as _, Storage};
     use std::collections::HashMap;
 
-    /// A storage that is nowhere.
+    /// In-memory storage.
     #[derive(Default)]
     struct Memory(HashMap<String, String>);
 
@@ -155,7 +157,7 @@ mod tests {
         assert!(first.editor.tree != layout::first());
         let context = first.context.clone();
         context.set_theme(egui::Theme::Light);
-        // The factor counts from the next frame on.
+        // The zoom factor takes effect from the next frame on.
         context.set_zoom_factor(1.25);
         context.run_ui(egui::RawInput::default(), |_| {}).textures_delta.clear();
         storage.set_string("egui", "of an older run".into());

@@ -1,23 +1,23 @@
-//! Every command once: menus, shortcuts and the palette derive from this table.
+//! Table of all commands; menus, shortcuts, and the command palette are built from it.
 
 use crate::actions::{Action, Line, Pane, Switch};
 use crate::state::State;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
-/// A command.
+/// A command: menu entry, shortcut, and action.
 #[derive(Clone, Copy)]
 pub struct Command {
-    /// The menu in which it stands.
+    /// Menu that contains the command.
     pub menu: &'static str,
-    /// What it is called.
+    /// Name in menus and the command palette.
     pub name: &'static str,
-    /// What it does, in a sentence.
+    /// Tooltip: one sentence.
     pub help: &'static str,
-    /// The keys for it.
+    /// Keyboard shortcut.
     pub keys: Option<KeyboardShortcut>,
-    /// What is done.
+    /// Returns the action to perform.
     pub action: fn(&State) -> Action,
-    /// Whether there is anything to be done.
+    /// Returns whether the command is available.
     pub enabled: fn(&State) -> bool,
 }
 
@@ -25,10 +25,10 @@ const NONE: Modifiers = Modifiers::NONE;
 const COMMAND: Modifiers = Modifiers::COMMAND;
 const SHIFTED: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
-/// What plays is also what is held to move the view, so it counts when it is let go, see [`Space`].
+/// The play shortcut. Holding the same key pans, so the key acts on release, see [`Space`].
 const PLAY: KeyboardShortcut = KeyboardShortcut::new(NONE, Key::Space);
 
-/// The space bar: while it is held, a drag moves the view; let go without one, it plays.
+/// State of the space bar: dragging while it is held pans; releasing it without a drag starts or stops playback.
 #[derive(Debug, Default)]
 pub struct Space {
     held: bool,
@@ -36,7 +36,7 @@ pub struct Space {
 }
 
 impl Space {
-    /// Takes what happened since it was asked last; whether the bar was let go and nothing was dragged meanwhile.
+    /// Processes the input since the last call; returns whether the bar was released without a drag in between.
     pub fn plays(&mut self, context: &egui::Context) -> bool {
         let typing = context.egui_wants_keyboard_input();
         context.input_mut(|input| {
@@ -46,18 +46,18 @@ impl Space {
             if !self.held {
                 return false;
             }
-            // It does nothing else, such as pressing a button.
+            // Consumed, so that the key does not also press a focused button.
             input.consume_key(NONE, PLAY.logical_key);
             self.dragged |= input.pointer.any_down();
             let released = input.key_released(PLAY.logical_key);
-            // Where the window loses the keyboard, nothing says that the bar is let go.
+            // If the window loses the keyboard focus, no release event arrives.
             self.held = !released && input.key_down(PLAY.logical_key);
             released && !self.dragged
         })
     }
 }
 
-/// Whether a drag that begins now moves the view: the space bar is held.
+/// Returns whether a drag that begins now pans: the space bar is held.
 pub fn moves_view(context: &egui::Context) -> bool {
     !context.egui_wants_keyboard_input() && context.input(|input| input.key_down(PLAY.logical_key))
 }
@@ -97,20 +97,20 @@ fn several(state: &State) -> bool {
     state.selection.len() > 1
 }
 
-/// The menus, in order.
+/// The menus, from left to right.
 pub const MENUS: [&str; 5] = ["File", "Edit", "Graph", "Viewer", "Window"];
 
-/// Every command, in the order of the menus.
+/// Every command, in menu order.
 pub static COMMANDS: &[Command] = &[
-    command("File", "New", keys(COMMAND, Key::N), "Starts a document.", |_| Action::New, always),
-    command("File", "Open …", keys(COMMAND, Key::O), "Opens a document.", |_| Action::Open, always),
-    command("File", "Save", keys(COMMAND, Key::S), "Writes the document.", |_| Action::Save, always),
-    command("File", "Save as …", keys(SHIFTED, Key::S), "Writes it to another file.", |_| Action::SaveAs, always),
+    command("File", "New", keys(COMMAND, Key::N), "Start a new document.", |_| Action::New, always),
+    command("File", "Open …", keys(COMMAND, Key::O), "Open a document.", |_| Action::Open, always),
+    command("File", "Save", keys(COMMAND, Key::S), "Save the document.", |_| Action::Save, always),
+    command("File", "Save as …", keys(SHIFTED, Key::S), "Save to another file.", |_| Action::SaveAs, always),
     command(
         "File",
         "Reload",
         None,
-        "Reads the file again; undo takes that back.",
+        "Reload the document from its file (can be undone).",
         |_| Action::Reload,
         |state| state.session.file().is_some(),
     ),
@@ -118,7 +118,7 @@ pub static COMMANDS: &[Command] = &[
         "File",
         "Render range",
         keys(COMMAND, Key::R),
-        "Writes the outputs of all frames in the range to their files.",
+        "Render the outputs of all frames in the range to their files.",
         |_| Action::Render,
         |state| state.render.is_none() && state.session.meaning().graph.is_some(),
     ),
@@ -126,7 +126,7 @@ pub static COMMANDS: &[Command] = &[
         "File",
         "Stop rendering",
         None,
-        "Stops after the present frame.",
+        "Stop rendering after the current frame.",
         |_| Action::CancelRender,
         |state| state.render.is_some(),
     ),
@@ -134,16 +134,16 @@ pub static COMMANDS: &[Command] = &[
         "File",
         "Allowed folders …",
         None,
-        "Shows which folders documents were allowed besides their own, to take them back.",
+        "Show the folders that documents may access besides their own, and revoke access.",
         |_| Action::ShowAllowed,
         always,
     ),
-    command("File", "Quit", keys(COMMAND, Key::Q), "Closes the window.", |_| Action::Quit, always),
+    command("File", "Quit", keys(COMMAND, Key::Q), "Close the window.", |_| Action::Quit, always),
     command(
         "Edit",
         "Undo",
         keys(COMMAND, Key::Z),
-        "Takes back the last change.",
+        "Undo the last change.",
         |_| Action::Undo,
         |state| state.session.history().undoes().is_some(),
     ),
@@ -151,35 +151,35 @@ pub static COMMANDS: &[Command] = &[
         "Edit",
         "Redo",
         keys(SHIFTED, Key::Z),
-        "Makes it again.",
+        "Redo the last undone change.",
         |_| Action::Redo,
         |state| state.session.history().redoes().is_some(),
     ),
-    command("Edit", "Cut", keys(COMMAND, Key::X), "Copies the chosen nodes and deletes them.", |_| Action::Cut, chosen),
-    command("Edit", "Copy", keys(COMMAND, Key::C), "Copies the chosen nodes as text.", |_| Action::Copy, chosen),
-    command("Edit", "Paste", keys(COMMAND, Key::V), "Adds the nodes that were copied.", |_| Action::AskPaste, always),
     command(
         "Edit",
-        "Duplicate",
-        keys(COMMAND, Key::D),
-        "Copies the chosen nodes beside themselves.",
-        |_| Action::Duplicate,
+        "Cut",
+        keys(COMMAND, Key::X),
+        "Copy the selected nodes, then delete them.",
+        |_| Action::Cut,
         chosen,
     ),
+    command("Edit", "Copy", keys(COMMAND, Key::C), "Copy the selected nodes as text.", |_| Action::Copy, chosen),
+    command("Edit", "Paste", keys(COMMAND, Key::V), "Paste nodes from the clipboard.", |_| Action::AskPaste, always),
+    command("Edit", "Duplicate", keys(COMMAND, Key::D), "Duplicate the selected nodes.", |_| Action::Duplicate, chosen),
     command(
         "Edit",
         "Delete",
         keys(NONE, Key::Delete),
-        "Deletes the chosen nodes; wires are led past them.",
+        "Delete the selected nodes and connect wires past them.",
         |_| Action::Delete,
         chosen,
     ),
-    command("Edit", "Select all", keys(COMMAND, Key::A), "Chooses all nodes.", |_| Action::SelectAll, always),
+    command("Edit", "Select all", keys(COMMAND, Key::A), "Select all nodes.", |_| Action::SelectAll, always),
     command(
         "Edit",
         "Command palette",
         keys(SHIFTED, Key::P),
-        "Finds a command by its name.",
+        "Find and run a command by name.",
         |_| Action::Palette,
         always,
     ),
@@ -187,7 +187,7 @@ pub static COMMANDS: &[Command] = &[
         "Graph",
         "Add node",
         keys(NONE, Key::Tab),
-        "Finds a node by its name and adds it.",
+        "Find a node type by name and add a node.",
         |_| Action::AddNode,
         always,
     ),
@@ -195,7 +195,7 @@ pub static COMMANDS: &[Command] = &[
         "Graph",
         "Make output",
         None,
-        "Renders what the chosen node makes, to a file.",
+        "Add an output that renders the selected node to a file.",
         |_| Action::MakeOutput,
         one,
     ),
@@ -203,7 +203,7 @@ pub static COMMANDS: &[Command] = &[
         "Graph",
         "Replace with …",
         None,
-        "Makes the chosen node one of another type, with the same connections.",
+        "Change the type of the selected node and keep its connections.",
         |_| Action::Replace,
         one,
     ),
@@ -211,7 +211,7 @@ pub static COMMANDS: &[Command] = &[
         "Graph",
         "Extract",
         None,
-        "Leads wires past the chosen nodes, and leaves these unconnected.",
+        "Connect wires past the selected nodes and leave the nodes unconnected.",
         |_| Action::Extract,
         chosen,
     ),
@@ -219,7 +219,7 @@ pub static COMMANDS: &[Command] = &[
         "Graph",
         "Dot",
         keys(NONE, Key::Period),
-        "Puts a dot on a wire of the chosen node, by which it can be led.",
+        "Add a dot to a wire of the selected node, to route the wire by hand.",
         |_| Action::Dot,
         one,
     ),
@@ -227,7 +227,7 @@ pub static COMMANDS: &[Command] = &[
         "Graph",
         "Disable",
         keys(NONE, Key::D),
-        "Leads past the chosen nodes, or evaluates them again.",
+        "Bypass or re-enable the selected nodes.",
         |_| Action::Disable,
         chosen,
     ),
@@ -235,18 +235,18 @@ pub static COMMANDS: &[Command] = &[
         "Graph",
         "Arrange",
         keys(NONE, Key::L),
-        "Lays the chosen nodes out anew, or all.",
+        "Lay out the selected nodes, or all nodes.",
         |_| Action::Arrange,
         always,
     ),
-    command("Graph", "Align left", None, "Stands left edges in a column.", |_| Action::Line(Line::Left), several),
-    command("Graph", "Align centers", None, "Stands centers in a column.", |_| Action::Line(Line::Centers), several),
-    command("Graph", "Align top", None, "Stands upper edges in a row.", |_| Action::Line(Line::Top), several),
+    command("Graph", "Align left", None, "Align left edges.", |_| Action::Line(Line::Left), several),
+    command("Graph", "Align centers", None, "Align centers in a column.", |_| Action::Line(Line::Centers), several),
+    command("Graph", "Align top", None, "Align top edges.", |_| Action::Line(Line::Top), several),
     command(
         "Graph",
         "Distribute",
         None,
-        "Sets the chosen nodes at equal distances, along the longer side.",
+        "Make the gaps between the selected nodes equal, along the longer side.",
         |_| Action::Line(Line::Distances),
         several,
     ),
@@ -254,7 +254,7 @@ pub static COMMANDS: &[Command] = &[
         "Graph",
         "Backdrop",
         keys(Modifiers::SHIFT, Key::B),
-        "Puts a titled area behind the chosen nodes.",
+        "Add a titled area behind the selected nodes.",
         |_| Action::Backdrop,
         always,
     ),
@@ -262,17 +262,24 @@ pub static COMMANDS: &[Command] = &[
         "Graph",
         "Name backdrop",
         None,
-        "Writes on the backdrop behind the chosen nodes, or on the only one.",
+        "Edit the text of the backdrop behind the selected nodes, or of the only backdrop.",
         |_| Action::WriteBackdrop,
         |state| !state.sheet().backdrops.is_empty(),
     ),
-    command("Graph", "Note", None, "Puts a note into the graph.", |_| Action::Note, always),
-    command("Graph", "Frame", keys(NONE, Key::F), "Shows the chosen nodes, or all.", |_| Action::Frames, always),
+    command("Graph", "Note", None, "Add a note to the graph.", |_| Action::Note, always),
+    command(
+        "Graph",
+        "Frame",
+        keys(NONE, Key::F),
+        "Frame the selected nodes, or all nodes.",
+        |_| Action::Frames,
+        always,
+    ),
     command(
         "Viewer",
-        "Look at node",
+        "View node",
         None,
-        "Shows the chosen node, as a double-click on it does.",
+        "Show the selected node in the viewer (same as double-clicking it).",
         |state| match state.chosen() {
             Some(name) => Action::Look(name.into(), 0),
             None => Action::Output(state.output.clone()),
@@ -283,7 +290,7 @@ pub static COMMANDS: &[Command] = &[
         "Viewer",
         "Play",
         Some(PLAY),
-        "Plays the range in real time, or stops.",
+        "Play the range in real time, or stop.",
         |state| Action::Play(!state.playing),
         always,
     ),
@@ -291,7 +298,7 @@ pub static COMMANDS: &[Command] = &[
         "Viewer",
         "Next frame",
         keys(NONE, Key::ArrowRight),
-        "Goes to the next frame.",
+        "Go to the next frame.",
         |state| Action::Frame(state.frame + 1),
         always,
     ),
@@ -299,7 +306,7 @@ pub static COMMANDS: &[Command] = &[
         "Viewer",
         "Previous frame",
         keys(NONE, Key::ArrowLeft),
-        "Goes to the frame before.",
+        "Go to the previous frame.",
         |state| Action::Frame(state.frame - 1),
         always,
     ),
@@ -307,7 +314,7 @@ pub static COMMANDS: &[Command] = &[
         "Viewer",
         "First frame",
         keys(NONE, Key::Home),
-        "Goes to the range's first frame.",
+        "Go to the first frame of the range.",
         |state| Action::Frame(state.range.0),
         always,
     ),
@@ -315,43 +322,43 @@ pub static COMMANDS: &[Command] = &[
         "Viewer",
         "Last frame",
         keys(NONE, Key::End),
-        "Goes to the range's last frame.",
+        "Go to the last frame of the range.",
         |state| Action::Frame(state.range.1),
         always,
     ),
     command(
         "Viewer",
-        "Range from here",
+        "Set range start",
         keys(NONE, Key::I),
-        "Lets the range begin at this frame.",
+        "Start the range at the current frame.",
         |state| Action::Range(state.frame, state.range.1.max(state.frame)),
         always,
     ),
     command(
         "Viewer",
-        "Range to here",
+        "Set range end",
         keys(NONE, Key::O),
-        "Lets the range end at this frame.",
+        "End the range at the current frame.",
         |state| Action::Range(state.range.0.min(state.frame), state.frame),
         always,
     ),
-    command("Viewer", "Full size", None, "Evaluates every pixel.", |_| Action::Proxy(1), always),
-    command("Viewer", "Half size", None, "Evaluates a quarter of the pixels.", |_| Action::Proxy(2), always),
-    command("Viewer", "Quarter size", None, "Evaluates a sixteenth of the pixels.", |_| Action::Proxy(4), always),
+    command("Viewer", "Full size", None, "Evaluate every pixel.", |_| Action::Proxy(1), always),
+    command("Viewer", "Half size", None, "Evaluate a quarter of the pixels.", |_| Action::Proxy(2), always),
+    command("Viewer", "Quarter size", None, "Evaluate a sixteenth of the pixels.", |_| Action::Proxy(4), always),
     command(
         "Viewer",
         "Hold A",
         None,
-        "Holds the present picture, to compare others with it.",
+        "Hold the current picture as A, to compare others with it.",
         |_| Action::Viewer(Switch::Hold),
         seen,
     ),
-    command("Viewer", "Let go of A", None, "Compares with nothing any more.", |_| Action::Viewer(Switch::LetGo), seen),
+    command("Viewer", "Release A", None, "Stop comparing with A.", |_| Action::Viewer(Switch::LetGo), seen),
     command(
         "Viewer",
         "Wipe",
         None,
-        "Shows A at the left of a line, the present picture at its right.",
+        "Show A to the left of a line and the current picture to its right.",
         |_| Action::Viewer(Switch::Wipe),
         seen,
     ),
@@ -359,7 +366,7 @@ pub static COMMANDS: &[Command] = &[
         "Viewer",
         "Difference",
         None,
-        "Shows by how much the present picture differs from A.",
+        "Show the difference between the current picture and A.",
         |_| Action::Viewer(Switch::Difference),
         seen,
     ),
@@ -367,7 +374,7 @@ pub static COMMANDS: &[Command] = &[
         "Viewer",
         "Region",
         None,
-        "Evaluates a part only, which the next drag in the picture frames.",
+        "Evaluate only a region; drag in the picture to draw it.",
         |_| Action::Viewer(Switch::Region),
         seen,
     ),
@@ -375,7 +382,7 @@ pub static COMMANDS: &[Command] = &[
         "Viewer",
         "Hull",
         None,
-        "Shows the picture's colors within the hull of its control colors, or the picture again (H).",
+        "Switch between the picture and its colors inside the convex hull of the controls (H).",
         |_| Action::Viewer(Switch::Hull),
         seen,
     ),
@@ -383,7 +390,7 @@ pub static COMMANDS: &[Command] = &[
         "Viewer",
         "Near",
         None,
-        "Marks pixels near the hull's faces, or no longer (N).",
+        "Toggle marks on pixels near the hull's faces (N).",
         |_| Action::Viewer(Switch::Near),
         seen,
     ),
@@ -391,43 +398,50 @@ pub static COMMANDS: &[Command] = &[
         "Viewer",
         "Whole picture",
         keys(Modifiers::SHIFT, Key::W),
-        "Evaluates all of it, not just a part.",
+        "Evaluate the whole picture instead of a region.",
         |_| Action::Region(None),
         |state| state.look.region.is_some(),
     ),
-    command("Window", "Show viewer", None, "Shows the picture.", |_| Action::Panel(Pane::Viewer), always),
-    command("Window", "Show graph", None, "Shows the graph.", |_| Action::Panel(Pane::Canvas), always),
+    command("Window", "Show viewer", None, "Show the picture.", |_| Action::Panel(Pane::Viewer), always),
+    command("Window", "Show graph", None, "Show the graph.", |_| Action::Panel(Pane::Canvas), always),
     command(
         "Window",
         "Show properties",
         None,
-        "Shows knobs and connections.",
+        "Show knobs and connections.",
         |_| Action::Panel(Pane::Properties),
         always,
     ),
-    command("Window", "Show waves", None, "Shows the chosen sea as waves.", |_| Action::Panel(Pane::Waves), always),
+    command(
+        "Window",
+        "Show waves",
+        None,
+        "Show the waves of the selected sea.",
+        |_| Action::Panel(Pane::Waves),
+        always,
+    ),
     command(
         "Window",
         "Show report",
         None,
-        "Shows times, and what is left out.",
+        "Show timings, and which nodes are left out.",
         |_| Action::Panel(Pane::Report),
         always,
     ),
-    command("Window", "Show text", None, "Shows the document's text.", |_| Action::Panel(Pane::Text), always),
-    command("Window", "Reset panels", None, "Arranges the panels as at first.", |_| Action::ResetPanels, always),
-    command("Window", "Dark or light", None, "Changes the colors of the interface.", |_| Action::Theme, always),
+    command("Window", "Show text", None, "Show the document's text.", |_| Action::Panel(Pane::Text), always),
+    command("Window", "Reset panels", None, "Restore the initial panel layout.", |_| Action::ResetPanels, always),
+    command("Window", "Dark or light", None, "Switch between the dark and the light theme.", |_| Action::Theme, always),
 ];
 
-/// What was asked for by keys. Those without Ctrl count only where nothing is being typed.
+/// Adds the actions of pressed shortcuts. Those without Ctrl are ignored while text is being typed.
 pub fn pressed(context: &egui::Context, state: &State, actions: &mut Vec<Action>) {
     let typing = context.egui_wants_keyboard_input();
     let mut commands: Vec<&Command> = COMMANDS.iter().collect();
-    // Those with Shift first: without it, a shortcut is taken to match with it as well.
+    // Shortcuts with Shift come first: egui also matches a shortcut without Shift when Shift is held.
     commands.sort_by_key(|command| command.keys.is_some_and(|keys| !keys.modifiers.shift));
     for command in commands {
         let Some(keys) = command.keys else { continue };
-        // Copying and cutting arrive as events of their own.
+        // Copy and cut arrive as events of their own.
         let clipboard = keys.modifiers == COMMAND && matches!(keys.logical_key, Key::C | Key::X | Key::V);
         if clipboard || keys == PLAY || (typing && !keys.modifiers.command) {
             continue;

@@ -1,5 +1,5 @@
-//! Widgets of values. What changes the document comes from a gesture of the user's and from nothing else: a widget says by
-//! [`Told`] what a gesture made of its value, and only a [`Gesture`] asks for an edit. Drawing makes neither.
+//! Widgets for values. Only a user's gesture can change the document: a widget returns [`Told`] with the value a
+//! gesture produced, and only a [`Gesture`] can request an edit. Drawing alone creates neither.
 
 use crate::actions::Action;
 use crate::document::Edit;
@@ -10,43 +10,43 @@ use std::cell::Cell;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-/// Proof that the user did something. Only this module makes one. It holds the field where a value was entered or dragged that
-/// the document may refuse.
+/// Proof of a user's gesture, which only this module can create. Contains the field to show a refusal at, if the
+/// document may reject the value.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Gesture(Option<Id>);
 
 impl Gesture {
-    /// A click on a widget.
+    /// Returns the gesture of a click on a widget.
     pub(crate) fn click(response: &Response) -> Option<Self> {
         response.clicked().then_some(Self(None))
     }
 
-    /// A click with the other button.
+    /// Returns the gesture of a right-click.
     pub(crate) fn secondary_click(response: &Response) -> Option<Self> {
         response.secondary_clicked().then_some(Self(None))
     }
 
-    /// Two clicks.
+    /// Returns the gesture of a double-click.
     pub(crate) fn double_click(response: &Response) -> Option<Self> {
         response.double_clicked().then_some(Self(None))
     }
 
-    /// A drag that leads on.
+    /// Returns the gesture of a drag in progress that moved in this frame.
     pub(crate) fn drag(response: &Response) -> Option<Self> {
         (response.dragged() && response.drag_delta() != egui::Vec2::ZERO).then_some(Self(None))
     }
 
-    /// A drag, its last step included.
+    /// Returns the gesture of a drag, including its release.
     pub(crate) fn dragged(response: &Response) -> Option<Self> {
         (response.dragged() || response.drag_stopped()).then_some(Self(None))
     }
 
-    /// A press on a widget, from its first moment on.
+    /// Returns the gesture of a press on a widget, from its first moment on, with the pointer's position.
     pub(crate) fn press(response: &Response) -> Option<(Self, Pos2)> {
         response.interact_pointer_pos().map(|at| (Self(None), at))
     }
 
-    /// Whatever changed a widget while the pointer or a key was used on it.
+    /// Returns the gesture that changed a widget while the pointer, a key, or an accessibility tool was used on it.
     fn of(ui: &Ui, response: &Response) -> Option<Self> {
         let by_hand = response.is_pointer_button_down_on() || response.clicked() || response.drag_stopped();
         let by_keys = response.has_focus() || response.lost_focus();
@@ -55,7 +55,7 @@ impl Gesture {
         (response.changed() && (by_hand || by_keys || by_tool())).then_some(Self(None))
     }
 
-    /// A change in what a button has opened, such as a color's picker.
+    /// Returns the gesture of a change inside a popup opened by a button, such as a color picker.
     fn within(ui: &Ui, response: &Response) -> Option<Self> {
         let acts = ui.input(|input| {
             input.pointer.any_down() || input.pointer.any_released() || input.events.iter().any(is_typed)
@@ -63,12 +63,12 @@ impl Gesture {
         (response.changed() && acts).then_some(Self(None))
     }
 
-    /// The same, of a value that is whole: where the document does not bear it, a field says so.
+    /// Marks the value as final: if the document rejects it, this field shows the refusal.
     pub(crate) fn tried(self, field: &Response) -> Self {
         Self(Some(field.id))
     }
 
-    /// Asks for a change of the document.
+    /// Requests an edit of the document.
     pub(crate) fn edit(self, edit: Edit, actions: &mut Vec<Action>) {
         actions.push(match self.0 {
             Some(field) => Action::Give(edit, field),
@@ -76,7 +76,7 @@ impl Gesture {
         });
     }
 
-    /// Asks for a change of the document's wires.
+    /// Requests an edit of the document's wires.
     pub(crate) fn rewire(self, edit: Edit, actions: &mut Vec<Action>) {
         actions.push(Action::Rewire(edit));
     }
@@ -86,7 +86,7 @@ fn is_typed(event: &egui::Event) -> bool {
     matches!(event, egui::Event::Text(_) | egui::Event::Key { .. } | egui::Event::Paste(_))
 }
 
-/// What a widget tells: what a gesture made of its value, if one did.
+/// Result of a widget: its response, and the value that a gesture produced, if any.
 #[must_use]
 pub(crate) struct Told<T> {
     pub(crate) response: Response,
@@ -94,22 +94,22 @@ pub(crate) struct Told<T> {
 }
 
 impl<T> Told<T> {
-    /// Nothing was done.
+    /// Creates a result without a value.
     pub(crate) fn nothing(response: Response) -> Self {
         Self { response, given: None }
     }
 
-    /// The same of another type.
+    /// Converts the value.
     pub(crate) fn map<U>(self, to: impl FnOnce(T) -> U) -> Told<U> {
         Told { response: self.response, given: self.given.map(|(value, gesture)| (to(value), gesture)) }
     }
 
-    /// The value that was given, where the document is not what changes.
+    /// Returns the value, for fields that do not edit the document.
     pub(crate) fn value(self) -> Option<T> {
         self.given.map(|(value, _)| value)
     }
 
-    /// Asks for an edit where a value was given, and ends the step of undo with the gesture.
+    /// Requests an edit if a value was given, and ends the undo step with the gesture.
     pub(crate) fn edit(self, actions: &mut Vec<Action>, edit: impl FnOnce(T) -> Edit) {
         if let Some((value, gesture)) = self.given {
             gesture.edit(edit(value), actions);
@@ -120,10 +120,10 @@ impl<T> Told<T> {
     }
 }
 
-/// Most characters of a number that is shown.
+/// Maximum length of a displayed number, in characters.
 const LONG: usize = 12;
 
-/// A number in powers of ten without digits that say nothing: `1.5e20` for `1.5000e20`.
+/// Removes superfluous zeros from scientific notation: `1.5e20` for `1.5000e20`.
 fn in_powers(text: &str) -> String {
     match text.split_once('e') {
         Some((digits, power)) => format!("{}e{power}", digits.trim_end_matches('0').trim_end_matches('.')),
@@ -131,57 +131,57 @@ fn in_powers(text: &str) -> String {
     }
 }
 
-/// A number: dragged within its range, or typed and entered.
+/// Number field: the value is dragged within its range, or typed.
 #[derive(Clone)]
 pub(crate) struct Number<'n> {
     value: f64,
     range: (f64, f64),
     whole: bool,
     decimals: usize,
-    /// Whether they are always shown, so that the number takes as much room whatever it is.
+    /// Whether all decimals are always shown, so that the width of the number stays constant.
     fixed: bool,
     speed: f64,
     prefix: &'n str,
     suffix: &'n str,
-    /// What a slider before the number covers, and whether its steps grow.
+    /// Range of a slider before the field, and whether the slider is logarithmic.
     slider: Option<(RangeInclusive<f64>, bool)>,
 }
 
 impl<'n> Number<'n> {
-    /// A number without limits.
+    /// Creates an unlimited number field.
     pub(crate) fn new(value: f64) -> Self {
         let speed = (value.abs() * 0.005).max(0.01);
         let range = (f64::NEG_INFINITY, f64::INFINITY);
         Self { value, range, whole: false, decimals: 4, fixed: false, speed, prefix: "", suffix: "", slider: None }
     }
 
-    /// Frames per second.
+    /// Creates a field for frames per second.
     pub(crate) fn rate(fps: f64) -> Self {
         Self::new(fps).decimals(3).speed(0.1).range(1.0, 240.0)
     }
 
-    /// One that is legal from `min` to `max`.
+    /// Sets the valid range.
     pub(crate) fn range(self, min: f64, max: f64) -> Self {
         Self { range: (min, max), ..self }
     }
 
-    /// A whole one.
+    /// Restricts the field to whole numbers.
     pub(crate) fn whole(self) -> Self {
         let speed = (self.value.abs() * 0.01).max(0.1);
         Self { whole: true, decimals: 0, speed, ..self }
     }
 
-    /// Digits after the point that are shown at least where there are no others.
+    /// Sets the number of decimals to show, without trailing zeros.
     pub(crate) fn decimals(self, decimals: usize) -> Self {
         Self { decimals, ..self }
     }
 
-    /// Digits after the point that are shown whatever it is.
+    /// Sets the number of decimals to show always, including trailing zeros.
     pub(crate) fn fixed(self, decimals: usize) -> Self {
         Self { decimals, fixed: true, ..self }
     }
 
-    /// By how much a drag of one point changes it.
+    /// Sets the change per dragged point.
     pub(crate) fn speed(self, speed: f64) -> Self {
         Self { speed, ..self }
     }
@@ -194,12 +194,13 @@ impl<'n> Number<'n> {
         Self { suffix, ..self }
     }
 
-    /// A slider before it.
+    /// Adds a slider before the field.
     pub(crate) fn slider(self, covers: RangeInclusive<f64>, logarithmic: bool) -> Self {
         Self { slider: Some((covers, logarithmic)), ..self }
     }
 
-    /// The number as it is shown: short, unless that would say another one, and never long.
+    /// Returns the displayed text: short, unless that would misstate the value, and never longer than [`LONG`] unless
+    /// in scientific notation.
     fn text(&self) -> String {
         let short = format!("{:.*}", self.decimals, self.value);
         let read: f64 = short.parse().unwrap_or(f64::NAN);
@@ -211,7 +212,7 @@ impl<'n> Number<'n> {
         if text.len() <= LONG { text } else { in_powers(&format!("{:.4e}", self.value)) }
     }
 
-    /// The number as it is edited: with all its digits, where what is shown has left some out for their number.
+    /// Returns the text for editing, with all digits if the displayed text omits some.
     fn whole_text(&self) -> String {
         let text = self.text();
         if !text.contains('e') {
@@ -221,10 +222,10 @@ impl<'n> Number<'n> {
         if digits.len() <= 2 * LONG { digits } else { format!("{:e}", self.value) }
     }
 
-    /// A typed number.
+    /// Parses a typed number.
     ///
     /// # Errors
-    /// It is none, or none that is legal: what was found and what is expected.
+    /// Fails if the text is not a valid number; the message has the form "found X; expected Y".
     fn read(&self, text: &str) -> Result<f64, NoNumber> {
         let bare: String = text.chars().filter(|c| !c.is_whitespace()).collect();
         let bare = bare.replace('−', "-");
@@ -242,19 +243,19 @@ impl<'n> Number<'n> {
         [show(self.range.0), show(self.range.1)]
     }
 
-    /// What a drag gives: within the range, without digits that come from dragging alone.
+    /// Returns the value from a drag: clamped to the range, and without superfluous digits.
     fn tidy(&self, number: f64) -> f64 {
         let number = if self.whole { number.round() } else { rounded(number) };
         number.max(self.range.0).min(self.range.1)
     }
 
-    /// Draws it.
+    /// Draws the field.
     pub(crate) fn ui(self, ui: &mut Ui) -> Told<f64> {
         let mut slid = None;
         if let Some((covers, logarithmic)) = self.slider.clone() {
             let mut value = self.value;
             let slider = Slider::new(&mut value, covers).show_value(false).logarithmic(logarithmic);
-            // What lies beyond its ends stays what it is.
+            // A value beyond the ends of the slider is kept.
             let rail = ui.add(slider.clamping(egui::SliderClamping::Never));
             let gesture = Gesture::of(ui, &rail).filter(|_| value != self.value).map(|gesture| gesture.tried(&rail));
             refusal_ui(ui, &rail);
@@ -277,7 +278,7 @@ impl<'n> Number<'n> {
         let shown = if is_edited { whole.clone() } else { self.text() };
         let typed: Cell<Option<Result<f64, NoNumber>>> = Cell::new(None);
         let parse = |text: &str| {
-            // What nobody has touched stays what it is, with the digits that are not shown.
+            // Unedited text keeps the exact value, including digits not shown.
             let read = if text == whole { Ok(self.value) } else { self.read(text) };
             typed.set(Some(read.clone()));
             read.ok()
@@ -289,7 +290,8 @@ impl<'n> Number<'n> {
             .suffix(self.suffix)
             .custom_formatter(|_, _| shown.clone())
             .custom_parser(parse)
-            // What is typed counts when it is entered or left: its beginning may mean something else.
+            // Typed text takes effect on Enter or when the field loses the focus: a partial number may mean something
+            // else.
             .update_while_editing(false);
         let field = if self.range.0.is_finite() || self.range.1.is_finite() {
             field.range(self.range.0..=self.range.1)
@@ -316,8 +318,8 @@ impl<'n> Number<'n> {
     }
 }
 
-/// Whether what was typed in a field was given up by Esc. A field counts as left for two passes, and in the second of them, where
-/// no Esc is pressed any more, a number would be read all the same.
+/// Returns whether typing in a field was cancelled with Esc. A field counts as left for two passes; in the second, Esc
+/// is no longer pressed, and the number would be parsed after all.
 fn escaped(ui: &Ui, field: &Response) -> bool {
     let (id, pass) = (field.id.with("escaped"), ui.ctx().cumulative_pass_nr());
     if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape)) {
@@ -327,12 +329,12 @@ fn escaped(ui: &Ui, field: &Response) -> bool {
     field.lost_focus() && ui.data(|data| data.get_temp::<u64>(id)).is_some_and(|then| then + 1 == pass)
 }
 
-/// Two fields of one value, as the one that is typed into: the other's focus says nothing of it.
+/// Joins the responses of two fields for one value so that the focused field's response comes first.
 pub(crate) fn joined(a: Response, b: Response) -> Response {
     if b.has_focus() || b.lost_focus() { b | a } else { a | b }
 }
 
-/// Without digits that come from dragging alone.
+/// Rounds away digits that are only an artifact of dragging.
 pub(crate) fn rounded(number: f64) -> f64 {
     let digits = (5.0 - number.abs().max(1e-3).log10().floor()).clamp(0.0, 9.0);
     let scale = 10f64.powf(digits);
@@ -340,7 +342,8 @@ pub(crate) fn rounded(number: f64) -> f64 {
     if rounded.is_finite() { rounded } else { number }
 }
 
-/// A text of which every beginning is legal, so that each key counts at once; Esc gives back what was there.
+/// Draws a text field whose every intermediate text is valid, so that each keystroke takes effect at once; Esc restores
+/// the previous text.
 pub(crate) fn text_ui(ui: &mut Ui, text: &str, field: impl FnOnce(&mut String) -> TextEdit<'_>) -> Told<String> {
     let mut typed = text.to_string();
     let response = {
@@ -359,9 +362,8 @@ pub(crate) fn text_ui(ui: &mut Ui, text: &str, field: impl FnOnce(&mut String) -
     Told { given: gesture.map(|gesture| (typed, gesture)), response }
 }
 
-/// A text that must be read before it counts, such as a color or a list: it does when it is entered or left. What is refused
-/// stays to be mended as long as it is said what is wrong; Esc gives back what was there. The error of `read` says what is
-/// expected.
+/// Draws a field for a text that must be parsed, such as a color or a list; it takes effect on Enter or when the field
+/// loses the focus. A refused text can be corrected while the refusal is shown; Esc restores the previous text.
 pub(crate) fn draft_ui<T, E: Display>(
     ui: &mut Ui,
     (salt, written): (&str, &str),
@@ -370,7 +372,7 @@ pub(crate) fn draft_ui<T, E: Display>(
 ) -> Told<T> {
     let id = ui.id().with(("draft", salt));
     let known = ui.data(|data| data.get_temp::<(String, String)>(id));
-    // Something else has changed the value: what was typed was of another.
+    // Something else changed the value: the typed text belonged to the old one.
     let known = known.filter(|(of, _)| of == written).map(|(_, typed)| typed);
     let mut typed = known.unwrap_or_else(|| written.to_string());
     let response = {
@@ -398,7 +400,7 @@ pub(crate) fn draft_ui<T, E: Display>(
     Told { response, given }
 }
 
-/// A button in a color, sRGB values of 0 to 1, that opens a picker for it.
+/// Draws a color button, with sRGB values from 0 to 1, that opens a color picker.
 pub(crate) fn swatch_ui(ui: &mut Ui, color: [f32; 3]) -> Told<[f32; 3]> {
     let shown = color.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8);
     let mut bytes = shown;
@@ -407,7 +409,7 @@ pub(crate) fn swatch_ui(ui: &mut Ui, color: [f32; 3]) -> Told<[f32; 3]> {
     Told { given: gesture.map(|gesture| (bytes.map(|value| f32::from(value) / 255.0), gesture)), response }
 }
 
-/// On or off.
+/// Draws a checkbox.
 pub(crate) fn switch_ui(ui: &mut Ui, on: bool, text: &str) -> Told<bool> {
     let mut next = on;
     let response = ui.checkbox(&mut next, text);
@@ -415,7 +417,7 @@ pub(crate) fn switch_ui(ui: &mut Ui, on: bool, text: &str) -> Told<bool> {
     Told { given: gesture.map(|gesture| (next, gesture)), response }
 }
 
-/// A JSON value that a field shows as it is written.
+/// Draws a field for a JSON value, shown as JSON (strings without quotes).
 pub(crate) fn value_ui<E: Display>(
     ui: &mut Ui,
     (salt, value): (&str, &Value),
@@ -434,7 +436,7 @@ pub(crate) fn value_ui<E: Display>(
     told
 }
 
-/// How many characters of a value its field shows.
+/// Number of characters that fit in the field.
 const SEEN: usize = 24;
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
-//! Numbers and times as people read them.
+//! Human-readable formats for numbers, times, and sizes.
 
-/// A time with a unit that fits it.
+/// Formats a time with a suitable unit.
 pub(crate) fn seconds(seconds: f64) -> String {
     match seconds {
         s if s < 0.000_95 => format!("{:.0} µs", s * 1e6),
@@ -11,7 +11,7 @@ pub(crate) fn seconds(seconds: f64) -> String {
     }
 }
 
-/// A size in memory.
+/// Formats a memory size.
 pub(crate) fn bytes(bytes: usize) -> String {
     match bytes as f64 {
         b if b < 1e3 => format!("{b:.0} B"),
@@ -21,7 +21,7 @@ pub(crate) fn bytes(bytes: usize) -> String {
     }
 }
 
-/// A number in groups of three digits.
+/// Formats a number in groups of three digits.
 pub(crate) fn thousands(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
@@ -34,7 +34,7 @@ pub(crate) fn thousands(number: u64) -> String {
     text
 }
 
-/// A number with as many digits as say something.
+/// Formats a number with its significant digits.
 pub(crate) fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();

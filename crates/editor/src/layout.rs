@@ -1,11 +1,11 @@
-//! Where panels lie.
+//! Layout of the panels, and its storage.
 
 use crate::actions::Pane;
 use egui::ThemePreference;
 use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
 use std::collections::HashSet;
 
-/// Panels as they lie at first: the picture above the graph, what belongs to the chosen node at the right.
+/// Returns the initial layout: the viewer above the graph, panels for the selected node on the right.
 pub fn first() -> Tree<Pane> {
     let mut tiles = Tiles::default();
     let viewer = tiles.insert_pane(Pane::Viewer);
@@ -23,7 +23,7 @@ pub fn first() -> Tree<Pane> {
     Tree::new("panels", root, tiles)
 }
 
-/// Brings a panel to the front, also one that was closed.
+/// Brings a panel to the front, including one that was closed.
 pub fn bring(tree: &mut Tree<Pane>, pane: Pane) {
     let Some(tile) = tree.tiles.find_pane(&pane) else {
         *tree = first();
@@ -33,16 +33,16 @@ pub fn bring(tree: &mut Tree<Pane>, pane: Pane) {
     tree.make_active(|id, _| id == tile);
 }
 
-/// Raised when what is kept of the window means something else.
+/// Version of the stored layout; increment when its meaning changes.
 const VERSION: u32 = 1;
 
-/// What is kept of the window from one run to the next.
+/// Stored state of the window.
 #[derive(serde::Serialize, serde::Deserialize)]
 struct Kept<T> {
     version: u32,
     panels: T,
     theme: ThemePreference,
-    /// By how much the interface is enlarged.
+    /// Zoom factor of the interface.
     #[serde(default = "unscaled")]
     zoom: f32,
 }
@@ -51,26 +51,26 @@ fn unscaled() -> f32 {
     1.0
 }
 
-/// Panels, theme and enlargement as a text to be kept.
+/// Serializes panels, theme, and zoom factor.
 pub fn written(panels: &Tree<Pane>, (theme, zoom): (ThemePreference, f32)) -> String {
-    // Whatever cannot be written is laid out as at first when the editor starts next.
+    // If serialization fails, the next start uses the initial layout.
     serde_json::to_string(&Kept { version: VERSION, panels, theme, zoom }).unwrap_or_default()
 }
 
-/// The window as it was kept; `None` where that is damaged, or of a version with other panels.
+/// Parses a stored layout; returns `None` if it is damaged or from a version with other panels.
 pub fn read(text: &str) -> Option<(Tree<Pane>, (ThemePreference, f32))> {
     let kept: Kept<Tree<Pane>> = serde_json::from_str(text).ok()?;
     let legal = kept.version == VERSION && is_whole(&kept.panels) && (0.2..=5.0).contains(&kept.zoom);
     legal.then_some((kept.panels, (kept.theme, kept.zoom)))
 }
 
-/// Whether every panel can be reached, once, and has room.
+/// Returns whether every panel is reachable exactly once and has a size.
 fn is_whole(tree: &Tree<Pane>) -> bool {
     let mut open: Vec<TileId> = tree.root.into_iter().collect();
     let mut seen = HashSet::new();
     let mut panes = Vec::new();
     while let Some(id) = open.pop() {
-        // A tile that stands at two places, or within itself, could not be drawn.
+        // A tile in two places, or inside itself, cannot be drawn.
         if !seen.insert(id) {
             return false;
         }

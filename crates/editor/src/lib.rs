@@ -1,16 +1,16 @@
 //! The graph editor: one document, in a window.
 //!
-//! Data walks one way here too:
+//! Data flows in one direction:
 //!
 //! ```text
 //! text ─► Session ─► Sheet ─► panels ─► Actions ─► Session
 //!             └────► Worker ─► Seen ─┘
 //! ```
 //!
-//! The document's *text* is the document ([`document::Session`]). Everything that is drawn is read from it, every change is an
-//! [`Edit`](document::Edit) of it that undo takes back byte by byte. Pictures are made by a worker ([`evaluate`]), the newest
-//! wish first. Panels draw a [`state::State`] and ask by [`actions::Action`]s; none knows another. The editor
-//! ([`editor::Editor`]) does what was asked for.
+//! The *text* is the document ([`document::Session`]). Everything drawn is derived from it; every change is an
+//! [`Edit`](document::Edit) of the text, which undo reverts byte for byte. A worker ([`evaluate`]) evaluates pictures,
+//! newest request first. Panels draw a [`state::State`] and request [`actions::Action`]s; no panel depends on another.
+//! The editor ([`editor::Editor`]) performs the actions.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 

@@ -1,6 +1,7 @@
-//! `trochoid-editor`: the graph editor, as `trochoid edit` runs it.
+//! `trochoid-editor`: the graph editor, as started by `trochoid edit`.
 //!
-//! Exit codes: 0 the window was closed; 1 the document cannot be read, there is no display, or memory ran out; 2 usage.
+//! Exit codes: 0 if the window was closed; 1 if the document cannot be read, there is no display, or memory ran out; 2
+//! for a usage error.
 
 use clap::Parser;
 use std::process::ExitCode;
@@ -23,7 +24,7 @@ fn main() -> ExitCode {
     let Cli { edit, memory } = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
-            // Help and version are results and go to stdout; a reader that has gone away is no error.
+            // Help and version are regular output and go to stdout; a closed pipe is not an error.
             let _ = error.print();
             return ExitCode::from(if error.use_stderr() { INVALID } else { 0 });
         }

@@ -1,20 +1,21 @@
-//! Notices over the graph: what was done, and what could not be. Each can be closed; only errors wait for that.
+//! Notices over the graph that report successes and failures. Each can be closed; all but errors also disappear by
+//! themselves.
 
 use egui::{
     Align2, Area, Color32, Context, Frame, Label, Order, RichText, Visuals, WidgetInfo, WidgetType, pos2, vec2,
 };
 
-/// Notices come where they cover neither tabs nor the title: over the graph, off the timeline and the status below it.
+/// Margin of the notices: over the graph, above the timeline and status bar, without covering tabs or titles.
 const MARGIN: egui::Vec2 = vec2(8.0, 66.0);
-/// From one to the next, points.
+/// Distance between notices, in points.
 const APART: f32 = 6.0;
-/// Greatest width of a text, points.
+/// Maximum width of the text, in points.
 const WIDTH: f32 = 460.0;
 
-/// What a notice says.
+/// Importance of a notice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Level {
-    /// A small thing was done.
+    /// Confirmation of a small step.
     Plain,
     Info,
     Success,
@@ -23,7 +24,7 @@ enum Level {
 }
 
 impl Level {
-    /// Seconds that it stays; `None` until it is closed.
+    /// Returns the seconds for which the notice stays; `None` if it stays until closed.
     fn stays(self) -> Option<f64> {
         match self {
             Self::Plain => Some(1.5),
@@ -48,11 +49,11 @@ struct Notice {
     number: u64,
     level: Level,
     text: String,
-    /// When it goes, by the context's clock; from its first frame on.
+    /// Time of disappearance on the context's clock; set when the notice is first drawn.
     until: Option<f64>,
 }
 
-/// All that are to be seen, the oldest first.
+/// The visible notices, oldest first.
 #[derive(Debug, Default)]
 pub(crate) struct Notices {
     all: Vec<Notice>,
@@ -60,7 +61,7 @@ pub(crate) struct Notices {
 }
 
 impl Notices {
-    /// Says that a small thing was done.
+    /// Confirms a small step.
     pub(crate) fn plain(&mut self, text: impl Into<String>) {
         self.tell(Level::Plain, text.into());
     }
@@ -69,7 +70,7 @@ impl Notices {
         self.tell(Level::Info, text.into());
     }
 
-    /// Says that it worked.
+    /// Reports a success.
     pub(crate) fn success(&mut self, text: impl Into<String>) {
         self.tell(Level::Success, text.into());
     }
@@ -78,13 +79,13 @@ impl Notices {
         self.tell(Level::Warning, text.into());
     }
 
-    /// Says that it did not, until that is closed.
+    /// Reports a failure; the notice stays until closed.
     pub(crate) fn error(&mut self, why: impl ToString) {
         self.tell(Level::Error, why.to_string());
     }
 
     fn tell(&mut self, level: Level, text: String) {
-        // Said once more, it is the newest, and stays in sight.
+        // A repeated text becomes the newest notice and keeps its number, so that it stays on screen.
         let is_this = |known: &Notice| (known.level, &known.text) == (level, &text);
         let number = match self.all.iter().position(is_this) {
             Some(index) => self.all.remove(index).number,
@@ -96,18 +97,18 @@ impl Notices {
         self.all.push(Notice { number, level, text, until: None });
     }
 
-    /// Forgets what was said of a document that is left; that something worked is true all the same.
+    /// Removes notices about the document being left; reports of successes stay.
     pub(crate) fn leave(&mut self) {
         self.all.retain(|notice| notice.level == Level::Success);
     }
 
-    /// What is said, the oldest first.
+    /// Returns the texts, oldest first.
     #[cfg(test)]
     pub(crate) fn texts(&self) -> Vec<&str> {
         self.all.iter().map(|notice| notice.text.as_str()).collect()
     }
 
-    /// Shows them one above another. Nothing but their own ground takes clicks.
+    /// Draws the notices above one another. Only their own areas accept clicks.
     pub(crate) fn show(&mut self, context: &Context) {
         let now = context.input(|input| input.time);
         let room = context.content_rect();
@@ -121,7 +122,7 @@ impl Notices {
             let shown = area.show(context, |ui| notice_ui(ui, notice, room.width() - 2.0 * MARGIN.x));
             bottom = shown.response.rect.top() - APART;
             if shown.response.contains_pointer() {
-                // While it is being read, it stays.
+                // A notice stays while the pointer is over it.
                 notice.until = notice.until.map(|until| until.max(now + 1.0));
             }
             let left = notice.until.map(|until| until - now);
@@ -133,7 +134,7 @@ impl Notices {
     }
 }
 
-/// Draws a notice; whether it is closed.
+/// Draws a notice; returns whether it was closed.
 fn notice_ui(ui: &mut egui::Ui, notice: &Notice, room: f32) -> bool {
     let color = notice.level.color(ui.visuals());
     let frame = Frame::popup(ui.style()).stroke(egui::Stroke::new(1.0, color));
@@ -145,7 +146,7 @@ fn notice_ui(ui: &mut egui::Ui, notice: &Notice, room: f32) -> bool {
                 let color = if notice.level == Level::Error { color } else { ui.visuals().text_color() };
                 ui.add(Label::new(RichText::new(&notice.text).color(color)).wrap());
             });
-            let close = ui.small_button("×").on_hover_text("Closes this notice.");
+            let close = ui.small_button("×").on_hover_text("Close this notice");
             close.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, "Close notice"));
             close.clicked()
         })

@@ -1,21 +1,21 @@
-//! Axes of plots: ticks at round numbers, as many as can be read, and none that the edge would cut.
+//! Axes of plots: as many round ticks as are legible, none of them cut off by the edge.
 
 use egui_plot::{AxisHints, GridInput, GridMark, Plot};
 
-/// Points from one tick to the next, at least: across, and up.
+/// Minimum distance between ticks, horizontally and vertically, in points.
 const APART: [f64; 2] = [40.0, 24.0];
-/// Points at the right end of an axis where a number would be cut.
+/// Width at the right end of an axis in which a label would be cut off, in points.
 const END: f64 = 14.0;
-/// What `egui_plot` asks a grid for: a step of so many points.
+/// Points per base step of an `egui_plot` grid.
 const BASE: f64 = 8.0;
 
-/// The least of 1, 2 and 5 times a power of ten that is no less than a number.
+/// Returns the smallest of 1, 2, and 5 times a power of ten that is not below a number.
 fn round_up(least: f64) -> f64 {
     let power = 10f64.powf(least.log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|of| of * power).find(|step| *step >= least * (1.0 - 1e-9)).unwrap_or(power)
 }
 
-/// Ticks of an axis, across (0) or up (1), from the value that a point is.
+/// Returns the ticks of a horizontal (0) or vertical (1) axis; `point` is the value per point.
 fn ticks((low, high): (f64, f64), point: f64, axis: usize) -> Vec<GridMark> {
     let step_size = round_up(point.abs() * APART[axis]);
     if !(low.is_finite() && high.is_finite() && step_size.is_finite() && step_size > 0.0) {
@@ -26,7 +26,7 @@ fn ticks((low, high): (f64, f64), point: f64, axis: usize) -> Vec<GridMark> {
     (first..=last).take(1000).map(|index| GridMark { value: index as f64 * step_size, step_size }).collect()
 }
 
-/// Ticks of an axis of decimal logarithms: at powers of ten, between them too where there is room.
+/// Returns the ticks of a decimal logarithmic axis: powers of ten, and values in between if there is room.
 fn decades((low, high): (f64, f64), point: f64) -> Vec<GridMark> {
     const FINE: [&[f64]; 4] =
         [&[1.0, 1.3, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.5, 8.0], &[1.0, 2.0, 5.0], &[1.0, 3.0], &[1.0]];
@@ -42,24 +42,24 @@ fn decades((low, high): (f64, f64), point: f64) -> Vec<GridMark> {
     let all = (low.floor() as i64..=high.ceil() as i64).take(100);
     all.flat_map(|decade| of.iter().map(move |of| decade as f64 + of.log10()))
         .filter(|value| (low..=high - END * point.abs()).contains(value))
-        // All of them are numbered: which are too near each other was seen to.
+        // All of them get labels: their distance is already taken care of.
         .map(|value| GridMark { value, step_size: 1.0 })
         .collect()
 }
 
-/// A tick's number, with the digits that its step needs.
+/// Formats a tick's value with the digits that its step needs.
 fn numbered(value: f64, step: f64) -> String {
     let digits = (-step.log10() - 1e-9).ceil().clamp(0.0, 12.0) as usize;
     let value = if value.abs() < 0.5 * step { 0.0 } else { value };
     format!("{value:.digits$}")
 }
 
-/// The value that a point is.
+/// Returns the value per point.
 fn point(input: &GridInput) -> f64 {
     input.base_step_size / BASE
 }
 
-/// A plot with round ticks, and what its axes say.
+/// Adds round ticks and axis labels to a plot.
 pub(crate) fn even<'p>(plot: Plot<'p>, across: &str, up: &str) -> Plot<'p> {
     let number = |mark: GridMark, _: &_| numbered(mark.value, mark.step_size);
     plot.custom_x_axes(vec![AxisHints::new_x().label(across).label_spacing(20.0..=30.0).formatter(number)])
@@ -68,7 +68,7 @@ pub(crate) fn even<'p>(plot: Plot<'p>, across: &str, up: &str) -> Plot<'p> {
         .y_grid_spacer(|input| ticks(input.bounds, point(&input), 1))
 }
 
-/// The same of decimal logarithms across.
+/// Like [`even`], with a horizontal axis of decimal logarithms.
 pub(crate) fn logarithmic<'p>(plot: Plot<'p>, across: &str, up: &str) -> Plot<'p> {
     let number = |mark: GridMark, _: &_| ((10f64.powf(mark.value) * 1e4).round() / 1e4).to_string();
     even(plot, across, up)
@@ -76,7 +76,7 @@ pub(crate) fn logarithmic<'p>(plot: Plot<'p>, across: &str, up: &str) -> Plot<'p
         .x_grid_spacer(|input| decades(input.bounds, point(&input)))
 }
 
-/// A plot of what is seen from above: the axis that goes up is numbered downward, as Z goes.
+/// Like [`even`], for a view from above: labels of the vertical axis increase downward, as Z does.
 pub(crate) fn above<'p>(plot: Plot<'p>, across: &str, up: &str) -> Plot<'p> {
     let down = |mark: GridMark, _: &_| numbered(-mark.value, mark.step_size);
     even(plot, across, up).custom_y_axes(vec![AxisHints::new_y().label(up).label_spacing(14.0..=22.0).formatter(down)])

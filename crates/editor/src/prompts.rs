@@ -1,4 +1,5 @@
-//! Questions: which file, what of unsaved work, which command. The window draws them (`window/questions.rs`).
+//! State of the modal prompts: file dialogs, questions about unsaved work, and the command palette. The window draws
+//! them (`window/questions.rs`).
 
 use crate::actions::After;
 use crate::document::Session;
@@ -7,38 +8,38 @@ use egui_file_dialog::{FileDialog, Filter};
 use std::path::{Path, PathBuf};
 use trochoid::Refused;
 
-/// What is being asked.
+/// The open prompts.
 pub(crate) struct Prompts {
     data: Option<PathBuf>,
     pub(crate) open: Option<Prompt>,
     pub(crate) dialog: FileDialog,
-    /// What the file is for that the dialog asks for.
+    /// Purpose of the open file dialog.
     pub(crate) asking: Option<FileQuestion>,
 }
 
-/// What a file is asked for.
+/// Purpose of a file dialog.
 #[derive(Clone, Debug)]
 pub(crate) enum FileQuestion {
     Open,
-    /// And what comes after it is saved.
+    /// Save, then perform this step.
     Save(Option<After>),
 }
 
-/// A question.
+/// A modal question.
 pub(crate) enum Prompt {
     Unsaved(After),
-    /// Whether to write over a document of a newer version, and what comes after it.
+    /// Whether to overwrite a document of a newer format version; then the next step.
     Newer(Option<After>),
-    /// Which text counts: the file's, or the one here; whether that is to be saved, and what comes after it.
+    /// Whether to keep the file's text or the editor's. If the text was being saved, also the step that follows saving.
     External(Option<Option<After>>),
-    /// Whether to end a run, and what comes after it.
+    /// Whether to stop rendering; then the next step.
     Rendering(After),
-    /// Whether the document may reach further, so that it can be rendered.
+    /// Whether to give the permissions that rendering needs.
     Reach(Vec<Refused>),
     Recover(Vec<Kept>),
-    /// Whether to write over this file, and what comes after it.
+    /// Whether to overwrite this file; then the next step.
     Replace(PathBuf, Option<After>),
-    /// What documents were allowed.
+    /// Permissions of all documents.
     Allowed,
     Palette {
         text: String,
@@ -47,7 +48,7 @@ pub(crate) enum Prompt {
 }
 
 impl Prompts {
-    /// No question; `data` is where the program keeps its own data.
+    /// Creates prompts with none open; `data` is the folder for the program's data.
     pub(crate) fn new(data: Option<&Path>) -> Self {
         let json = Filter::new(|path: &Path| path.extension().is_some_and(|end| end == "json"));
         let dialog = FileDialog::new()
@@ -58,55 +59,55 @@ impl Prompts {
         Self { data: data.map(Path::to_path_buf), open: None, dialog, asking: None }
     }
 
-    /// Where the program keeps its own data.
+    /// Returns the folder for the program's data.
     pub(crate) fn data(&self) -> Option<&Path> {
         self.data.as_deref()
     }
 
-    /// Whether an answer is needed before anything else.
+    /// Returns whether a prompt blocks everything else.
     pub(crate) fn is_open(&self) -> bool {
         self.open.is_some() || self.asking.is_some()
     }
 
-    /// Asks what is to become of unsaved work before something else.
+    /// Asks what to do with unsaved work before the next step.
     pub(crate) fn unsaved(&mut self, after: After) {
         self.open = Some(Prompt::Unsaved(after));
     }
 
-    /// Asks whether to write over a document of a version that is not known here.
+    /// Asks whether to overwrite a document of an unsupported newer version.
     pub(crate) fn newer(&mut self, after: Option<After>) {
         self.open = Some(Prompt::Newer(after));
     }
 
-    /// Asks what counts: what is here, or what another program wrote. Where what is here was to be saved, `saving` says what
-    /// was to come after that.
+    /// Asks whether to keep the editor's text or take the one another program wrote. If the text was being saved,
+    /// `saving` contains the step that follows.
     pub(crate) fn external(&mut self, saving: Option<Option<After>>) {
         if self.open.is_none() || saving.is_some() {
             self.open = Some(Prompt::External(saving));
         }
     }
 
-    /// Asks whether to end a run before something else.
+    /// Asks whether to stop rendering before the next step.
     pub(crate) fn rendering(&mut self, after: After) {
         self.open = Some(Prompt::Rendering(after));
     }
 
-    /// Asks whether the document may reach files that it needs to be rendered.
+    /// Asks for permission to access the files that rendering needs.
     pub(crate) fn reach(&mut self, refused: Vec<Refused>) {
         self.open = Some(Prompt::Reach(refused));
     }
 
-    /// Offers work that was kept of editors that ended unexpectedly.
+    /// Offers backups of editors that ended unexpectedly.
     pub(crate) fn recover(&mut self, kept: Vec<Kept>) {
         self.open = Some(Prompt::Recover(kept));
     }
 
-    /// Shows which folders documents were allowed, to take them back.
+    /// Shows the permissions of all documents.
     pub(crate) fn allowed(&mut self) {
         self.open = Some(Prompt::Allowed);
     }
 
-    /// Asks for a command.
+    /// Opens the command palette.
     pub(crate) fn palette(&mut self) {
         self.open = Some(Prompt::Palette { text: String::new(), chosen: 0 });
     }

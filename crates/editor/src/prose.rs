@@ -1,9 +1,9 @@
-//! Texts that name knobs and values in backticks, as nodes' declarations do.
+//! Texts with knob names and values in backticks, as in nodes' declarations; and messages adapted to the editor.
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{FontFamily, FontId, TextStyle, Ui};
 
-/// A text whose parts in backticks are drawn as code, of a style's size.
+/// Lays out a text with the parts in backticks in a monospace font.
 pub(crate) fn prose(ui: &Ui, text: &str, style: &TextStyle, is_weak: bool) -> LayoutJob {
     let font = style.resolve(ui.style());
     let visuals = ui.visuals();
@@ -12,20 +12,20 @@ pub(crate) fn prose(ui: &Ui, text: &str, style: &TextStyle, is_weak: bool) -> La
     job.wrap.max_width = ui.available_width();
     for (index, part) in text.split('`').enumerate() {
         let family = if index % 2 == 1 { FontFamily::Monospace } else { font.family.clone() };
-        // Letters of one width look larger than others.
+        // Monospace letters look larger than others of the same size.
         let size = if index % 2 == 1 { 0.94 * font.size } else { font.size };
         job.append(part, 0.0, TextFormat::simple(FontId::new(size, family), color));
     }
     job
 }
 
-/// A label of such a text.
+/// Draws such a text as a wrapped label.
 pub(crate) fn prose_ui(ui: &mut Ui, text: &str) {
     let job = prose(ui, text, &TextStyle::Body, false);
     ui.add(egui::Label::new(job).wrap());
 }
 
-/// What such a text says when the pointer rests on something.
+/// Shows such a text as a tooltip.
 pub(crate) fn explained(response: egui::Response, text: &str) -> egui::Response {
     response.on_hover_ui(|ui| {
         ui.set_max_width(ui.spacing().tooltip_width);

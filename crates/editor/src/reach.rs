@@ -1,51 +1,51 @@
-//! Folders that documents may reach besides their own: which are asked for, what was answered, by document, and what of that
-//! is taken back.
+//! Permissions for folders outside a document's own: the request, the stored answers per document, and their
+//! revocation.
 
 use crate::actions::Grant;
 use egui::Ui;
 use std::path::{Path, PathBuf};
 use trochoid::{Access, Refused};
 
-/// How many documents are remembered.
+/// Maximum number of documents whose permissions are stored.
 const MOST: usize = 200;
 
-/// How many folders are remembered of each.
+/// Maximum number of permissions stored per document.
 const MOST_FOLDERS: usize = 50;
 
-/// Most bytes of the list: paths are short.
+/// Maximum size of the stored list, in bytes; paths are short.
 const MOST_BYTES: u64 = 16 << 20;
 
-/// A document, and what was allowed it.
+/// A document and its permissions.
 pub(crate) type Answer = (PathBuf, Vec<Grant>);
 
 fn list(data: &Path) -> PathBuf {
     data.join("allowed.json")
 }
 
-/// What every document was allowed, the newest first.
+/// Reads the permissions of all documents, most recently changed first.
 pub(crate) fn read(data: &Path) -> Vec<Answer> {
     let text = trochoid::io::read_text(list(data), MOST_BYTES).unwrap_or_default();
     serde_json::from_str(&text).unwrap_or_default()
 }
 
-/// A document's path with links followed: what is answered for it counts however it is named.
+/// Returns a document's path with links resolved, so that permissions apply however the path is written.
 pub(crate) fn whole(document: &Path) -> PathBuf {
     document.canonicalize().or_else(|_| std::path::absolute(document)).unwrap_or_else(|_| document.into())
 }
 
-/// What was allowed a document.
+/// Returns the stored permissions of a document.
 pub(crate) fn remembered(data: &Path, document: &Path) -> Vec<Grant> {
     let document = whole(document);
     read(data).into_iter().find(|(known, _)| *known == document).map_or_else(Vec::new, |(_, grants)| grants)
 }
 
-/// Remembers what was allowed a document.
+/// Stores a permission of a document.
 pub(crate) fn remember(data: &Path, document: &Path, grant: &Grant) {
     let mut grants = remembered(data, document);
     grants.retain(|known| known != grant);
     grants.insert(0, grant.clone());
     grants.truncate(MOST_FOLDERS);
-    // Before those of all others.
+    // Moved to the front of the list.
     let (document, mut answers) = (whole(document), read(data));
     answers.retain(|(known, _)| *known != document);
     answers.insert(0, (document, grants));
@@ -53,7 +53,7 @@ pub(crate) fn remember(data: &Path, document: &Path, grant: &Grant) {
     write(data, &answers);
 }
 
-/// Remembers no more that this was allowed a document.
+/// Deletes a stored permission of a document.
 pub(crate) fn forget(data: &Path, document: &Path, grant: &Grant) {
     let (whole, mut answers) = (whole(document), read(data));
     for (_, grants) in answers.iter_mut().filter(|(known, _)| *known == whole || known == document) {
@@ -65,18 +65,18 @@ pub(crate) fn forget(data: &Path, document: &Path, grant: &Grant) {
 
 fn write(data: &Path, answers: &[Answer]) {
     if let Ok(text) = serde_json::to_string_pretty(answers) {
-        // What cannot be kept is asked again.
+        // If storing fails, the user is asked again the next time.
         let _ = trochoid::write_whole(&list(data), text.as_bytes());
     }
 }
 
-/// What a document of a folder may reach: what this run allows, and what was allowed the document.
+/// Returns the access of a document in a folder, with the permissions of this run and those of the document.
 pub(crate) fn access(folder: &Path, run: &[PathBuf], grants: &[Grant]) -> Access {
     let access = run.iter().fold(Access::usual(folder), |access, path| access.allowing(path));
     grants.iter().map(Grant::parts).fold(access, |access, (folder, right, _)| access.granting(folder, right))
 }
 
-/// A button for each folder that files were refused of; gives what is allowed.
+/// Draws a button for each folder that access was refused to; returns the permission given.
 pub(crate) fn buttons_ui(ui: &mut Ui, refused: &[Refused], has_file: bool) -> Option<Grant> {
     let mut allowed = None;
     let mut asked: Vec<Grant> = Vec::new();
@@ -94,20 +94,20 @@ pub(crate) fn buttons_ui(ui: &mut Ui, refused: &[Refused], has_file: bool) -> Op
     allowed
 }
 
-/// What is asked for, where it leads, and what follows from an answer.
+/// Returns the tooltip of a button: the request, the actual path, and the consequences.
 fn help(refused: &Refused, grant: &Grant, has_file: bool) -> String {
     let (asks, may) = match &refused.node {
-        Some(node) => (format!("The node “{node}” asks to read"), "read"),
-        None => ("An output asks to write".into(), "write"),
+        Some(node) => (format!("Node “{node}” requests to read"), "read"),
+        None => ("An output requests to write".into(), "write"),
     };
     let (path, leads_to) = (refused.path.display(), refused.outside.leads_to.display());
     let lasts = match has_file {
-        true => "This is remembered for this document, by its path, and for no other.",
-        false => "This lasts until the document is saved or closed; then it is asked again.",
+        true => "The permission is stored for this document only, by its path.",
+        false => "The permission lasts until the document is saved or closed.",
     };
     format!(
-        "{asks} {path}\nwhich leads to {leads_to}\n\nThat is outside of what this document may {may}. Allow it if you trust \
-         the document: it may then {may} in {} and all folders beneath. {lasts}",
+        "{asks} {path}\nwhich refers to {leads_to}\n\nThis document may not {may} there. Allow it if you trust \
+         the document: it may then {may} in {} and all folders below. {lasts}",
         grant.parts().0.display()
     )
 }

@@ -1,14 +1,15 @@
-//! Why a value that was given to a field does not count: said below the field, where it moves nothing. One at a time.
+//! The popup below a field that explains why its value was refused; it does not affect the layout. Only one is shown at
+//! a time.
 
 use egui::{Area, Context, Id, Key, Order, Rect, Response, RichText, Ui, pos2, vec2};
 use std::fmt::Display;
 
-/// What is said, and of which field.
+/// The refusal shown, and its field.
 #[derive(Clone)]
 struct Refusal {
     field: Id,
     why: String,
-    /// The pass in which it was said.
+    /// Pass in which the value was refused.
     pass: u64,
 }
 
@@ -34,14 +35,14 @@ impl NoNumber {
     }
 }
 
-/// Greatest width of what is said, points.
+/// Maximum width of the popup, in points.
 const WIDTH: f32 = 280.0;
 
 fn known(context: &Context) -> Option<Refusal> {
     context.data(|data| data.get_temp(Id::NULL))
 }
 
-/// Says why a value does not count, in place of what was said before.
+/// Shows why a field's value is refused, replacing any earlier refusal.
 pub(crate) fn refuse(context: &Context, field: Id, why: &dyn Display) {
     let why = why.to_string();
     let pass = context.cumulative_pass_nr();
@@ -49,22 +50,22 @@ pub(crate) fn refuse(context: &Context, field: Id, why: &dyn Display) {
     context.request_repaint();
 }
 
-/// Says nothing any more: what was typed is of the past.
+/// Removes the refusal, because the typed value is no longer relevant.
 pub(crate) fn forget(context: &Context) {
     context.data_mut(|data| data.remove::<Refusal>(Id::NULL));
 }
 
-/// Whether something was refused in this pass or the one before.
+/// Returns whether a value was refused in this pass or the previous one.
 pub(crate) fn is_fresh(context: &Context) -> bool {
     known(context).is_some_and(|refusal| refusal.pass + 1 >= context.cumulative_pass_nr())
 }
 
-/// Whether something is said of what a field was given.
+/// Returns whether a refusal is shown for a field.
 pub(crate) fn stands(context: &Context, field: Id) -> bool {
     known(context).is_some_and(|refusal| refusal.field == field)
 }
 
-/// Says what is wrong with what a field was given, until the field is used again or Esc is pressed.
+/// Draws the refusal of a field, until the field is used again or Esc is pressed.
 pub(crate) fn refusal_ui(ui: &Ui, field: &Response) {
     let Some(Refusal { why, .. }) = known(ui.ctx()).filter(|refusal| refusal.field == field.id) else { return };
     let again = field.gained_focus() || field.drag_started() || (field.changed() && field.has_focus());
@@ -76,7 +77,7 @@ pub(crate) fn refusal_ui(ui: &Ui, field: &Response) {
     }
     let frame = egui::Frame::popup(ui.style());
     let margin = frame.total_margin().sum();
-    // Within its panel; a strip such as the timeline has no room for it.
+    // Inside its panel, unless the panel is a strip such as the timeline, which is too small.
     let seen = ui.clip_rect();
     let room = if seen.height() < 120.0 { ui.ctx().content_rect() } else { seen };
     let width = (room.width() - margin.x).clamp(40.0, WIDTH);

@@ -1,4 +1,4 @@
-//! Writes the outputs of a range of frames to their files, on a thread of its own.
+//! Renders the outputs of a range of frames to their files, on a separate thread.
 
 use crate::document::edit::count;
 use crate::state::Render;
@@ -12,19 +12,19 @@ use trochoid::{
     Settings, check_destinations, check_replaced, misses, output_files, refused_files, write_output,
 };
 
-/// A run.
+/// A rendering in progress.
 pub(crate) struct Renderer {
     shared: Arc<RunState>,
     total: usize,
     thread: Option<JoinHandle<Result<Ended, RunError>>>,
 }
 
-/// Why a run does not start.
+/// Reason why rendering does not start.
 #[derive(Debug)]
 pub(crate) enum Obstacle {
-    /// Files that the document may not reach, to be read or to be written.
+    /// Files that the document has no permission to read or write.
     Refused(Vec<Refused>),
-    /// Anything else.
+    /// Any other reason, as a sentence.
     Because(Hindrance),
 }
 
@@ -102,7 +102,7 @@ impl From<OutputError> for Obstacle {
 struct RunState {
     stop: AtomicBool,
     done: AtomicUsize,
-    /// Thousandths of the present frame.
+    /// Progress of the current frame, in thousandths.
     share: AtomicU32,
     context: Mutex<Option<egui::Context>>,
 }
@@ -126,10 +126,10 @@ impl Monitor for RunState {
 }
 
 impl Renderer {
-    /// Starts a run of these frames.
+    /// Starts rendering these frames.
     ///
     /// # Errors
-    /// No output has a file, or a file cannot be written or may not be reached; nothing is evaluated then.
+    /// Fails if no output has a file, or if a file cannot be written or accessed; nothing is evaluated then.
     pub(crate) fn start(graph: Arc<CheckedGraph>, range: (i64, i64), context: egui::Context) -> Result<Self, Obstacle> {
         let outputs: Vec<usize> =
             (0..graph.outputs().len()).filter(|&index| graph.outputs()[index].file.is_some()).collect();
@@ -165,12 +165,12 @@ impl Renderer {
         Ok(Self { shared, total, thread: Some(thread) })
     }
 
-    /// Stops as soon as possible. Frames that are done stay.
+    /// Stops rendering as soon as possible. Finished frames are kept.
     pub(crate) fn cancel(&self) {
         self.shared.stop.store(true, Ordering::Relaxed);
     }
 
-    /// How far it is.
+    /// Returns the progress.
     pub(crate) fn progress(&self) -> Render {
         Render {
             done: (self.shared.done.load(Ordering::Relaxed), self.total),
@@ -178,7 +178,7 @@ impl Renderer {
         }
     }
 
-    /// How it ended, once.
+    /// Returns the outcome once rendering has ended; later calls return `None`.
     pub(crate) fn outcome(&mut self) -> Option<Result<Ended, RunError>> {
         let thread = self.thread.take_if(|thread| thread.is_finished())?;
         Some(thread.join().unwrap_or_else(|_| Err(RunError::Panicked)))

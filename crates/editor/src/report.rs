@@ -1,4 +1,4 @@
-//! Where the time went, what was left out, and how accurate the settings at hand are.
+//! The report panel: timings, nodes left out, and the accuracy of alternative settings.
 
 use crate::actions::Action;
 use crate::evaluate::lens::OUTPUT;
@@ -10,14 +10,14 @@ use std::sync::mpsc::{Receiver, channel};
 use trochoid::accuracy::{LadderRequest, Request, TargetError, climb};
 use trochoid::{Format, FormatError, Loaded, NodeReport, Settings, Silent, State as Became, Tolerance};
 
-/// What the panel holds besides what all see.
+/// State of the panel that no other panel shares.
 #[derive(Default)]
 pub(crate) struct Report {
     measuring: Option<Receiver<Measurement>>,
     measured: Option<Measurement>,
 }
 
-/// How accurate settings are, and how long they take.
+/// Measured accuracy and time of settings.
 struct Measurement {
     revision: u64,
     outcome: Result<Vec<Step>, Unmeasured>,
@@ -34,10 +34,10 @@ enum Unmeasured {
     NoBound,
 }
 
-/// One setting.
+/// Measurement of one setting.
 struct Step {
     name: String,
-    /// Seconds, and the largest certified error of samples that are in no doubt.
+    /// Seconds, and the largest certified error over samples that are not in doubt.
     seconds: f64,
     error: f64,
 }
@@ -68,8 +68,8 @@ fn times_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     Plot::new("times").height(120.0).y_axis_label("ms").show_x(false).legend(Legend::default()).include_y(0.0).show(
         ui,
         |plot| {
-            plot.line(Line::new("in all", line(|past| past.seconds[1])));
-            plot.line(Line::new("preparing", line(|past| past.seconds[0])));
+            plot.line(Line::new("total", line(|past| past.seconds[1])));
+            plot.line(Line::new("preparation", line(|past| past.seconds[0])));
         },
     );
     Grid::new("past").num_columns(4).striped(true).show(ui, |ui| {
@@ -95,7 +95,7 @@ fn sorted(state: &State) -> Vec<&NodeReport> {
     nodes
 }
 
-/// A bar a node, the longest first.
+/// Draws one bar per node, longest first.
 fn nodes_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let nodes = sorted(state);
     let longest = nodes.first().map_or(0.0, |node| node.seconds);
@@ -152,7 +152,7 @@ fn left_out_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     }
 }
 
-/// Measures the words of accuracy of the graph in the viewer, on request: it takes a while.
+/// Draws the accuracy measurement of the viewed graph, started on request because it takes a while.
 fn accuracy_ui(report: &mut Report, ui: &mut Ui, state: &State) {
     if let Some(measured) = report.measuring.as_ref().and_then(|inbox| inbox.try_recv().ok()) {
         report.measured = Some(measured);
@@ -175,7 +175,7 @@ fn accuracy_ui(report: &mut Report, ui: &mut Ui, state: &State) {
     });
     let Some(measured) = &report.measured else { return };
     if measured.revision != state.session.revision() {
-        ui.weak("Of the document before the last change:");
+        ui.weak("Measured before the last change of the document:");
     }
     match &measured.outcome {
         Err(error) => {
@@ -219,10 +219,10 @@ fn measure(result: &crate::evaluate::Result, revision: u64, context: egui::Conte
     inbox
 }
 
-/// By how much the picture is made smaller that is measured.
+/// Factor by which the measured picture is smaller.
 const SHRINK: u32 = 4;
 
-/// Every setting of accuracy, the coarse ones first.
+/// Measures every accuracy setting, coarsest first.
 fn ladder(result: &crate::evaluate::Result) -> Result<Vec<Step>, Unmeasured> {
     let (lens, subject) = (&result.lens, &result.subject);
     let whole = lens.graph.format();
@@ -247,7 +247,7 @@ fn ladder(result: &crate::evaluate::Result) -> Result<Vec<Step>, Unmeasured> {
     };
     let ladder = climb(&load, &asked, &Silent)?;
     let steps = ladder.rungs.iter().filter(|rung| rung.is_method && rung.certified.max.is_finite()).map(|rung| Step {
-        name: if rung.set.is_empty() { "as it is".into() } else { rung.set.join(", ") },
+        name: if rung.set.is_empty() { "current settings".into() } else { rung.set.join(", ") },
         seconds: rung.seconds,
         error: rung.certified.max,
     });

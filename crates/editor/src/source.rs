@@ -1,49 +1,49 @@
-//! The panel of the document's text: what everything else here is made of.
+//! The text panel: the document as JSON text, which everything else is derived from.
 
 use crate::actions::Action;
 use crate::state::State;
 use egui::{RichText, ScrollArea, TextEdit, Ui};
 
-/// The text while it is being edited.
+/// State of the text panel.
 #[derive(Debug, Default)]
 pub(crate) struct Source {
     draft: Option<Draft>,
-    /// Grows with all that is typed.
+    /// Incremented by every change of the draft.
     typings: u64,
 }
 
 #[derive(Debug)]
 struct Draft {
-    /// The revision of the document that it was compared with.
+    /// Revision of the document that the draft was last compared with.
     revision: u64,
     text: String,
-    /// Whether it differs from that.
+    /// Whether the draft differs from that revision.
     typed: bool,
 }
 
 impl Source {
-    /// What is typed and not applied yet.
+    /// Returns the typed text that is not applied yet.
     pub(crate) fn pending(&self) -> Option<&str> {
         self.draft.as_ref().filter(|draft| draft.typed).map(|draft| draft.text.as_str())
     }
 
-    /// The same, which is applied now.
+    /// Removes and returns the typed text, to apply it.
     pub(crate) fn take(&mut self) -> Option<String> {
         self.draft.take().filter(|draft| draft.typed).map(|draft| draft.text)
     }
 
-    /// Grows with all that is typed.
+    /// Returns a counter that every change of the draft increments.
     pub(crate) fn typings(&self) -> u64 {
         self.typings
     }
 }
 
-/// Shows the text, and its faults with their places.
+/// Draws the text, with its faults and their places above.
 pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let session = &state.session;
     if let Some(draft) = source.draft.as_mut().filter(|draft| draft.revision != session.revision()) {
         draft.revision = session.revision();
-        // What is typed stays, whatever becomes of the document meanwhile.
+        // Typed text is kept whatever happens to the document in the meantime.
         if !draft.typed {
             draft.text = session.text().into();
         }
@@ -53,7 +53,7 @@ pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions
     ui.horizontal(|ui| {
         if ui
             .add_enabled(typed, egui::Button::new("Apply"))
-            .on_hover_text("Makes this the document (one step of undo).")
+            .on_hover_text("Replace the document with this text (one undo step)")
             .clicked()
             && let Some(text) = source.take()
         {

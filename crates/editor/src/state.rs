@@ -1,4 +1,4 @@
-//! What is open, what is chosen and what is seen: all that panels draw. Nothing here draws.
+//! Shared state of the panels: the document, the selection, and the evaluated pictures. Independent of drawing.
 
 use crate::document::{Path, Session, Sheet};
 use crate::evaluate::{Blamed, Display, Result, Screen};
@@ -6,45 +6,45 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use trochoid::{NodeReport, Refused};
 
-/// All that panels draw. They change nothing in it but ask for it by [`Action`](crate::actions::Action)s.
+/// Shared state that panels draw. Panels do not modify it; they request changes by [`Action`](crate::actions::Action)s.
 #[derive(Debug)]
 pub struct State {
     /// The document.
     pub session: Session,
-    /// Names of the nodes that are chosen.
+    /// Names of the selected nodes.
     pub selection: BTreeSet<String>,
-    /// The output that is chosen, where no node is.
+    /// Selected output, if no node is selected.
     pub output: Option<String>,
-    /// What the viewer shows.
+    /// Subject and display settings of the viewer.
     pub look: Look,
-    /// What has been evaluated.
+    /// Results of evaluation.
     pub seen: Seen,
-    /// The frame.
+    /// Current frame.
     pub frame: i64,
-    /// Whether frames follow each other in real time.
+    /// Whether playback is running.
     pub playing: bool,
-    /// The frames that are played and rendered.
+    /// First and last frame to play and render.
     pub range: (i64, i64),
-    /// A run that writes files, if there is one.
+    /// Rendering in progress, if any.
     pub render: Option<Render>,
-    /// The place in the document that takes the color of the picture that is clicked next.
+    /// Place in the document that receives the next color clicked in the picture.
     pub dropper: Option<Path>,
 }
 
-/// What the viewer shows, and how.
+/// Subject and display of the viewer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
-    /// The node and the index of its output; nothing if `None`.
+    /// Viewed node and index of its output; `None` shows nothing.
     pub node: Option<(String, usize)>,
-    /// Nodes under the keys 1 to 9.
+    /// Nodes assigned to the keys 1 to 9.
     pub slots: [Option<String>; 9],
-    /// How values become brightness.
+    /// Mapping of values to brightness.
     pub display: Display,
-    /// By how much the picture is smaller than the document's.
+    /// Factor by which the picture is smaller than the document's.
     pub proxy: u32,
-    /// The part that is evaluated, in shares of the picture.
+    /// Region to evaluate, in fractions of the picture.
     pub region: Option<[f32; 4]>,
-    /// The pixel that is inspected, in shares of the picture.
+    /// Inspected pixel, in fractions of the picture.
     pub pick: Option<[f32; 2]>,
 }
 
@@ -54,63 +54,63 @@ impl Default for Look {
     }
 }
 
-/// What has been evaluated.
+/// Results of evaluation.
 #[derive(Debug, Default)]
 pub struct Seen {
-    /// The newest picture of what is looked at, which may be of an older text until there is a newer one.
+    /// Newest picture of the viewed result; it may show an older text until a newer picture arrives.
     pub result: Option<Arc<Result>>,
-    /// The picture before, where there is none any more: it stays in sight until there is another.
+    /// Last picture, if there is no current one: it stays visible until there is another.
     pub last: Option<Arc<Result>>,
-    /// Why there is none, in a sentence.
+    /// Message why there is no picture, as a sentence.
     pub failed: Option<String>,
-    /// The node that it failed at, where what is wrong shows in evaluation alone.
+    /// Node at fault, if the fault appears only in evaluation.
     pub culprit: Option<String>,
-    /// Whether it failed in evaluation, and not because there is nothing to be looked at.
+    /// Whether evaluation itself failed, rather than there being nothing to view.
     pub broken: bool,
-    /// Files that it failed for because the document may not read them.
+    /// Files that evaluation failed on because the document may not read them.
     pub refused: Vec<Refused>,
-    /// How much of the picture is done; `None` where nothing is being evaluated.
+    /// Completed fraction of the picture; `None` if nothing is being evaluated.
     pub progress: Option<f32>,
-    /// What nodes did when they were last evaluated, by name.
+    /// Report of each node's last evaluation, by name.
     pub nodes: HashMap<String, NodeReport>,
-    /// Small pictures of nodes, by name.
+    /// Thumbnails of nodes, by name.
     pub thumbnails: HashMap<String, Arc<Screen>>,
-    /// Pictures of the frames, as far as they are of the document as it is, for playing.
+    /// Cached frames of the current document, for playback.
     pub frames: BTreeMap<i64, Arc<Result>>,
-    /// Frames per second over the last frames that were played.
+    /// Frame rate over the last played frames.
     pub rate: Option<f64>,
-    /// What the pixel that is inspected is made of; of the picture before until it is known.
+    /// Composition of the inspected pixel; that of the previous pixel until the new one is known.
     pub blame: Option<Blamed>,
-    /// The evaluations so far, the newest last.
+    /// Past evaluations, newest last.
     pub past: Vec<Past>,
 }
 
-/// An evaluation that is over.
+/// A finished evaluation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Past {
     /// The node.
     pub node: String,
     /// The frame.
     pub frame: i64,
-    /// By how much the picture was smaller than the document's.
+    /// Factor by which the picture was smaller than the document's.
     pub shrunk: u32,
-    /// Seconds to prepare, and in all.
+    /// Seconds for preparation, and in total.
     pub seconds: [f64; 2],
-    /// Pixels outside the hull; `None` for what is no color.
+    /// Number of pixels outside the hull; `None` if the picture is not a color.
     pub exits: Option<u64>,
 }
 
-/// A run that writes files.
+/// Progress of a rendering.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Render {
-    /// Frames done, and to be done.
+    /// Number of finished frames, and of all frames.
     pub done: (usize, usize),
-    /// How much of the present frame is done.
+    /// Completed fraction of the current frame.
     pub share: f32,
 }
 
 impl State {
-    /// The state of a document that was just opened: its first output in the viewer.
+    /// Creates the state for a newly opened document, with its first output in the viewer.
     pub fn new(session: Session) -> Self {
         let mut state = Self {
             session,
@@ -128,7 +128,7 @@ impl State {
         state
     }
 
-    /// Looks at the document's first output, at its first frame.
+    /// Views the document's first output at its first frame.
     pub fn begin(&mut self) {
         let sheet = self.session.sheet().clone();
         let (first, last, _) = sheet.frames;
@@ -139,13 +139,13 @@ impl State {
         }
     }
 
-    /// What the document's first output shows.
+    /// Returns the result that the document's first output renders.
     pub fn first_output(sheet: &Sheet) -> Option<(String, usize)> {
         let source = sheet.outputs.iter().find_map(|output| sheet.source(&output.source));
         source.map(|(node, output)| (sheet.nodes[node].name.clone(), output))
     }
 
-    /// Goes on looking at nodes that have other names now.
+    /// Updates the viewed, assigned, and selected nodes after nodes were renamed.
     pub fn rename(&mut self, names: &[(String, String)]) {
         for (old, new) in names {
             let looked = self.look.node.iter_mut().map(|(name, _)| name);
@@ -157,28 +157,29 @@ impl State {
         }
     }
 
-    /// What the canvas draws.
+    /// Returns the sheet that the canvas draws.
     pub fn sheet(&self) -> &Arc<Sheet> {
         self.session.sheet()
     }
 
-    /// The chosen node, where it is exactly one.
+    /// Returns the selected node if exactly one is selected.
     pub fn chosen(&self) -> Option<&str> {
         let mut names = self.selection.iter();
         names.next().filter(|_| names.next().is_none()).map(String::as_str)
     }
 
-    /// What is wrong that the document does not show and evaluation does: the node, where it is one's, and what.
+    /// Returns the fault that appears only in evaluation, not in the document: the node, if the fault belongs to one,
+    /// and the message.
     pub fn broken(&self) -> Option<(Option<&str>, &str)> {
         let (seen, meaning) = (&self.seen, self.session.meaning());
         let failed = seen.failed.as_deref().filter(|_| seen.broken)?;
         let culprit = seen.culprit.as_deref();
-        // What is told of the node already is the same.
+        // A known error of the node is assumed to be the same fault.
         let known = meaning.errors().any(|error| error.node.as_deref() == culprit);
         (!known).then_some((culprit, failed))
     }
 
-    /// The first fault of a node, or of the nearest one above it that has one: its name and what is wrong.
+    /// Returns the first fault of a node, or of the nearest faulty node above it, with the name of that node.
     pub fn fault_of(&self, node: usize) -> Option<(&str, &trochoid::Diagnostic)> {
         let sheet = self.sheet();
         let faults = &self.session.meaning().diagnostics;

@@ -1,4 +1,4 @@
-//! An editor without a window, for tests.
+//! A headless editor for tests.
 
 use crate::actions::Action;
 use crate::document::Session;
@@ -7,15 +7,15 @@ use egui_kittest::Harness;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// A window without a screen, with an editor in it.
+/// A headless window with an editor.
 pub(crate) type Window = Harness<'static, Option<Editor>>;
 
-/// An editor of a document, 1280 × 800.
+/// Opens a document in an editor, 1280 × 800.
 pub(crate) fn window(session: Session, data: Option<PathBuf>) -> Window {
     sized(session, data, [1280.0, 800.0])
 }
 
-/// An editor of a document in a window of a size, in points.
+/// Opens a document in an editor window of a given size, in points.
 pub(crate) fn sized(session: Session, data: Option<PathBuf>, size: [f32; 2]) -> Window {
     let mut session = Some(session);
     let draw = move |ui: &mut egui::Ui, editor: &mut Option<Editor>| {
@@ -29,24 +29,24 @@ pub(crate) fn sized(session: Session, data: Option<PathBuf>, size: [f32; 2]) -> 
     window
 }
 
-/// The editor within.
+/// Returns the editor.
 pub(crate) fn editor(window: &Window) -> &Editor {
     window.state().as_ref().unwrap()
 }
 
-/// Does what is asked for, and draws nothing yet.
+/// Performs an action without drawing.
 pub(crate) fn ask(window: &mut Window, action: Action) {
     let context = window.ctx.clone();
     window.state_mut().as_mut().unwrap().act(action, &context);
 }
 
-/// Does what is asked for, and draws what follows from it.
+/// Performs an action and draws the result.
 pub(crate) fn act(window: &mut Window, action: Action) {
     ask(window, action);
     window.run_steps(3);
 }
 
-/// Draws until something holds; frames follow each other as in a window.
+/// Draws until a condition holds, at the frame rate of a window.
 pub(crate) fn until(window: &mut Window, what: &str, holds: impl Fn(&Editor) -> bool) {
     let started = Instant::now();
     while !holds(editor(window)) {
@@ -56,7 +56,7 @@ pub(crate) fn until(window: &mut Window, what: &str, holds: impl Fn(&Editor) -> 
     }
 }
 
-/// Draws until the picture is finished, or cannot be made.
+/// Draws until the picture is finished or has failed.
 pub(crate) fn finished(window: &mut Window) {
     window.step();
     until(window, "the picture", |editor| {
@@ -65,12 +65,12 @@ pub(crate) fn finished(window: &mut Window) {
     });
 }
 
-/// An editor of a document whose viewer shows nothing, so that nothing is evaluated.
+/// Opens a document in an editor whose viewer shows nothing, so that nothing is evaluated.
 pub(crate) fn unseen(session: Session) -> Window {
     unseen_in(session, [1280.0, 800.0])
 }
 
-/// The same in a window of a size, in points.
+/// Like [`unseen`], in a window of a given size, in points.
 pub(crate) fn unseen_in(session: Session, size: [f32; 2]) -> Window {
     let mut session = Some(session);
     let draw = move |ui: &mut egui::Ui, editor: &mut Option<Editor>| {

@@ -1,9 +1,9 @@
-//! Colors of the interface: what a kind of value looks like, and what a state does.
+//! Colors of the interface, by kind of value and by state.
 
 use egui::{Color32, Context, Stroke, Theme, Visuals, vec2};
 use trochoid::{Accepts, Kind};
 
-/// The color of what has this kind.
+/// Returns the color of a kind.
 pub(crate) fn kind(kind: Option<Kind>) -> Color32 {
     match kind {
         Some(Kind::Color) => Color32::from_rgb(0xe8, 0xb0, 0x4a),
@@ -17,12 +17,12 @@ pub(crate) fn kind(kind: Option<Kind>) -> Color32 {
     }
 }
 
-/// A color as letters of it can be read: darker on a light ground.
+/// Makes a color legible as text: darker in the light theme.
 pub(crate) fn ink(color: Color32, visuals: &Visuals) -> Color32 {
     if visuals.dark_mode { color } else { color.lerp_to_gamma(Color32::BLACK, 0.5) }
 }
 
-/// The color of a pin that takes this.
+/// Returns the color of a pin by the kinds it accepts.
 pub(crate) fn accepts(accepts: Accepts) -> Color32 {
     kind(match accepts {
         Accepts::Color | Accepts::Image => Some(Kind::Color),
@@ -35,12 +35,12 @@ pub(crate) fn accepts(accepts: Accepts) -> Color32 {
     })
 }
 
-/// What is wrong.
+/// Returns the color of errors.
 pub(crate) fn error(visuals: &Visuals) -> Color32 {
     visuals.error_fg_color
 }
 
-/// Colors of backdrops, for titles and areas.
+/// Colors of backdrops.
 pub(crate) const TINTS: [[u8; 3]; 8] = [
     [0x4a, 0x62, 0x78],
     [0x4c, 0x6b, 0x55],
@@ -52,7 +52,7 @@ pub(crate) const TINTS: [[u8; 3]; 8] = [
     [0x58, 0x58, 0x5e],
 ];
 
-/// The colors and distances of both themes.
+/// Sets the colors and spacing of both themes.
 pub(crate) fn install(context: &Context) {
     context.style_mut_of(Theme::Dark, |style| {
         let visuals = &mut style.visuals;

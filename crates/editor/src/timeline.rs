@@ -1,4 +1,4 @@
-//! The timeline: frames to scrub and play, those in memory marked, and the range that is rendered.
+//! The timeline: scrubbing and playback, marks on cached frames, and the range to render.
 
 use crate::actions::Action;
 use crate::document::sheet::FAR;
@@ -7,14 +7,14 @@ use crate::field::Number;
 use crate::state::State;
 use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 
-/// What the timeline holds besides what all see.
+/// State of the timeline that no other panel shares.
 #[derive(Default)]
 pub(crate) struct Timeline {
-    /// Which end of the range is being dragged.
+    /// End of the range being dragged: `false` for the first frame, `true` for the last.
     end: Option<bool>,
 }
 
-/// Width of a button, points.
+/// Width of a button, in points.
 const BUTTON: f32 = 26.0;
 
 /// Draws the timeline.
@@ -22,7 +22,7 @@ pub(crate) fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, a
     ui.horizontal(|ui| {
         let (first, last) = state.range;
         let mut button = |ui: &mut Ui, text: &str, name: &str, action: Action| {
-            // As wide whatever it shows, so that nothing beside it moves.
+            // A constant width, so that nothing beside the button moves.
             let button = egui::Button::new(text).min_size(vec2(BUTTON, 0.0));
             let response = ui.add(button).on_hover_text(name);
             response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, name));
@@ -56,16 +56,16 @@ pub(crate) fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, a
         }
         rate_ui(ui, state);
         let fps = Number::rate(state.sheet().frames.2).suffix(" fps").ui(ui);
-        fps.response.clone().on_hover_text("Frames per second, of the document.");
+        fps.response.clone().on_hover_text("Frames per second of the document");
         let path = Path::default().to("frames").to("fps");
         fps.edit(actions, |fps| Edit::set(path, &serde_json::json!(fps)).merging("fps"));
     });
 }
 
-/// Width of the rate that is reached, points: there is room for it also where nothing plays.
+/// Width of the measured frame rate, in points; reserved even if nothing plays.
 const RATE: f32 = 52.0;
 
-/// The rate that is reached, before the one that is wanted.
+/// Draws the measured frame rate, before the document's.
 fn rate_ui(ui: &mut Ui, state: &State) {
     let size = vec2(RATE - ui.spacing().item_spacing.x, ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -75,20 +75,20 @@ fn rate_ui(ui: &mut Ui, state: &State) {
         let color = if slow { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
         let text = if rate < 9.95 { format!("{rate:.1} of") } else { format!("{rate:.0} of") };
         ui.label(egui::RichText::new(text).color(color))
-            .on_hover_text("Frames per second over the last that were shown; every frame is.");
+            .on_hover_text("Measured frame rate; playback shows every frame");
     });
 }
 
-/// First and last frame of the strip: those of the document, of the range, and the present one.
+/// Returns the first and last frame of the strip, which covers the document's frames, the range, and the current frame.
 fn shown(state: &State) -> (i64, i64) {
     let (first, last, _) = state.sheet().frames;
     (first.min(state.range.0).min(state.frame), last.max(state.range.1).max(state.frame))
 }
 
-/// The frames, side by side.
+/// Draws the strip of frames and handles its input.
 fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, actions: &mut Vec<Action>) {
     let (low, high) = shown(state);
-    // A still has one frame, in the middle.
+    // A still has a single frame, in the middle.
     let is_still = high == low;
     let span = (high - low).max(1) as f64;
     let (rect, response) = ui.allocate_exact_size(vec2(width, 30.0), Sense::click_and_drag());
@@ -116,7 +116,7 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
         let mark = Rect::from_min_max(pos2(center - half, rect.bottom() - 4.0), pos2(center + half, rect.bottom()));
         painter.rect_filled(mark, 0.0, Color32::from_rgb(0x5f, 0xb8, 0x72));
     }
-    // Marks as dense as their numbers can be read.
+    // Marks as dense as their labels are legible.
     let least = f64::from(56.0 * span as f32 / bar.width());
     let step = [1, 2, 5, 10, 12, 20, 24, 50, 100, 200, 500, 1000, 5000, 10_000, 100_000, 1_000_000];
     let step = step.into_iter().find(|step| *step as f64 >= least).unwrap_or(span as i64);
@@ -128,7 +128,7 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
                 [pos2(at, rect.top()), pos2(at, rect.top() + 5.0)],
                 Stroke::new(1.0, visuals.weak_text_color()),
             );
-            // Beside the brackets, not below them.
+            // Beside the brackets instead of under them.
             let (shift, align) = match mark {
                 _ if is_still => (4.0, Align2::LEFT_TOP),
                 mark if mark == state.range.0 => (4.0, Align2::LEFT_TOP),
@@ -158,14 +158,14 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
     let Some(pointer) = response.interact_pointer_pos() else {
         timeline.end = None;
         if response.hovered() {
-            response.on_hover_text("Drag to scrub; drag a bracket to change the range.");
+            response.on_hover_text("Drag to scrub. Drag a bracket to change the range.");
         }
         return;
     };
     if response.drag_started() || response.clicked() {
         let origin = ui.input(|input| input.pointer.press_origin()).unwrap_or(pointer);
         let near = |at: f32| (at - origin.x).abs() < 5.0;
-        // The frame itself goes before the brackets.
+        // The playhead takes precedence over the brackets.
         timeline.end = match () {
             () if near(now) && !response.clicked() => None,
             () if near(ends[0]) => Some(false),

@@ -1,11 +1,11 @@
-//! What happens while a picture of the window is drawn arrives all at once with the next one. A key that moves the keyboard to
-//! another field must not take the letters typed before it along, nor those typed after it to the field before: such
-//! events are handed on one frame each.
+//! Splits keyboard events over several frames. All events that occur while a frame is drawn arrive together with the
+//! next frame. A key that moves the focus must not take earlier typing along to the next field, nor leave later typing
+//! in the old one, so such events are delivered in frames of their own.
 
 use egui::{Context, Event, Key, Plugin, RawInput};
 use std::collections::VecDeque;
 
-/// Hands events of the keyboard on in turns.
+/// Installs the plugin.
 pub(crate) fn install(context: &Context) {
     context.add_plugin(Turns::default());
 }
@@ -15,14 +15,14 @@ struct Turns {
     waiting: VecDeque<Event>,
 }
 
-/// What an event does to the keyboard.
+/// Effect of an event on keyboard input.
 #[derive(Clone, Copy, PartialEq)]
 enum Role {
-    /// It goes to the field that has it.
+    /// Goes to the focused field.
     Typed,
-    /// It may give it to another field, or does something with what was typed.
+    /// May move the focus, or use the typed text.
     Turn,
-    /// It may, as the two ends of a click do.
+    /// May move the focus; the two ends of a click belong together.
     Press,
     Neither,
 }
@@ -40,7 +40,7 @@ fn role(event: &Event) -> Role {
     }
 }
 
-/// How many of some events belong into one frame.
+/// Returns how many of the pending events belong in one frame.
 fn turn<'e>(events: impl Iterator<Item = &'e Event>) -> usize {
     let (mut before, mut count) = (None, 0);
     for event in events {

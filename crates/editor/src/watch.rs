@@ -1,11 +1,11 @@
-//! Tells when the document's file is changed by another program.
+//! Watches the document's file for changes by other programs.
 
 use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Watches one file.
+/// Watcher for one file.
 #[derive(Default)]
 pub(crate) struct Watcher {
     watcher: Option<RecommendedWatcher>,
@@ -13,13 +13,13 @@ pub(crate) struct Watcher {
 }
 
 impl Watcher {
-    /// Watches this file and no other.
+    /// Watches this file instead of any other.
     pub(crate) fn watch(&mut self, file: Option<&Path>, context: &egui::Context) {
         self.watcher = None;
         self.changed = Arc::default();
-        // Where it leads: that is what is written to.
+        // Links are resolved, because saving writes to their target.
         let Some(file) = file.map(trochoid::resolved) else { return };
-        // Files are often replaced and not written to, so their folder is watched.
+        // The folder is watched, because programs often replace files instead of writing to them.
         let Some(folder) = file.parent().map(Path::to_path_buf) else { return };
         let (changed, context) = (self.changed.clone(), context.clone());
         let name = file.file_name().map(std::ffi::OsStr::to_os_string);
@@ -35,11 +35,11 @@ impl Watcher {
             watcher.watch(&folder, RecursiveMode::NonRecursive)?;
             Ok(watcher)
         });
-        // Where nothing can be watched, saving looks at the file.
+        // If watching fails, saving still checks the file.
         self.watcher = watcher.ok();
     }
 
-    /// Whether it may have changed since this was asked last.
+    /// Returns whether the file may have changed since the last call.
     pub(crate) fn changed(&mut self) -> bool {
         self.changed.swap(false, Ordering::Relaxed)
     }

@@ -1,4 +1,4 @@
-//! The wave panel: where waves go and how large they are, what they are made of, and whether they fold or grow.
+//! The waves panel: direction and size of a sea's waves, their spectrum, and whether crests fold or waves grow.
 
 use crate::actions::Action;
 use crate::document::{Edit, Node, Path};
@@ -12,10 +12,10 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use trochoid::{CheckedGraph, Item, Knob, KnobDefault, Role, Spectrum, Stability, Takes, stability_of};
 
-/// What the panel holds besides what all see.
+/// State of the panel that no other panel shares.
 #[derive(Default)]
 pub(crate) struct Waves {
-    /// Of which sea, at which revision and frame, this is the spectrum.
+    /// Spectrum of this sea at this revision and frame.
     spectrum: Option<(String, u64, i64, Option<Spectrum>)>,
     stability: Option<(String, u64, Found)>,
 }
@@ -25,12 +25,12 @@ enum Found {
     Here(Option<Box<Stability>>),
 }
 
-/// Draws the sea that is chosen, or else the document's first.
+/// Draws the panel for the selected sea, or the document's first.
 pub(crate) fn waves_ui(waves: &mut Waves, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let is_sea = |node: &&Node| node.is(Role::Sea);
     let sheet = state.sheet();
     let chosen = state.chosen().and_then(|name| sheet.node(name)).filter(is_sea);
-    // Whatever is chosen: the sea that it shows or floats on.
+    // For another selected node: the sea that it depends on.
     let above = || {
         let start = sheet.find(state.chosen()?)?;
         let mut above: Vec<usize> = sheet.upstream([start]).into_iter().collect();
@@ -43,14 +43,14 @@ pub(crate) fn waves_ui(waves: &mut Waves, ui: &mut Ui, state: &State, actions: &
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.horizontal(|ui| {
-            if ui.link(RichText::new(&sea.name).heading()).on_hover_text("Chooses it.").clicked() {
+            if ui.link(RichText::new(&sea.name).heading()).on_hover_text("Select this node").clicked() {
                 actions.push(Action::Select([sea.name.clone()].into()));
             }
             ui.weak(&sea.ty);
         });
         let width = ui.available_width();
         knobs_ui(ui, state, sea, actions);
-        // Sliders that are wider than the panel make nothing below them wider.
+        // Sliders wider than the panel must not widen the content below.
         ui.set_max_width(width);
         let Some(graph) = &state.session.meaning().graph else {
             ui.weak("The document has errors: correct them to see its waves.");
@@ -62,7 +62,7 @@ pub(crate) fn waves_ui(waves: &mut Waves, ui: &mut Ui, state: &State, actions: &
     });
 }
 
-/// The knobs that make a sea what it is, in their order.
+/// Knobs that shape a sea, in display order.
 const KNOBS: [&str; 12] = [
     "direction",
     "height",
@@ -87,7 +87,7 @@ fn knobs_ui(ui: &mut Ui, state: &State, sea: &Node, actions: &mut Vec<Action>) {
             _ => None,
         })
     };
-    // A name must find its place beside each slider.
+    // Leaves room for a name beside each slider.
     ui.spacing_mut().slider_width = 84.0;
     ui.horizontal_top(|ui| {
         if let Some(direction) = knob("direction") {
@@ -96,7 +96,7 @@ fn knobs_ui(ui: &mut Ui, state: &State, sea: &Node, actions: &mut Vec<Action>) {
         ui.vertical(|ui| {
             for name in KNOBS.into_iter().filter(|name| *name != "direction") {
                 let Some(knob) = knob(name) else { continue };
-                // What is named like a word of a choice counts only where that is chosen.
+                // A knob named like a word of a choice applies only if that word is chosen.
                 let mut choices = declaration.items.iter().filter_map(|item| match item {
                     Item::Knob(Knob { name: choice, takes: Takes::Choice(words), .. }) if words.contains(&name) => {
                         Some(choice)
@@ -115,7 +115,7 @@ fn text_of<'s>(state: &'s State, path: &Path, name: &str) -> &'s str {
     state.sheet().get(&path.to(name)).and_then(Value::as_str).unwrap_or_default()
 }
 
-/// A knob's plain value; `None` where it is keyed.
+/// Returns a knob's plain value; `None` if it is keyframed.
 fn value_of(state: &State, path: &Path, knob: &Knob) -> Option<f64> {
     match (state.sheet().get(&path.to(knob.name)), knob.default) {
         (Some(value), _) => value.as_f64(),
@@ -130,10 +130,10 @@ fn set(path: &Path, value: f64) -> Edit {
 
 fn slider_ui(ui: &mut Ui, state: &State, path: &Path, knob: &Knob, actions: &mut Vec<Action>) {
     let Some(value) = value_of(state, path, knob) else {
-        ui.weak(format!("{} is keyed: see Properties", knob.name.replace('_', " ")));
+        ui.weak(format!("{} is animated: see Properties", knob.name.replace('_', " ")));
         return;
     };
-    // As far as seas go that one sees; the field beside the slider takes all that is legal.
+    // Practical slider ranges; the field beside the slider accepts every valid value.
     let (low, high) = match knob.name {
         "height" => (0.0, 20.0),
         "wavelength" => (0.5, 300.0),
@@ -164,7 +164,7 @@ fn slider_ui(ui: &mut Ui, state: &State, path: &Path, knob: &Knob, actions: &mut
     });
 }
 
-/// A compass seen from above: +X to the right, +Z down.
+/// Draws a compass as seen from above: +X to the right, +Z down.
 fn dial_ui(ui: &mut Ui, path: &Path, value: Option<f64>, actions: &mut Vec<Action>) {
     let (rect, response) = ui.allocate_exact_size(vec2(92.0, 92.0), Sense::click_and_drag());
     let (center, radius) = (rect.center(), 40.0);
@@ -184,7 +184,7 @@ fn dial_ui(ui: &mut Ui, path: &Path, value: Option<f64>, actions: &mut Vec<Actio
         painter.text(
             center,
             egui::Align2::CENTER_CENTER,
-            "keyed",
+            "animated",
             egui::FontId::proportional(11.0),
             visuals.text_color(),
         );
@@ -202,7 +202,7 @@ fn dial_ui(ui: &mut Ui, path: &Path, value: Option<f64>, actions: &mut Vec<Actio
         let to: egui::Vec2 = pointer - center;
         if to.length() > 4.0 {
             let angle = f64::from(to.y.atan2(to.x).to_degrees());
-            // Shift takes steps of 15°.
+            // Shift snaps to steps of 15°.
             let angle =
                 if ui.input(|input| input.modifiers.shift) { (angle / 15.0).round() * 15.0 } else { angle.round() };
             gesture.edit(set(path, angle), actions);
@@ -214,7 +214,7 @@ fn dial_ui(ui: &mut Ui, path: &Path, value: Option<f64>, actions: &mut Vec<Actio
     response.on_hover_text(format!("Waves travel toward {degrees:.0}°, seen from above. Shift: steps of 15°."));
 }
 
-/// Draws the waves that a sea is made of; whether it is made of waves.
+/// Draws the waves of a sea; returns whether the sea has a spectrum of waves.
 fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph: &Arc<CheckedGraph>) -> bool {
     let (revision, frame) = (state.session.revision(), state.frame);
     let current = |known: &(String, u64, i64, Option<Spectrum>)| {
@@ -229,10 +229,13 @@ fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph:
     let (text, color) = match spectrum.unfolded {
         margin if margin.is_infinite() => ("Crests never fold over.".into(), ui.visuals().text_color()),
         margin if margin >= 1.0 => (
-            format!("Crests do not fold over, nor would they up to {margin:.2} times the sharpness."),
+            format!("Crests do not fold over, up to {margin:.2} times the current sharpness."),
             ui.visuals().text_color(),
         ),
-        margin => (format!("Crests fold over: {margin:.2} times the sharpness would not."), ui.visuals().warn_fg_color),
+        margin => (
+            format!("Crests fold over: they would not at {margin:.2} times the sharpness."),
+            ui.visuals().warn_fg_color,
+        ),
     };
     ui.label(RichText::new(text).color(color));
     ui.label(RichText::new(format!("{}: amplitude over length", counted(spectrum.waves.len()))).strong());
@@ -243,7 +246,7 @@ fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph:
     if let Some(text) = parts(spectrum.waves.len(), random, by_hand, groups) {
         ui.weak(text);
     }
-    // Of very many, as many as can be told apart.
+    // If there are very many waves, only as many as can be told apart.
     let step = spectrum.waves.len().div_ceil(2000).max(1);
     let stems: Vec<[f64; 2]> =
         spectrum.waves.iter().step_by(step).map(|wave| [wave.wavelength.log10(), wave.amplitude.abs()]).collect();
@@ -252,7 +255,7 @@ fn spectrum_ui(waves: &mut Waves, ui: &mut Ui, state: &State, sea: &Node, graph:
         let stems = Points::new("", PlotPoints::from(stems)).stems(0.0).radius(1.5);
         plot.points(stems.color(Color32::from_rgb(0x3f, 0xb5, 0xb0)));
     });
-    ui.label(RichText::new("Where they travel").strong());
+    ui.label(RichText::new("Directions of travel").strong());
     let rose: Vec<[f64; 2]> = spectrum
         .waves
         .iter()
@@ -280,7 +283,7 @@ fn counted(waves: usize) -> String {
     format!("{} {noun}", crate::format::thousands(waves as u64))
 }
 
-/// Where the waves of a sea come from, where not all are random ones.
+/// Describes the sources of a sea's waves, unless all are random.
 fn parts(all: usize, random: usize, by_hand: usize, groups: usize) -> Option<String> {
     let of_groups = all.checked_sub(random + by_hand)?;
     let mut parts = vec![format!("{} random", crate::format::thousands(random as u64))];
@@ -294,7 +297,7 @@ fn parts(all: usize, random: usize, by_hand: usize, groups: usize) -> Option<Str
     (parts.len() > 1).then(|| parts.join(", "))
 }
 
-/// The verdict on a toon sea, its figures, and where it stands on the map.
+/// Draws the verdict on a toon sea, its figures, and its point on the stability map.
 fn stability_ui(
     waves: &mut Waves,
     ui: &mut Ui,
@@ -317,7 +320,7 @@ fn stability_ui(
     let current = matches!(&waves.stability, Some((name, known, _)) if (name, *known) == (&sea.name, revision));
     let busy = matches!(&waves.stability, Some((.., Found::Waiting(_))));
     let button = egui::Button::new(if current { "Analyze again" } else { "Analyze stability" });
-    let help = "Predicts and measures how the sea behaves in the long run; takes some seconds.";
+    let help = "Predict and measure the long-term behavior of the sea (takes a few seconds)";
     ui.horizontal(|ui| {
         if ui.add_enabled(!busy, button).on_hover_text(help).clicked()
             && let Some(id) = graph.find(&sea.name)
@@ -337,7 +340,7 @@ fn stability_ui(
     });
     let Some((.., Found::Here(Some(stability)))) = &waves.stability else { return };
     if !current {
-        ui.weak("Of the sea before the last change:");
+        ui.weak("Analyzed before the last change of the document:");
     }
     ui.label(RichText::new(format!("Verdict: {}", stability.verdict.name())).strong());
     for sentence in &stability.says {
@@ -372,7 +375,7 @@ fn stability_ui(
             let edit = Edit::set(path.to(across), &round(at.x)).then(Edit::set(path.to(up), &round(at.y)));
             gesture.edit(edit, actions);
         }
-        ui.weak(format!("{} Double-click moves the sea there.", map.note));
+        ui.weak(format!("{} Double-click to move the sea there.", map.note));
     }
     egui::Grid::new("figures").num_columns(3).striped(true).show(ui, |ui| {
         ui.strong("");

@@ -1,4 +1,4 @@
-//! The editor's program as far as it needs no display.
+//! Tests of the editor program, as far as they need no display.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 

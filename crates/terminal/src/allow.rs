@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 use trochoid::quoted_path;
 
-/// Warns of what `--allow` names and is not there.
+/// Warns about paths given to `--allow` that do not exist.
 pub fn warn_of_missing(allow: &[PathBuf]) {
     let missing = allow.iter().filter(|path| !path.exists());
     let texts = missing.map(|path| {

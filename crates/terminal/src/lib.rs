@@ -1,5 +1,4 @@
-//! What the command line and the editor's program share: how they speak on a terminal, the options that both take, and how
-//! much memory they may have.
+//! Shared by the command line and the editor program: terminal messages, common options, and the memory limit.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
@@ -11,15 +10,15 @@ pub use allow::warn_of_missing;
 pub use memory::{MemoryArgs, enough_memory};
 pub use tell::{printable, tell};
 
-/// The exit code where input or output failed, input data are bad, or the evaluation failed.
+/// Exit code if input or output failed, input data is invalid, or the evaluation failed.
 pub const FAILED: u8 = 1;
-/// The exit code of wrong usage and of invalid documents.
+/// Exit code for wrong usage and invalid documents.
 pub const INVALID: u8 = 2;
 
-/// Arguments of the editor, shared by `trochoid edit` and the editor's own program.
+/// Options of the editor, for `trochoid edit` and the editor's own program.
 #[derive(Debug, clap::Args)]
 pub struct EditArgs {
-    /// The document; a new one if none is named
+    /// Document to open; a new document if omitted
     pub graph: Option<std::path::PathBuf>,
     /// Let documents of this run read and write this file, or what lies beneath this folder; may be repeated [default: beneath
     /// their own folder and, where that lies beneath the current one, beneath that, and what they were allowed in the editor]

@@ -1,16 +1,17 @@
-//! `--memory`: how much the program may take, and its end where that, or the machine, does not suffice.
+//! The `--memory` option: limits the memory of the program, and ends the program if memory runs out.
 
 use crate::FAILED;
 use bytesize::ByteSize;
 use std::sync::Mutex;
 use trochoid::{Exhausted, Heap, discard_partial_files, exit_at_once, in_bytes, memory_share};
 
-/// The least that is any use.
+/// Minimum useful limit, in bytes.
 const LEAST: u64 = 64_000_000;
 
 const EXPECTED: &str = "expected a number with its unit, such as 8GB, 500MB or 2GiB";
 
-/// Given back at the end, so that there is memory to say why; large enough for the system to take it from the process.
+/// Memory reserve, released when memory runs out so that the error can be reported; large enough for the system to
+/// return it.
 static RESERVE: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 const RESERVED: usize = 4 << 20;
 
@@ -35,8 +36,8 @@ enum SizeError {
     },
 }
 
-/// Returns the value of `--memory` to suggest for a frame estimated at this many bytes: a tenth more, since an estimate is
-/// not exact.
+/// Returns the value for `--memory` suggested for a frame with this estimated number of bytes: ten percent more,
+/// because the estimate is incomplete.
 pub fn enough_memory(bytes: u64) -> String {
     let bytes = bytes.saturating_add(bytes / 10).max(LEAST);
     if bytes > 10_000_000_000 {
@@ -46,7 +47,7 @@ pub fn enough_memory(bytes: u64) -> String {
     }
 }
 
-/// How much memory the process may take.
+/// Memory limit of the process.
 #[derive(Debug, clap::Args)]
 pub struct MemoryArgs {
     /// Most memory to take, such as 8GB or 500MB: what needs more is refused before it begins [default: three quarters of the
@@ -56,8 +57,8 @@ pub struct MemoryArgs {
 }
 
 impl MemoryArgs {
-    /// Bounds the memory of the whole process, whose allocator is [`Heap`]. Where it does not suffice, the process ends with
-    /// code 1 and leaves nothing half written.
+    /// Limits the memory of the whole process, whose allocator is [`Heap`]. If the limit is exceeded, the process exits
+    /// with code 1 and removes partially written files.
     pub fn bound(&self) {
         let bytes = self.memory.unwrap_or_else(memory_share);
         Heap::bound(usize::try_from(bytes).unwrap_or(usize::MAX));

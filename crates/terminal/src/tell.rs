@@ -7,7 +7,7 @@ const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 const NOTE: Style = AnsiColor::Green.on_default().bold();
 const REMEDY: Style = AnsiColor::Cyan.on_default().bold();
 
-/// Prints messages on stderr, with colors on terminals alone. Where even that fails, nobody listens.
+/// Prints messages to stderr, colored only on terminals. Errors while printing are ignored.
 pub fn tell<'m, M: Display + 'm>(messages: impl IntoIterator<Item = &'m M>) {
     let mut err = anstream::stderr().lock();
     for message in messages {
@@ -15,7 +15,7 @@ pub fn tell<'m, M: Display + 'm>(messages: impl IntoIterator<Item = &'m M>) {
     }
 }
 
-/// Colors the words at the start of lines that say what a message is.
+/// Colors the leading word of each line that marks the type of message.
 fn paint(message: &str) -> String {
     let words = [("error:", ERROR), ("warning:", WARNING), ("note:", NOTE), ("  remedy:", REMEDY)];
     let lines = message.lines().map(|line| {
@@ -28,7 +28,7 @@ fn paint(message: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// A text of a document or file without control characters, so that it cannot steer the terminal.
+/// Replaces control characters in text from a document or file, so that it cannot control the terminal.
 pub fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }

@@ -1,18 +1,18 @@
-//! What one goes on to.
+//! The step that follows once the open document may be left.
 
 use std::path::PathBuf;
 
-/// What comes after this document.
+/// Step to take after the open document is saved or discarded.
 #[derive(Clone, Debug, PartialEq)]
 pub enum After {
-    /// A new document.
+    /// Start a new document.
     New,
-    /// A question for a document to open.
+    /// Ask which document to open.
     Ask,
-    /// This document.
+    /// Open this document.
     Open(PathBuf),
-    /// A run, which needs a folder.
+    /// Render, which needs a saved document: outputs are written relative to its folder.
     Render,
-    /// Nothing: the window closes.
+    /// Close the window.
     Close,
 }

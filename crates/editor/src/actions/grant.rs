@@ -1,23 +1,24 @@
-//! What a document is allowed.
+//! Permissions given to a document: folders it may read or write outside its own.
 
 use std::path::{Path, PathBuf};
 use trochoid::{Refused, Right};
 
-/// A folder that a document was allowed, with all beneath it, and for what. As it is remembered: a path alone is of reading.
+/// Permission to read or write in a folder and everything below it. Serialized in the remembered form: a bare path
+/// means reading.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(untagged)]
 pub enum Grant {
-    /// It may read there.
+    /// Permission to read in this folder.
     Read(PathBuf),
-    /// It may write there.
+    /// Permission to write in a folder.
     Write {
-        /// Where.
+        /// The folder.
         write: PathBuf,
     },
 }
 
 impl Grant {
-    /// What was refused, allowed.
+    /// Returns the permission that lifts a refusal.
     pub(crate) fn of(refused: &Refused) -> Self {
         let folder = refused.outside.folder().to_path_buf();
         match refused.right() {
@@ -26,7 +27,7 @@ impl Grant {
         }
     }
 
-    /// The folder, what may be done there, and the word for that.
+    /// Returns the folder, the right, and the word for the right ("reading" or "writing").
     pub(crate) fn parts(&self) -> (&Path, Right, &'static str) {
         match self {
             Self::Read(folder) => (folder, Right::Read, "reading"),

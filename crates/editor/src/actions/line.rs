@@ -1,23 +1,23 @@
-//! How nodes are lined up.
+//! The ways to align and distribute nodes.
 
-/// How nodes are lined up.
+/// Way to align or distribute nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Line {
-    /// Left edges.
+    /// Align left edges.
     Left,
-    /// Upper edges.
+    /// Align top edges.
     Top,
-    /// Centers, one above the other.
+    /// Align centers in a column.
     Centers,
-    /// Equal distances, along the longer side.
+    /// Make gaps equal along the longer side of the bounding box.
     Distances,
 }
 
 impl Line {
-    /// All of them.
+    /// Every way, in menu order.
     pub const ALL: [Self; 4] = [Self::Left, Self::Top, Self::Centers, Self::Distances];
 
-    /// What it is called.
+    /// Returns the name of the command.
     pub fn name(self) -> &'static str {
         match self {
             Self::Left => "Align left",

@@ -1,5 +1,5 @@
-//! What panels and commands ask for, and the plain words that it takes to say it. The editor does it, so that no panel knows
-//! another; nothing here knows a panel.
+//! Actions that panels and commands request, and the plain types they carry. The editor performs them, so no panel
+//! depends on another; nothing in this module depends on a panel.
 
 mod after;
 mod grant;
@@ -16,132 +16,133 @@ use crate::evaluate::Display;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-/// Something to be done.
+/// Request to the editor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// Change the document.
     Edit(Edit),
-    /// Change a value of the document, unless it does not bear it: then this field says why.
+    /// Change a value of the document; if the document rejects the value, this field shows the reason.
     Give(Edit, egui::Id),
-    /// The gesture is over: the next change is a step of undo for itself.
+    /// End the gesture: the next change becomes an undo step of its own.
     Seal,
     /// Replace the document's text.
     Rewrite(String),
-    /// Take back the last change.
+    /// Undo the last change.
     Undo,
-    /// Make it again.
+    /// Redo the last undone change.
     Redo,
-    /// Change the document's wires; nodes stay where they are seen.
+    /// Change the document's wires; nodes keep the places where they are drawn.
     Rewire(Edit),
-    /// Choose these nodes and no others.
+    /// Select exactly these nodes.
     Select(BTreeSet<String>),
-    /// Choose this node and no other, and show it in the graph.
+    /// Select only this node and bring it into view in the graph.
     Visit(String),
-    /// Show an output of a node.
+    /// View an output of a node.
     Look(String, usize),
-    /// Show what is under a key from 1 to 9; with a node chosen, put that there first.
+    /// View the node assigned to a number key (slot 0 is key 1, slot 8 is key 9); if a node is selected, assign it to
+    /// the key first.
     Slot(usize),
-    /// Show values in this way.
+    /// Change how the viewer displays values.
     Display(Display),
-    /// Make pictures so many times smaller.
+    /// Divide the viewer's resolution by this factor.
     Proxy(u32),
-    /// Evaluate just this part, in shares of the picture.
+    /// Evaluate only this region, in fractions of the picture; `None` means the whole picture.
     Region(Option<[f32; 4]>),
-    /// Inspect this pixel, in shares of the picture.
+    /// Inspect the pixel here, in fractions of the picture.
     Pick(Option<[f32; 2]>),
-    /// Let the color that is clicked next in the picture go to this place of the document.
+    /// Send the next color clicked in the picture to this place in the document.
     Dropper(Option<Path>),
     /// Go to a frame.
     Frame(i64),
-    /// Play, or stop.
+    /// Start or stop playback.
     Play(bool),
-    /// Play and render these frames.
+    /// Set the first and last frame to play and render.
     Range(i64, i64),
-    /// A new document.
+    /// Start a new document.
     New,
-    /// Ask for a document to open.
+    /// Ask which document to open.
     Open,
     /// Open this document.
     OpenFile(PathBuf),
-    /// Save.
+    /// Save the document.
     Save,
     /// Ask where to save.
     SaveAs,
-    /// Take what is in the file now.
+    /// Reload the document from its file.
     Reload,
-    /// Copy the chosen nodes as text.
+    /// Copy the selected nodes to the clipboard as text.
     Copy,
-    /// Copy them and delete them.
+    /// Copy the selected nodes, then delete them.
     Cut,
-    /// Add what was copied, at a point of the canvas.
+    /// Paste this text at a point of the canvas.
     Paste(String, Point),
-    /// Ask the system for what was copied, to be added in the middle of the graph.
+    /// Request the clipboard's text from the system and paste it in the middle of the graph.
     AskPaste,
-    /// Copy the chosen nodes beside themselves.
+    /// Duplicate the selected nodes next to the originals.
     Duplicate,
-    /// Delete the chosen nodes.
+    /// Delete the selected nodes.
     Delete,
-    /// Lead past the chosen nodes, or evaluate them again.
+    /// Bypass or re-enable the selected nodes.
     Disable,
-    /// Choose all nodes.
+    /// Select all nodes.
     SelectAll,
-    /// Lay all nodes out anew, or the chosen ones.
+    /// Lay out the selected nodes, or all nodes.
     Arrange,
-    /// Line the chosen nodes up.
+    /// Align or distribute the selected nodes.
     Line(Line),
-    /// Ask for another type for the chosen node.
+    /// Ask for another type for the selected node.
     Replace,
-    /// Lead wires past the chosen nodes, which stay unconnected.
+    /// Connect wires past the selected nodes and leave the nodes unconnected.
     Extract,
-    /// Put a dot on a wire of the chosen node.
+    /// Add a dot to a wire of the selected node.
     Dot,
-    /// Render what the chosen node makes.
+    /// Add an output that renders the selected node.
     MakeOutput,
-    /// Choose this output, or none.
+    /// Select this output, or none.
     Output(Option<String>),
-    /// Put a backdrop behind the chosen nodes.
+    /// Add a backdrop behind the selected nodes.
     Backdrop,
-    /// Write on the backdrop behind the chosen nodes, or on the only one.
+    /// Edit the text of the backdrop behind the selected nodes, or of the only backdrop.
     WriteBackdrop,
-    /// Put a note into the graph.
+    /// Add a note to the graph.
     Note,
-    /// Show all nodes, or the chosen ones.
+    /// Frame the selected nodes, or all nodes.
     Frames,
-    /// Ask for a node to add.
+    /// Ask which node to add.
     AddNode,
-    /// Write the outputs of the range to their files.
+    /// Render the outputs of all frames in the range to their files.
     Render,
-    /// Stop that.
+    /// Stop rendering.
     CancelRender,
-    /// Let this document read or write in a folder, with all beneath it.
+    /// Allow this document to read or write in a folder and everything below it.
     Allow(Grant),
-    /// Show which folders documents were allowed.
+    /// Show the folders that documents may access.
     ShowAllowed,
-    /// Take back what a document was allowed; the one that is open where none is named.
+    /// Revoke a permission of the named document, or of the open document if none is named.
     Forbid(Option<PathBuf>, Grant),
     /// Open the command palette.
     Palette,
     /// Show a panel, or bring it to the front.
     Panel(Pane),
-    /// Change what the viewer shows beside the picture.
+    /// Switch something in the viewer.
     Viewer(Switch),
-    /// Arrange panels as at first.
+    /// Restore the initial panel layout.
     ResetPanels,
-    /// Dark, or light.
+    /// Switch between the dark and the light theme.
     Theme,
-    /// Tell the user something.
+    /// Show the user a notice.
     Notice(String),
     /// Close the window.
     Quit,
 }
 
 impl Action {
-    /// Whether all that is typed must count before it is done.
+    /// Returns whether pending text in fields must be committed before this action.
     pub(crate) fn needs_all(&self) -> bool {
         matches!(self, Self::Save | Self::SaveAs | Self::Render) || self.hides()
     }
 
-    /// Whether fields go with it, with all that is said of them.
+    /// Returns whether this action removes fields from the screen, together with any refusals shown for them.
     pub(crate) fn hides(&self) -> bool {
         matches!(
             self,
@@ -156,21 +157,21 @@ impl Action {
     }
 }
 
-/// What a command changes in the viewer.
+/// Viewer setting that a command switches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Switch {
-    /// Hold the present picture, to compare others with it.
+    /// Hold the current picture as A, to compare others with it.
     Hold,
-    /// Let go of it.
+    /// Release A.
     LetGo,
-    /// Compare by a line that is moved over the picture.
+    /// Compare with A across a movable wipe line.
     Wipe,
-    /// Show by how much the present picture differs.
+    /// Show the difference from A.
     Difference,
-    /// Frame a part of the picture by the next drag.
+    /// Draw a region of interest with the next drag in the picture.
     Region,
-    /// Show the colors within their hull, or the picture again.
+    /// Switch between the picture and its colors inside the convex hull of the controls.
     Hull,
-    /// Mark pixels near the hull's faces, or no longer.
+    /// Toggle the overlay that marks pixels near the hull's faces.
     Near,
 }

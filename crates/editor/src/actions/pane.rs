@@ -1,4 +1,4 @@
-//! Which panels there are.
+//! The editor's panels.
 
 /// A panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -7,21 +7,21 @@ pub enum Pane {
     Viewer,
     /// The graph.
     Canvas,
-    /// Knobs and connections of the chosen node.
+    /// Knobs and connections of the selected node.
     Properties,
-    /// The sea that is chosen, as waves.
+    /// Spectrum of the selected sea, as waves.
     Waves,
-    /// What was evaluated and left out, and how long it took.
+    /// Nodes that were evaluated or left out, with timings.
     Report,
     /// The document's text.
     Text,
 }
 
 impl Pane {
-    /// Every panel.
+    /// Every panel, in menu order.
     pub const ALL: [Self; 6] = [Self::Viewer, Self::Canvas, Self::Properties, Self::Waves, Self::Report, Self::Text];
 
-    /// Its title.
+    /// Returns the panel's title.
     pub fn title(self) -> &'static str {
         match self {
             Self::Viewer => "Viewer",

@@ -1,4 +1,4 @@
-//! Colored areas behind nodes, with titles or notes.
+//! Colored areas behind nodes (backdrops), including notes, and the field that edits their text or an output's name.
 
 use super::Canvas;
 use super::drag::{Gesture, Hold};
@@ -11,43 +11,43 @@ use egui::{Color32, CursorIcon, FontId, Id, Key, PointerButton, Pos2, Rect, Sens
 use egui::{KeyboardShortcut, Modifiers, WidgetInfo, WidgetType, pos2, vec2};
 use std::collections::BTreeSet;
 
-/// Height of the title.
+/// Height of the title bar.
 const TITLE: f32 = 26.0;
-/// The least width and height.
+/// Minimum width and height.
 const LEAST: f32 = 60.0;
-/// What is free around nodes in front of it.
+/// Margin between the backdrop's edge and the nodes on it.
 const FREE: f32 = 28.0;
 
-/// What a new backdrop says.
+/// Initial text of a new backdrop.
 pub(super) const BACKDROP: &str = "Backdrop";
-/// What a new note says.
+/// Initial text of a new note.
 pub(super) const NOTE: &str = "Note";
-/// The tint of a new note.
+/// Index into [`TINTS`] of a new note's color.
 const YELLOW: usize = 6;
 
-/// What is written on.
+/// Item whose text is being edited.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Subject {
-    /// The backdrop of this name.
+    /// Backdrop with this name.
     Backdrop(String),
-    /// The output of this name.
+    /// Output with this name.
     Output(String),
 }
 
-/// What is given another text.
+/// Text being edited, not yet applied.
 pub(super) struct TextDraft {
     subject: Subject,
     text: String,
-    /// Whether all of it is to be chosen, so that what is typed stands in its place.
+    /// Whether to select all of the text, so that typing replaces it.
     fresh: bool,
 }
 
-/// The area of a backdrop.
+/// Returns the area of a backdrop.
 pub(super) fn area(body: &Backdrop) -> Rect {
     Rect::from_min_size(pos2(body.at[0], body.at[1]), body.size.into())
 }
 
-/// A backdrop as it is while it is held.
+/// Returns the backdrop as it looks during a drag.
 pub(super) fn held(body: &Backdrop, hold: &Hold) -> Backdrop {
     let mut body = body.clone();
     let by: Point = hold.by.into();
@@ -61,9 +61,9 @@ pub(super) fn held(body: &Backdrop, hold: &Hold) -> Backdrop {
     body
 }
 
-/// A new backdrop behind nodes that cover this much.
+/// Adds a backdrop behind nodes that cover this area; also returns its name.
 pub(super) fn behind(sheet: &Sheet, mut nodes: Rect) -> (Edit, String) {
-    // Names of outputs stand below their nodes.
+    // Output names are drawn below their nodes.
     nodes.max.y += super::mark::REACH + 8.0 - FREE;
     let nodes = nodes.expand(FREE);
     let body = Backdrop {
@@ -76,7 +76,7 @@ pub(super) fn behind(sheet: &Sheet, mut nodes: Rect) -> (Edit, String) {
     (decor::framed("Add a backdrop", &name, &body), name)
 }
 
-/// A new note at a place of the canvas: a backdrop behind nothing.
+/// Adds a note near a place of the canvas: a backdrop with nothing on it. Also returns its name.
 pub(super) fn note(sheet: &Sheet, at: Pos2) -> (Edit, String) {
     let size = vec2(180.0, 90.0);
     let mut boxes = super::place::boxes(sheet, &mut super::place::Laid::default());
@@ -87,15 +87,15 @@ pub(super) fn note(sheet: &Sheet, at: Pos2) -> (Edit, String) {
     (decor::framed("Add a note", &name, &body), name)
 }
 
-/// The first line, which is what a backdrop is called.
+/// Returns the first line, used as the backdrop's title.
 fn title(text: &str) -> &str {
     text.lines().next().unwrap_or_default()
 }
 
 impl Canvas {
-    /// Draws the backdrops, and takes what is done to them; what is written on one comes later, above the nodes.
+    /// Draws the backdrops and handles their input. The text field is drawn later, above the nodes.
     pub(super) fn backdrops_ui(&mut self, plan: &Plan, ui: &mut Ui) {
-        // The smaller ones lie on the larger ones.
+        // Smaller backdrops are drawn over larger ones.
         let mut names: Vec<&String> = plan.sheet.backdrops.keys().collect();
         names.sort_by(|a, b| {
             let size = |name: &String| area(&plan.sheet.backdrops[name]).area();
@@ -163,12 +163,12 @@ impl Canvas {
         }
     }
 
-    /// Asks for another text; `fresh` where the one that is there is to be written over.
+    /// Starts editing a text; `fresh` selects all of it, so that typing replaces it.
     pub(super) fn write(&mut self, subject: Subject, text: &str, fresh: bool) {
         self.writing = Some(TextDraft { subject, text: text.into(), fresh });
     }
 
-    /// Draws the field for a text.
+    /// Draws the text field.
     pub(super) fn writing_ui(&mut self, plan: &Plan, ui: &mut Ui, actions: &mut Vec<Action>) {
         let Some(mut writing) = self.writing.take() else { return };
         let one_line = matches!(writing.subject, Subject::Output(_));
@@ -180,8 +180,8 @@ impl Canvas {
                 .desired_rows(1)
                 .return_key(KeyboardShortcut::new(Modifiers::SHIFT, Key::Enter)),
         };
-        let help = if one_line { "Enter when done" } else { "Enter when done, Shift+Enter for another line" };
-        let field = ui.put(place, field.id(id)).on_hover_text(format!("{help}, Esc to leave it as it was."));
+        let help = if one_line { "Enter to apply" } else { "Enter when done, Shift+Enter for another line" };
+        let field = ui.put(place, field.id(id)).on_hover_text(format!("{help}, Esc to cancel."));
         let called = if one_line { "Name of the output" } else { "Text of the backdrop" };
         field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, called));
         if !field.has_focus() && !field.lost_focus() {
@@ -205,7 +205,7 @@ impl Canvas {
         self.writing = Some(writing);
     }
 
-    /// Where one writes.
+    /// Returns the place of the text field on the screen.
     fn writing_place(&self, plan: &Plan, writing: &TextDraft) -> Option<Rect> {
         let seen = match &writing.subject {
             Subject::Backdrop(name) => self.view.area(area(plan.sheet.backdrops.get(name)?)),
@@ -221,7 +221,7 @@ impl Canvas {
     }
 }
 
-/// What follows from a text that was written.
+/// Returns the actions that apply an edited text.
 fn written(plan: &Plan, writing: &TextDraft) -> Vec<Action> {
     let text = writing.text.trim().to_string();
     match &writing.subject {

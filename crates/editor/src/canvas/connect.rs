@@ -1,4 +1,4 @@
-//! Which ends of wires fit together, and what to do where they do not.
+//! Checks which ends of wires fit together, and suggests what to do if they do not.
 
 use super::plan::End;
 use crate::document::json::Misplaced;
@@ -7,58 +7,58 @@ use crate::document::{Edit, Path, Point, Session, Sheet, decor, edit};
 use std::collections::HashSet;
 use trochoid::{Accepts, Declaration, Diagnostic, Item, Kind, Role, registry};
 
-/// Why a wire is not drawn.
+/// Reason why a wire cannot be connected.
 #[derive(Debug)]
 pub(super) struct Refusal {
-    /// What was to be connected.
+    /// Connection that was attempted.
     pub(super) title: String,
-    /// Why it cannot be, and what to do.
+    /// Reason and remedy.
     pub(super) why: NoWire,
-    /// A node that makes it possible.
+    /// A node that would make the connection possible.
     pub(super) bridge: Option<Bridge>,
 }
 
-/// Why two ends cannot be connected, in sentences.
+/// Reason that two ends cannot be connected, in sentences.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum NoWire {
-    #[error("A node cannot take what it makes.")]
+    #[error("A node cannot use its own output as input.")]
     Itself,
-    #[error("{above} depends on {below} already: a graph has no cycles.")]
+    #[error("{above} already depends on {below}, so the connection would close a cycle.")]
     Cycle { above: String, below: String },
-    #[error("\"{0}\" is no type of node, so nothing is known of what it makes.")]
+    #[error("\"{0}\" is not a node type, so the kind of its output is unknown.")]
     UnknownType(String),
-    #[error("It makes a {kind}; the pin takes a {accepts}.\n{}.", sentence(&accepts.remedy(*kind)))]
+    #[error("The output is a {kind}; the pin accepts a {accepts}.\n{}.", sentence(&accepts.remedy(*kind)))]
     Kind { kind: Kind, accepts: Accepts },
     #[error(transparent)]
     Misplaced(#[from] Misplaced),
-    /// The node below would have this fault.
+    /// The connection would give the lower node this fault.
     #[error("Found {}; expected {}.\n{}", .0.found, .0.expected, sentence(&.0.remedy))]
     Fault(Diagnostic),
 }
 
-/// A node between two others.
+/// A node to insert between two others.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Bridge {
     /// Its type.
     pub(super) ty: &'static str,
-    /// What puts it there.
+    /// Edit that inserts it.
     pub(super) edit: Edit,
     /// Its name.
     pub(super) name: String,
 }
 
-/// Whether a pin takes a kind, as far as it is known.
+/// Returns whether a pin accepts a kind, as far as the kind is known.
 pub(super) fn takes(accepts: Accepts, kind: Kind) -> bool {
     let image = !matches!(accepts, Accepts::Surface | Accepts::Camera | Accepts::Light | Accepts::View);
     if kind == Kind::ANY { image } else { accepts.takes(kind) }
 }
 
-/// The kind that an output makes; none where the type is not known.
+/// Returns the kind of an output; `None` if the node's type is unknown.
 pub(super) fn kind(sheet: &Sheet, from: (usize, usize)) -> Option<Kind> {
     sheet.nodes[from.0].makes.get(from.1)?.1
 }
 
-/// Nodes to which a wire from this end would close a cycle.
+/// Returns the nodes to which a wire from this end would close a cycle.
 pub(super) fn barred(sheet: &Sheet, held: End) -> HashSet<usize> {
     match held {
         End::Output(node, _) => sheet.upstream([node]),
@@ -66,7 +66,7 @@ pub(super) fn barred(sheet: &Sheet, held: End) -> HashSet<usize> {
     }
 }
 
-/// Whether a wire between two ends would be legal, as far as kinds tell.
+/// Returns whether a wire between two ends would be valid, judging by kinds and cycles alone.
 pub(super) fn fits(sheet: &Sheet, held: End, other: End, barred: &HashSet<usize>) -> bool {
     let (from, to) = match (held, other) {
         (End::Output(node, output), End::Pin(below, pin)) => ((node, output), (below, pin)),
@@ -77,7 +77,7 @@ pub(super) fn fits(sheet: &Sheet, held: End, other: End, barred: &HashSet<usize>
     !barred.contains(&other.node()) && kind(sheet, from).is_some_and(|kind| takes(accepts, kind))
 }
 
-/// The end of a node at which a wire that is held would go: one that fits, rather one that is free.
+/// Returns the end of a node where the dragged wire would go: preferably one that fits, and of those one that is free.
 pub(super) fn best_end(sheet: &Sheet, held: End, node: usize, barred: &HashSet<usize>) -> Option<End> {
     match held {
         End::Output(..) => {
@@ -96,10 +96,11 @@ pub(super) fn best_end(sheet: &Sheet, held: End, node: usize, barred: &HashSet<u
     }
 }
 
-/// Connects an output to a pin; `old` is the pin from which the wire is taken, and a node between would stand `at`.
+/// Connects an output to a pin. `old` is the pin from which the wire was taken; an inserted bridge node would be placed
+/// `at`.
 ///
 /// # Errors
-/// The graph would not be legal.
+/// The graph would become invalid.
 pub(super) fn connect(
     session: &Session,
     from: (usize, usize),
@@ -133,7 +134,7 @@ pub(super) fn connect(
     }
     match new_fault(session, &edit, &below.name) {
         Some(why) => {
-            // What a node hands on is guessed as long as the document is not valid.
+            // While the document is invalid, the kind of an output is only a guess.
             let declared = above.declaration.and_then(|known| Some(known.outputs.get(from.1)?.kind));
             let guessed = declared == Some(Kind::ANY) && !pin.accepts.takes(Kind::Field(1));
             refuse(why, guessed.then(|| bridge(session, from, to, Kind::Field(1), at)).flatten())
@@ -142,7 +143,7 @@ pub(super) fn connect(
     }
 }
 
-/// A sentence from a remedy, which begins small.
+/// Turns a remedy, which begins in lower case, into a sentence.
 fn sentence(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
@@ -152,14 +153,14 @@ fn errors<'m>(meaning: &'m Meaning, node: &str) -> Vec<&'m Diagnostic> {
     meaning.errors().filter(|error| error.node.as_deref() == Some(node)).collect()
 }
 
-/// What a change would make wrong about a node that is not wrong already.
+/// Returns the fault that a change would add to a node, if any.
 fn new_fault(session: &Session, change: &Edit, node: &str) -> Option<NoWire> {
     let after = match session.after(change) {
         Ok(after) => after,
         Err(error) => return Some(error.into()),
     };
     let (old, new) = (errors(session.meaning(), node), errors(&after, node));
-    // What was hidden behind another fault is no new one.
+    // A fault that another one hid before is not new.
     if new.len() <= old.len() {
         return None;
     }
@@ -167,7 +168,7 @@ fn new_fault(session: &Session, change: &Edit, node: &str) -> Option<NoWire> {
     new.into_iter().find(|error| known(&error)).cloned().map(NoWire::Fault)
 }
 
-/// Whether a node type could stand between what makes a kind and what takes something else.
+/// Returns whether a node type could convert a kind to one that is accepted.
 fn leads(declaration: &Declaration, kind: Kind, accepts: Accepts) -> bool {
     let first = declaration.items.iter().find_map(|item| match item {
         Item::Port(port) if port.accepts.takes(kind) => Some(port),
@@ -177,13 +178,13 @@ fn leads(declaration: &Declaration, kind: Kind, accepts: Accepts) -> bool {
     first.is_some() && made.is_some_and(|made| made != Kind::ANY && accepts.takes(made))
 }
 
-/// One node that makes a connection legal, if there is any.
+/// Finds a node type that makes a connection valid when inserted.
 fn bridge(session: &Session, from: (usize, usize), to: (usize, usize), kind: Kind, at: Point) -> Option<Bridge> {
     let accepts = session.sheet().nodes[to.0].pins[to.1].accepts;
     let mut types: Vec<&'static Declaration> =
         registry().iter().map(|ty| ty.declaration()).filter(|ty| leads(ty, kind, accepts)).collect();
     types.sort_by_key(|ty| (ty.role != Some(Role::Threshold), ty.items.len(), ty.name));
-    // Each is tried on the whole document.
+    // Each candidate is tried on the whole document.
     types.into_iter().take(6).find_map(|ty| between(session, ty, from, to, kind, at))
 }
 
@@ -203,27 +204,27 @@ fn between(
     let from = (sheet.find(&old.nodes[from.0].name)?, from.1);
     let to = (sheet.find(&old.nodes[to.0].name)?, to.1);
     let edit = edit.then(edit::connected(&sheet, from, (node, pin))).then(edit::connected(&sheet, (node, 0), to));
-    let edit = Edit { label: format!("Put a {} between", ty.name), ..edit };
+    let edit = Edit { label: format!("Insert {}", ty.name), ..edit };
     let after = session.after(&edit).ok()?;
     let below = &sheet.nodes[to.0].name;
     let worse = errors(&after, below).len() > errors(session.meaning(), below).len();
     (!worse && errors(&after, &name).is_empty()).then_some(Bridge { ty: ty.name, edit, name })
 }
 
-/// What a new node is joined to.
+/// Connection requested for a new node.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Wanted {
     /// Nothing.
     Nothing,
-    /// It takes an output, by the name of its node.
+    /// The new node takes this output (node name, output index).
     Takes(String, usize),
-    /// What it makes goes to this pin.
+    /// The new node feeds this pin (node name, pin index).
     Feeds(String, usize),
-    /// It takes an output, and all that took that takes the new node's instead.
+    /// The new node takes this output and is inserted above everything that used it.
     Below(String, usize),
 }
 
-/// Whether a node of a type can be joined as it is wanted.
+/// Returns whether a node of this type can be connected as requested.
 pub(super) fn suits(sheet: &Sheet, declaration: &Declaration, wanted: &Wanted) -> bool {
     match wanted {
         Wanted::Nothing | Wanted::Below(..) => true,
@@ -246,7 +247,7 @@ fn taken(items: &[Item], kind: Kind) -> bool {
     })
 }
 
-/// Adds a node and joins it as it is wanted, as far as that fits; also its name.
+/// Adds a node and connects it as requested, as far as it fits; also returns its name.
 pub(super) fn added(
     session: &Session,
     declaration: &'static Declaration,
@@ -291,7 +292,7 @@ fn joins(sheet: &Sheet, name: &str, wanted: &Wanted) -> Option<Edit> {
     }
 }
 
-/// Lets what is rendered of an output be rendered of a new node below it.
+/// Moves the outputs that render a node's result to a new node below it.
 fn outputs(sheet: &Sheet, from: (usize, usize), name: &str, same: bool) -> Edit {
     let mut ops = Vec::new();
     for output in sheet.outputs.iter().filter(|output| same && sheet.source(&output.source) == Some(from)) {
@@ -300,5 +301,5 @@ fn outputs(sheet: &Sheet, from: (usize, usize), name: &str, same: bool) -> Edit 
         let key = keys.into_iter().find(|key| sheet.get(key).is_some());
         ops.extend(key.map(|key| crate::document::Op::Set(key, crate::document::json::quoted(name))));
     }
-    Edit::new("Lead outputs", ops)
+    Edit::new("Redirect outputs", ops)
 }

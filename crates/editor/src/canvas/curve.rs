@@ -1,31 +1,31 @@
-//! The lines that wires are drawn as.
+//! The polylines that wires are drawn as.
 
 use super::view::View;
 use egui::{Pos2, Rect, Vec2, vec2};
 
-/// How far a drawn line may be from the curve, in points of the screen.
+/// Maximum distance between the drawn polyline and the curve, in screen points.
 const TOLERANCE: f32 = 0.2;
 
-/// How a wire runs through the points between its ends.
+/// Way in which a wire passes the points between its ends.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Through {
-    /// Straight down, as where a layout leads it.
+    /// Vertically, as along a route of the automatic layout.
     Down,
-    /// The shortest way, as through dots.
+    /// By the shortest way, as through dots.
     Dots,
 }
 
-/// A wire as a line of short pieces.
+/// A wire as a polyline.
 #[derive(Clone)]
 pub(super) struct Curve {
-    /// From the top down.
+    /// Points, from the output to the pin.
     pub(super) line: Vec<Pos2>,
-    /// What it covers.
+    /// Bounding box.
     pub(super) bounds: Rect,
 }
 
 impl Curve {
-    /// A smooth line that leaves its first point and meets its last one vertically.
+    /// Creates a smooth curve that leaves its first point and reaches its last one vertically.
     pub(super) fn new(points: &[Pos2], through: Through) -> Self {
         let mut line = Vec::new();
         for (index, ends) in points.windows(2).enumerate() {
@@ -47,12 +47,12 @@ impl Curve {
         Self { line, bounds }
     }
 
-    /// The pieces of it that are in view, on the screen, with no more points than can be told apart there.
+    /// Returns the visible pieces in screen points, with no more points than can be told apart.
     pub(super) fn seen(&self, view: &View) -> Vec<Vec<Pos2>> {
         let room = view.rect.expand(8.0);
         let mut pieces = Vec::new();
         let mut piece: Vec<Pos2> = Vec::new();
-        // Since the last point that was kept.
+        // Points skipped since the last one that was kept.
         let mut left_out: Vec<Pos2> = Vec::new();
         let mut last = None;
         for (index, at) in self.line.iter().map(|at| view.screen(*at)).enumerate() {
@@ -85,25 +85,25 @@ impl Curve {
         pieces
     }
 
-    /// How far a place is from it.
+    /// Returns the distance from a place to the curve.
     pub(super) fn distance(&self, at: Pos2) -> f32 {
         self.line.windows(2).map(|ends| to_segment(at, ends[0], ends[1])).fold(f32::INFINITY, f32::min)
     }
 
-    /// The place in the middle of its points.
+    /// Returns the point halfway along the list of points.
     pub(super) fn middle(&self) -> Pos2 {
         self.line.get(self.line.len() / 2).copied().unwrap_or_default()
     }
 }
 
-/// How far along the vertical a curve between two points is pulled.
+/// Returns the vertical offset of the control points of a curve between two points.
 fn vertical(from: Pos2, to: Pos2) -> Vec2 {
     let [dx, dy] = [(to.x - from.x).abs(), to.y - from.y];
     let pull = if dy > 0.0 { (0.5 * dy).max((0.5 * dx).min(24.0)) } else { 50.0_f32.min(24.0 + 0.5 * (dx - dy)) };
     vec2(0.0, pull)
 }
 
-/// How a curve passes a point between two others.
+/// Returns the tangent at a point that lies between two others.
 fn toward(before: Pos2, after: Pos2, length: f32) -> Vec2 {
     (after - before).normalized() * (length / 3.0)
 }
@@ -128,7 +128,7 @@ fn cubic(line: &mut Vec<Pos2>, [a, b, c, d]: [Pos2; 4], first: bool) {
     }
 }
 
-/// How far a place is from a straight piece.
+/// Returns the distance from a place to a line segment.
 pub(super) fn to_segment(at: Pos2, from: Pos2, to: Pos2) -> f32 {
     let along = to - from;
     let share = (at - from).dot(along) / along.length_sq().max(1e-6);

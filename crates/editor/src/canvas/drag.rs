@@ -1,4 +1,4 @@
-//! What is being done with the pointer, from press to release.
+//! Pointer gestures on the canvas, from press to release.
 
 use super::Canvas;
 use super::connect::{self, Wanted};
@@ -9,41 +9,41 @@ use crate::state::State;
 use egui::{Key, PointerButton, Pos2, Rect, Ui, Vec2, pos2, vec2};
 use std::collections::{BTreeSet, HashSet};
 
-/// A gesture.
+/// The gesture in progress.
 #[derive(Default)]
 pub(super) enum Gesture {
-    /// None.
+    /// No gesture.
     #[default]
     Idle,
-    /// The view is moved.
+    /// The view is being panned with this button.
     Pan(PointerButton),
-    /// An area is drawn, from here; what is in it is chosen, besides these.
+    /// A selection rectangle is being drawn from this corner; nodes in it are added to the given names.
     Area(Pos2, BTreeSet<String>),
-    /// Nodes are moved.
+    /// Nodes are being moved.
     Move(Move),
-    /// A wire is drawn.
+    /// A wire is being connected.
     Pull(Pull),
-    /// A dot of a wire is moved: the wire, which dot, and where all of them are.
+    /// A dot is being moved: the wire, the index of the dot, and the places of all its dots.
     Dot(usize, usize, Vec<Pos2>),
-    /// A backdrop is moved or resized.
+    /// A backdrop is being moved or resized.
     Backdrop(Hold),
-    /// An output is led elsewhere.
+    /// An output's mark is being dragged to another node.
     Output(String),
 }
 
-/// Nodes that are moved.
+/// Nodes being moved.
 pub(super) struct Move {
-    /// Which.
+    /// The moved nodes.
     nodes: BTreeSet<usize>,
-    /// The one under the pointer.
+    /// The node under the pointer.
     grabbed: usize,
-    /// Where the pointer was, on the canvas.
+    /// Place on the canvas where the drag began.
     start: Pos2,
     by: Vec2,
     shake: Shake,
-    /// The wire into which the node goes if it is let go.
+    /// The wire into which the node is inserted if it is released here.
     pub(super) into: Option<usize>,
-    /// Lines along which it is aligned with others.
+    /// Guide lines along which the node is aligned with others.
     pub(super) guides: Vec<[Pos2; 2]>,
 }
 
@@ -54,7 +54,7 @@ impl Move {
     }
 }
 
-/// Quick turns of the pointer.
+/// Detector of a shake: quick reversals of the pointer's direction.
 #[derive(Default)]
 struct Shake {
     turned: Option<Pos2>,
@@ -63,11 +63,11 @@ struct Shake {
 }
 
 impl Shake {
-    /// Whether the pointer has turned three times within a moment.
+    /// Returns whether the pointer reversed its direction three times within 0.9 seconds.
     fn feel(&mut self, at: Pos2, now: f64, least: f32) -> bool {
         let went = at.x - self.turned.get_or_insert(at).x;
         if went * self.direction >= 0.0 {
-            // Further on in the same direction.
+            // Still moving in the same direction.
             if went != 0.0 && self.direction == 0.0 {
                 self.direction = went.signum();
             }
@@ -86,40 +86,40 @@ impl Shake {
     }
 }
 
-/// A wire that is drawn.
+/// A wire being connected.
 pub(super) struct Pull {
-    /// The end that stays.
+    /// The fixed end.
     pub(super) held: End,
     /// The pin from which the wire was taken.
     pub(super) old: Option<(usize, usize)>,
-    /// Nodes to which it would close a cycle.
+    /// Nodes to which the wire would close a cycle.
     pub(super) barred: HashSet<usize>,
-    /// Where it would go.
+    /// The end to which the wire would connect.
     pub(super) target: Option<End>,
-    /// The output that it would feed.
+    /// The output whose mark would take the wire.
     pub(super) mark: Option<String>,
-    /// Whether it follows the pointer without a button, until the next click.
+    /// Whether the wire follows the pointer without a pressed button, until the next click.
     pub(super) sticky: bool,
-    /// Where it began, on the screen.
+    /// Place on the screen where the gesture began.
     began: Pos2,
 }
 
-/// A backdrop that is held.
+/// A backdrop being moved or resized.
 pub(super) struct Hold {
     /// Its name.
     pub(super) name: String,
-    /// Whether by its corner.
+    /// Whether it is resized by its corner.
     pub(super) corner: bool,
-    /// Where the pointer was, on the canvas.
+    /// Place on the canvas where the drag began.
     pub(super) start: Pos2,
     pub(super) by: Vec2,
     /// Nodes that move along.
     pub(super) nodes: BTreeSet<usize>,
 }
 
-/// The pointer.
+/// State of the pointer in this frame.
 struct Pointer {
-    /// On the screen.
+    /// Position on the screen.
     at: Pos2,
     down: bool,
     clicked: bool,
@@ -128,7 +128,7 @@ struct Pointer {
 }
 
 impl Canvas {
-    /// Begins to draw a wire at one of its ends; one that is there already is taken off its pin.
+    /// Starts a wire at one of its ends; a wire that is already connected to a pin is taken off it.
     pub(super) fn pull(&mut self, plan: &Plan, at: End, began: Pos2, sticky: bool) {
         let wire = match at {
             End::Pin(node, pin) => plan.wire_at((node, pin)).map(|wire| plan.sheet.wires[wire]),
@@ -148,7 +148,7 @@ impl Canvas {
         self.gesture = Gesture::Pull(Pull { held, old, barred, target: None, mark: None, sticky: false, began });
     }
 
-    /// What a press on the empty canvas begins.
+    /// Starts the gesture for a press on the empty canvas or on a wire.
     pub(super) fn begin(&mut self, plan: &Plan, ui: &Ui, state: &State, wire: Option<usize>) {
         let (origin, modifiers) = ui.input(|input| (input.pointer.press_origin(), input.modifiers));
         let Some(origin) = origin else { return };
@@ -162,7 +162,7 @@ impl Canvas {
                 let Wire { from, to } = plan.sheet.wires[wire];
                 let ends = [End::Output(from.0, from.1), End::Pin(to.0, to.1)];
                 let upper = plan.end(ends[0]).distance(at) < plan.end(ends[1]).distance(at);
-                // The end that is further away stays.
+                // The end farther from the press stays.
                 return self.hold(plan, ends[usize::from(upper)], Some(to), origin);
             }
             None => {
@@ -172,7 +172,7 @@ impl Canvas {
         };
     }
 
-    /// Goes on with the gesture, and ends it.
+    /// Continues the gesture, and ends it on release.
     pub(super) fn advance(&mut self, plan: &mut Plan, ui: &Ui, state: &State, actions: &mut Vec<Action>) {
         let pointer = ui.input(|input| {
             Some(Pointer {
@@ -184,7 +184,7 @@ impl Canvas {
             })
         });
         let escape = ui.input(|input| input.key_pressed(Key::Escape));
-        // A wire that waits for a click needs no pointer: pins are also clicked by keys and screen readers.
+        // A wire that waits for a click needs no pointer: pins can also be clicked by keyboard and screen reader.
         let waits = matches!(&self.gesture, Gesture::Pull(pull) if pull.sticky);
         self.has_plugged = false;
         let Some(pointer) = pointer.filter(|_| !escape) else {
@@ -196,7 +196,7 @@ impl Canvas {
         let at = self.view.canvas(pointer.at);
         match std::mem::take(&mut self.gesture) {
             Gesture::Idle => {
-                // What was dragged may not have come true.
+                // Undoes the displayed shift: the document may have rejected the move.
                 plan.shift(&BTreeSet::new(), Vec2::ZERO);
             }
             Gesture::Pan(button) => {
@@ -251,7 +251,7 @@ impl Canvas {
         }
     }
 
-    /// Lets go of what is held, and leaves all as it was.
+    /// Cancels the gesture and restores what is displayed.
     pub(super) fn drop_gesture(&mut self, plan: &mut Plan) {
         if let Gesture::Dot(wire, ..) = self.gesture {
             let to = plan.sheet.wires[wire].to;
@@ -279,7 +279,7 @@ impl Canvas {
             let names: Vec<String> = held.nodes.iter().map(|node| plan.sheet.nodes[*node].name.clone()).collect();
             let edit = edit::extracted(&plan.sheet, &names);
             if !edit.ops.is_empty() {
-                // With the move that follows, one step of undo.
+                // Merges with the move that follows into one undo step.
                 actions.push(Action::Edit(plan.freezing(edit).merging("shake")));
                 held.shake = Shake::default();
             }
@@ -335,7 +335,7 @@ impl Canvas {
         }
     }
 
-    /// Where a wire that is drawn would go.
+    /// Returns the end to which the wire would connect.
     fn target(&self, plan: &Plan, pull: &Pull, at: Pos2) -> Option<End> {
         let other =
             |end: &End| matches!((pull.held, end), (End::Output(..), End::Pin(..)) | (End::Pin(..), End::Output(..)));
@@ -346,8 +346,8 @@ impl Canvas {
         })
     }
 
-    /// Connects two ends, or says why that cannot be.
-    #[expect(clippy::too_many_arguments, reason = "two ends, and where they come from")]
+    /// Connects two ends, or shows why that is not possible.
+    #[expect(clippy::too_many_arguments, reason = "both ends and their context are needed")]
     pub(super) fn plug(
         &mut self,
         plan: &Plan,
@@ -376,7 +376,7 @@ impl Canvas {
     }
 }
 
-/// The dots of a wire with one more, and which it is.
+/// Adds a dot to those of a wire; returns its index and all dots.
 pub(super) fn with_dot(plan: &Plan, wire: usize, at: Pos2) -> (usize, Vec<Pos2>) {
     let mut dots = plan.dots[wire].clone();
     let Wire { from, to } = plan.sheet.wires[wire];
@@ -389,13 +389,13 @@ pub(super) fn with_dot(plan: &Plan, wire: usize, at: Pos2) -> (usize, Vec<Pos2>)
     (index, dots)
 }
 
-/// How far a node is from being aligned with others, if it nearly is; and the lines along which it would be.
+/// Returns the offset that aligns the grabbed node with a nearby one, and adds the guide lines.
 fn snap(plan: &Plan, held: &Move, reach: f32, guides: &mut Vec<[Pos2; 2]>) -> Vec2 {
     let own = plan.boxes[held.grabbed];
     let mut best = [None::<(f32, usize)>; 2];
     for (node, other) in plan.boxes.iter().enumerate().filter(|(node, _)| !held.nodes.contains(node)) {
         let off = other.center() - own.center();
-        // Rows begin at the same height.
+        // Nodes in a row share their top edge.
         let off = [off.x, other.top() - own.top()];
         let far = [(other.center().y - own.center().y).abs(), off[0].abs()];
         for axis in 0..2 {
@@ -416,7 +416,7 @@ fn snap(plan: &Plan, held: &Move, reach: f32, guides: &mut Vec<[Pos2; 2]>) -> Ve
     vec2(best[0].map_or(0.0, |(off, _)| off), best[1].map_or(0.0, |(off, _)| off))
 }
 
-/// The wire into which a node would go that is joined to nothing.
+/// Returns the wire into which an unconnected node would be inserted.
 fn wire_under(plan: &Plan, held: &Move) -> Option<usize> {
     let node = held.grabbed;
     let joined = |wire: &Wire| wire.from.0 == node || wire.to.0 == node;
@@ -429,7 +429,7 @@ fn wire_under(plan: &Plan, held: &Move) -> Option<usize> {
     Some(wire)
 }
 
-/// What becomes of a backdrop that is let go.
+/// Returns the actions for a released backdrop.
 fn put_down(plan: &Plan, hold: &Hold) -> Vec<Action> {
     let Some(body) = plan.sheet.backdrops.get(&hold.name).filter(|_| hold.by != vec2(0.0, 0.0)) else {
         return Vec::new();

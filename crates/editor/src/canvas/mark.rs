@@ -1,4 +1,4 @@
-//! Marks of what is rendered: arrows out of the graph, with the names of outputs.
+//! Marks of outputs: arrows out of the graph, with the outputs' names.
 
 use super::Canvas;
 use super::backdrop::Subject;
@@ -12,11 +12,11 @@ use egui::{Align2, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Sense
 use egui::{WidgetInfo, WidgetType, vec2};
 use std::collections::BTreeSet;
 
-/// How far below a node its marks reach, on the canvas.
+/// Distance that marks extend below their node, on the canvas.
 pub(super) const REACH: f32 = 34.0;
 
 impl Canvas {
-    /// Draws the marks of what is rendered of a node, and takes what is done to them.
+    /// Draws the marks of a node's outputs and handles their input.
     pub(super) fn marks_ui(&mut self, plan: &Plan, ui: &Ui, state: &State, node: usize, actions: &mut Vec<Action>) {
         let zoom = self.view.zoom;
         let Some(names) = plan.makes.get(&node).filter(|_| zoom > 0.45) else { return };
@@ -39,7 +39,7 @@ impl Canvas {
             let size = text.size();
             let own = Rect::from_min_size(egui::pos2(left, tip.y + 2.0 * zoom), size);
             left += size.x;
-            // The arrow is a part of the only one.
+            // With a single output, the arrow is part of its clickable area.
             let place = if last == 0 { own.union(Rect::from_points(&arrow)) } else { own };
             let response = ui.interact(place, ui.id().with(("output", name)), Sense::click_and_drag());
             let chosen = state.output.as_ref() == Some(name);
@@ -65,22 +65,22 @@ impl Canvas {
             }
             if response.hovered() && self.explains() {
                 let file = plan.sheet.get(&output::path(name).to("file")).and_then(|file| file.as_str());
-                let file = file.map_or_else(|| "without a file".to_string(), |file| format!("to {file}"));
+                let file = file.map_or_else(|| "no file".to_string(), |file| format!("to {file}"));
                 response.on_hover_cursor(CursorIcon::PointingHand).on_hover_text(format!(
-                    "Output {name}, {file}\nClick: its settings. Double-click: look. Drag to another node, or drop a wire \
-                     here, to render something else."
+                    "Output {name}, {file}\nClick: show settings. Double-click: view. Drag to another node, or drop \
+                     a wire here to render something else."
                 ));
             }
         }
     }
 
-    /// The output whose mark is at a place of the screen.
+    /// Returns the output whose mark is at a place on the screen.
     pub(super) fn mark_at(&self, at: Pos2) -> Option<&String> {
         self.marks.iter().find(|(_, place)| place.contains(at)).map(|(name, _)| name)
     }
 
-    /// What an output would show that is dragged to a place of the screen: the result that is near, or the first of the
-    /// node that a file can hold.
+    /// Returns the result that an output would render if dropped at a place on the screen: the nearby output pin, or
+    /// the node's first result that a file can hold.
     pub(super) fn source_at(&self, plan: &Plan, at: Pos2) -> Option<(usize, usize)> {
         let at = self.view.canvas(at);
         match plan.end_at(at, 11.0 / self.view.zoom.min(1.5)) {
@@ -92,7 +92,7 @@ impl Canvas {
         }
     }
 
-    /// Lets an output show something else, or says why it cannot.
+    /// Redirects an output to another result, or notifies the user why it cannot.
     pub(super) fn redirect(plan: &Plan, name: &str, from: (usize, usize), actions: &mut Vec<Action>) {
         let known = output::find(&plan.sheet, name);
         if known.is_some_and(|known| plan.sheet.source(&known.source) == Some(from)) {
@@ -104,7 +104,7 @@ impl Canvas {
         }
     }
 
-    /// Draws the line of an output that is dragged.
+    /// Draws the line of an output that is being dragged.
     pub(super) fn led_ui(&self, plan: &Plan, ui: &Ui, name: &str) {
         let place = self.marks.iter().find(|(mark, _)| mark == name).map(|(_, place)| *place);
         let (Some(place), Some(at)) = (place, ui.input(|input| input.pointer.latest_pos())) else { return };
@@ -123,7 +123,7 @@ impl Canvas {
     }
 
     pub(super) fn output_menu(&mut self, plan: &Plan, ui: &mut Ui, name: &str, actions: &mut Vec<Action>) {
-        if ui.button("Look").clicked() {
+        if ui.button("View").clicked() {
             look(plan, name, actions);
         }
         if ui.button("Settings").clicked() {
@@ -138,7 +138,7 @@ impl Canvas {
     }
 }
 
-/// Shows what an output renders.
+/// Views the result that an output renders.
 fn look(plan: &Plan, name: &str, actions: &mut Vec<Action>) {
     let known = output::find(&plan.sheet, name);
     if let Some((node, index)) = known.and_then(|output| plan.sheet.source(&output.source)) {

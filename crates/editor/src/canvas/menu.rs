@@ -1,4 +1,4 @@
-//! What can be done with what was clicked with the other button.
+//! Context menus of the canvas.
 
 use super::Canvas;
 use super::plan::Plan;
@@ -12,28 +12,28 @@ use egui::{
     Align, Color32, Layout, Popup, PopupKind, Pos2, Rect, Sense, TextWrapMode, Ui, WidgetInfo, WidgetType, vec2,
 };
 
-/// What was clicked.
+/// Item that was right-clicked.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum About {
-    /// The chosen nodes.
+    /// The selected nodes.
     Nodes,
     /// A backdrop.
     Backdrop(String),
     /// An output.
     Output(String),
-    /// Nothing.
+    /// The empty canvas.
     Empty,
 }
 
-/// A menu at a place of the screen.
+/// A context menu at a place on the screen.
 pub(super) struct Menu {
     at: Pos2,
     about: About,
-    /// How many there were before it: none takes over the size of another.
+    /// Number of menus opened before, used in its id so that no menu inherits the size of another.
     serial: u64,
 }
 
-/// Where nodes go that are lined up.
+/// Returns the corners of aligned or distributed nodes.
 pub(super) fn lined_up(boxes: &[Rect], line: Line) -> Vec<Point> {
     let all = boxes.iter().copied().fold(Rect::NOTHING, Rect::union);
     let mean = boxes.iter().map(|own| own.center().x).sum::<f32>() / boxes.len().max(1) as f32;
@@ -63,14 +63,14 @@ pub(super) fn lined_up(boxes: &[Rect], line: Line) -> Vec<Point> {
 }
 
 impl Canvas {
-    /// Opens a menu at the pointer.
+    /// Opens a context menu at the pointer.
     pub(super) fn open_menu(&mut self, ui: &Ui, about: About) {
         let at = ui.input(|input| input.pointer.latest_pos()).unwrap_or(self.view.rect.center());
         self.menus += 1;
         self.menu = Some(Menu { at, about, serial: self.menus });
     }
 
-    /// Draws the menu that is open.
+    /// Draws the open menu.
     pub(super) fn menu_ui(&mut self, plan: &Plan, ui: &Ui, state: &State, actions: &mut Vec<Action>) {
         let Some(menu) = self.menu.take() else { return };
         let mut open = true;
@@ -114,17 +114,17 @@ impl Canvas {
         let nodes: Vec<usize> = state.selection.iter().filter_map(|name| plan.sheet.find(name)).collect();
         if let [node] = nodes[..] {
             let name = &plan.sheet.nodes[node].name;
-            if ui.button("Look").clicked() {
+            if ui.button("View").clicked() {
                 actions.push(Action::Look(name.clone(), 0));
             }
-            ui.menu_button("Look with key", |ui| {
+            ui.menu_button("Assign to viewer key", |ui| {
                 for slot in 0..9 {
                     if ui.button(format!("{}", slot + 1)).clicked() {
                         actions.push(Action::Slot(slot));
                     }
                 }
             });
-            if ui.button("Make output").on_hover_text("Renders what the node makes.").clicked() {
+            if ui.button("Make output").on_hover_text("Add an output that renders the selected node.").clicked() {
                 actions.push(Action::MakeOutput);
             }
             if ui.button("Replace with …").clicked() {
@@ -150,7 +150,8 @@ impl Canvas {
         if ui.button(if off { "Disable" } else { "Enable" }).clicked() {
             actions.push(Action::Disable);
         }
-        if ui.button("Extract").on_hover_text("Leads wires past, and leaves the nodes unconnected.").clicked() {
+        if ui.button("Extract").on_hover_text("Connect wires past the nodes and leave the nodes unconnected.").clicked()
+        {
             actions.push(Action::Extract);
         }
         ui.separator();
@@ -178,7 +179,7 @@ impl Canvas {
                 }
             }
         });
-        if ui.button("Write …").clicked() {
+        if ui.button("Edit text …").clicked() {
             self.write(super::backdrop::Subject::Backdrop(name.into()), &body.text, false);
         }
         if ui.button("Select nodes").clicked() {

@@ -1,4 +1,4 @@
-//! The whole graph in a corner, where not all of it is in view.
+//! Overview map in the corner of the canvas, shown while part of the graph is out of view.
 
 use super::Canvas;
 use super::plan::Plan;
@@ -6,11 +6,11 @@ use super::wire::faded;
 use crate::theme;
 use egui::{Color32, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType, pos2, vec2};
 
-/// Its width and height, at most.
+/// Maximum width and height.
 const SIZE: [f32; 2] = [150.0, 120.0];
 
 impl Canvas {
-    /// Draws the whole graph small; a press on it moves the view there.
+    /// Draws the overview map; pressing on it centers the view there.
     pub(super) fn minimap_ui(&mut self, plan: &Plan, ui: &Ui) {
         let seen = self.view.seen();
         let room = self.view.rect.size();

@@ -1,7 +1,7 @@
-//! The graph: nodes, wires, and what is done to them by hand.
+//! The graph panel: nodes, wires, and direct manipulation of them.
 //!
-//! What is drawn depends on the document alone (`plan`) and on where one looks (`view`). What the pointer does is one
-//! gesture at a time (`drag`); nothing of it changes the document before it is over.
+//! The drawing depends only on the document (`plan`) and the viewport (`view`). The pointer performs one gesture at a
+//! time (`drag`); the document changes only when a gesture ends.
 
 mod backdrop;
 mod connect;
@@ -33,7 +33,7 @@ use plan::Plan;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// What the canvas holds besides what all see.
+/// State of the graph panel that no other panel shares.
 #[derive(Default)]
 pub struct Canvas {
     view: view::View,
@@ -41,31 +41,31 @@ pub struct Canvas {
     laid: place::Laid,
     pictures: picture::Pictures,
     gesture: Gesture,
-    /// A pin that was clicked, unless the click ended a gesture.
+    /// The pin that was clicked, unless the click ended a gesture.
     clicked: Option<plan::End>,
     has_plugged: bool,
     search: Option<search::Search>,
-    /// Why the last wire was not drawn, and where it would have gone.
+    /// Reason why the last wire was refused, and where it would have gone.
     refusal: Option<(connect::Refusal, egui::Pos2)>,
     menu: Option<menu::Menu>,
     writing: Option<backdrop::TextDraft>,
     wants_frame: bool,
     wants_search: bool,
     wants_replacement: bool,
-    /// Whether what is pasted next was asked for in a menu, wherever the pointer is.
+    /// Whether the next paste was requested from a menu, so it applies wherever the pointer is.
     wants_paste: bool,
-    /// By output: where its mark is on the screen.
+    /// Screen area of each output's mark.
     marks: Vec<(String, Rect)>,
-    /// How many menus were opened: each is as large as it needs.
+    /// Number of menus opened so far; part of each menu's id, so that each gets a size of its own.
     menus: u64,
-    /// Whether the view was set at all.
+    /// Whether the view has been initialized.
     is_shown: bool,
-    /// Whether the wheel zooms, as that of a mouse does, or moves, as two fingers do.
+    /// Whether scrolling pans (touchpad) instead of zooming (mouse wheel).
     wheel_moves: bool,
 }
 
 impl Canvas {
-    /// Forgets what is under the pointer: it may be gone.
+    /// Cancels everything that refers to items under the pointer, because those may be gone.
     pub fn forget_cursor(&mut self) {
         self.gesture = Gesture::Idle;
         self.menu = None;
@@ -73,43 +73,43 @@ impl Canvas {
         self.clicked = None;
     }
 
-    /// Shows the chosen nodes, or all, when it is drawn next.
+    /// Frames the selected nodes, or all nodes, on the next draw.
     pub fn frame(&mut self) {
         self.wants_frame = true;
     }
 
-    /// Asks for a node to add, when it is drawn next.
+    /// Opens the search for a node to add on the next draw.
     pub fn search(&mut self) {
         self.wants_search = true;
     }
 
-    /// Asks for another type for the chosen node, when it is drawn next.
+    /// Opens the search for a replacement of the selected node on the next draw.
     pub fn replace(&mut self) {
         self.wants_replacement = true;
     }
 
-    /// Takes what is pasted next, wherever the pointer is.
+    /// Accepts the next paste, wherever the pointer is.
     pub fn await_paste(&mut self) {
         self.wants_paste = true;
     }
 
-    /// Asks for no node any more: something else is being asked.
+    /// Closes the node search, because another prompt opens.
     pub fn close_search(&mut self) {
         self.search = None;
     }
 
-    /// Lets one write on a new backdrop at once.
+    /// Starts editing the text of a new backdrop.
     pub fn write_on(&mut self, name: String, text: &str) {
         self.write(backdrop::Subject::Backdrop(name), text, true);
     }
 
-    /// A note in the middle of what is seen: the change, its name, and what it says.
+    /// Adds a note in the middle of the viewport; returns the edit, its name, and its initial text.
     pub fn note(&self, sheet: &Sheet) -> (Edit, String, &'static str) {
         let (edit, name) = backdrop::note(sheet, self.view.canvas(self.view.rect.center()));
         (edit, name, backdrop::NOTE)
     }
 
-    /// A dot in the middle of a wire of a node: of the first that it feeds, or else that it takes.
+    /// Adds a dot in the middle of a node's first outgoing wire, or otherwise its first incoming wire.
     pub fn dotted(&self, name: &str) -> Option<Edit> {
         let plan = self.plan.as_ref()?;
         let node = plan.sheet.find(name)?;
@@ -121,13 +121,13 @@ impl Canvas {
         Some(crate::document::decor::dotted(&plan.sheet, plan.sheet.wires[wire].to, &dots))
     }
 
-    /// Whether what is pointed at is explained: nothing else is being said or done.
+    /// Returns whether tooltips are shown: no popup is open and no gesture is in progress.
     fn explains(&self) -> bool {
         let speaks = self.search.is_some() || self.refusal.is_some() || self.menu.is_some();
         !speaks && matches!(self.gesture, Gesture::Idle)
     }
 
-    /// Takes what is under the pointer and the panel's size, and what there is to draw.
+    /// Updates the viewport and the plan, and opens what was requested for this frame.
     fn prepare(&mut self, ui: &Ui, state: &State, rect: Rect) -> Plan {
         self.view.set_rect(rect);
         let old = self.plan.take();
@@ -137,7 +137,7 @@ impl Canvas {
                 let plan = Plan::new(state, &mut self.laid);
                 let names =
                     |plan: &Plan| plan.sheet.nodes.iter().map(|node| node.name.clone()).collect::<Vec<String>>();
-                // Nodes that are moved may lose their wires on the way, and stay in the hand.
+                // A moved node may lose its wires during the drag and must stay grabbed.
                 let same = old.is_some_and(|old| names(&old) == names(&plan));
                 if !(same && matches!(self.gesture, Gesture::Move(_) | Gesture::Pan(_))) {
                     self.forget_cursor();
@@ -170,7 +170,7 @@ impl Canvas {
         plan
     }
 
-    /// Moves and zooms the view.
+    /// Pans and zooms the view.
     fn navigate(&mut self, ui: &Ui, background: &Response) {
         if !ui.rect_contains_pointer(self.view.rect) {
             return;
@@ -208,7 +208,7 @@ impl Canvas {
         }
     }
 
-    /// What is done to the empty canvas.
+    /// Handles input on the empty canvas and on wires.
     fn background(&mut self, plan: &Plan, ui: &Ui, state: &State, response: &Response, actions: &mut Vec<Action>) {
         let wire = self.wire_hovered(plan, ui, response.hovered());
         self.wires_ui(plan, ui, state, wire);
@@ -240,7 +240,7 @@ impl Canvas {
         }
     }
 
-    /// What is done by keys.
+    /// Handles keyboard input and pasted text.
     fn keys(&mut self, plan: &Plan, ui: &Ui, state: &State, actions: &mut Vec<Action>) {
         if ui.ctx().text_edit_focused() {
             return;
@@ -278,7 +278,7 @@ impl Canvas {
         }
     }
 
-    /// What lies over everything: lines that help, and the area that is drawn.
+    /// Draws guide lines, the selection rectangle, and other overlays of the gesture.
     fn overlay(&self, plan: &Plan, ui: &Ui) {
         self.pull_ui(plan, ui);
         match &self.gesture {
@@ -307,7 +307,7 @@ impl Canvas {
         }
     }
 
-    /// Dots at regular distances, by which one sees the canvas move.
+    /// Draws the background with a regular grid of dots, which makes panning visible.
     fn ground(&self, ui: &Ui) {
         let dark = ui.visuals().dark_mode;
         ui.painter().rect_filled(self.view.rect, 0.0, ui.visuals().panel_fill);
@@ -330,23 +330,24 @@ impl Canvas {
     }
 }
 
-/// Places for nodes, laid out in layers: of the chosen ones, or of all where fewer than two are chosen.
+/// Returns positions from a layered layout of the selected nodes, or of all nodes if fewer than two are selected.
 pub fn arrange(sheet: &Sheet, chosen: &BTreeSet<String>) -> Vec<(String, Point)> {
     place::arrange(sheet, chosen)
 }
 
-/// The same document with places for all nodes: those where they are seen.
+/// Returns the document with a place for every node: the place where it is drawn.
 pub fn placed(sheet: &Arc<Sheet>) -> Arc<Sheet> {
     let has_all = sheet.nodes.iter().all(|node| node.placed);
     if has_all { sheet.clone() } else { Arc::new(place::placed(sheet)) }
 }
 
-/// A change that is to leave nodes where they are seen: writes all places first, where the document has not all.
+/// Returns an edit that keeps nodes where they are drawn: it first writes all places, if the document does not have
+/// them.
 pub fn freezing(sheet: &Sheet, then: Edit) -> Edit {
     place::freezing(sheet, &place::boxes(sheet, &mut place::Laid::default()), then)
 }
 
-/// Deletes nodes; the others stay where they are seen.
+/// Deletes nodes; the others keep the places where they are drawn.
 pub fn deleting(sheet: &Sheet, names: &[String]) -> Edit {
     let mut boxes = place::boxes(sheet, &mut place::Laid::default());
     let mut rest = sheet.clone();
@@ -357,7 +358,7 @@ pub fn deleting(sheet: &Sheet, names: &[String]) -> Edit {
     place::freezing(&rest, &boxes, edit::deleted(sheet, names))
 }
 
-/// Lines the chosen nodes up.
+/// Aligns or distributes the selected nodes.
 pub fn lined_up(sheet: &Sheet, chosen: &BTreeSet<String>, line: Line) -> Edit {
     let boxes = place::boxes(sheet, &mut place::Laid::default());
     let nodes: Vec<usize> = chosen.iter().filter_map(|name| sheet.find(name)).collect();
@@ -367,7 +368,8 @@ pub fn lined_up(sheet: &Sheet, chosen: &BTreeSet<String>, line: Line) -> Edit {
     place::freezing(sheet, &boxes, Edit { label: line.name().into(), ..edit::moved(&places) })
 }
 
-/// A backdrop behind the chosen nodes, its name and what it says; `None` where none is chosen.
+/// Adds a backdrop behind the selected nodes; returns the edit, its name, and its initial text, or `None` if no node is
+/// selected.
 pub fn backdrop(sheet: &Sheet, chosen: &BTreeSet<String>) -> Option<(Edit, String, &'static str)> {
     let boxes = place::boxes(sheet, &mut place::Laid::default());
     let some = chosen.iter().filter_map(|name| Some(boxes[sheet.find(name)?]));
@@ -375,7 +377,7 @@ pub fn backdrop(sheet: &Sheet, chosen: &BTreeSet<String>) -> Option<(Edit, Strin
     Some((edit, name, backdrop::BACKDROP))
 }
 
-/// The backdrop that is meant where nodes are chosen: the smallest behind all of them, or the only one.
+/// Returns the backdrop that the selection refers to: the smallest one behind all selected nodes, or else the only one.
 pub fn backdrop_of<'s>(sheet: &'s Sheet, chosen: &BTreeSet<String>) -> Option<&'s String> {
     let boxes = place::boxes(sheet, &mut place::Laid::default());
     let nodes = chosen.iter().filter_map(|name| Some(boxes[sheet.find(name)?])).reduce(Rect::union);

@@ -1,4 +1,4 @@
-//! Nodes: how they are drawn, and what is done to them.
+//! Drawing of nodes, and their input.
 
 use super::Canvas;
 use super::drag::{Gesture, Move};
@@ -17,16 +17,16 @@ use egui::{Ui, WidgetInfo, WidgetType, pos2, vec2};
 use std::collections::BTreeSet;
 use trochoid::{End as Side, State as Fate};
 
-/// What takes a larger share of the time than this says so.
+/// Share of the total time above which a node displays its time.
 const COSTLY: f64 = 0.02;
 
-/// The least size of letters that can be read, points.
+/// Minimum legible font size, in points.
 const LEGIBLE: f32 = 9.0;
 
-/// The least width of a node on the screen that has room for letters, points.
+/// Minimum width of a node on the screen for its name to be drawn, in points.
 const NAMED: f32 = 30.0;
 
-/// Colors of what nodes are made of.
+/// Colors of the parts of a node.
 struct Paint {
     fill: Color32,
     edge: Color32,
@@ -50,7 +50,7 @@ impl Paint {
 }
 
 impl Canvas {
-    /// Draws all nodes, and takes what is done to them.
+    /// Draws all nodes and handles their input.
     pub(super) fn nodes_ui(&mut self, plan: &Plan, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         let paint = Paint::of(ui);
         self.marks.clear();
@@ -93,7 +93,7 @@ impl Canvas {
         }
     }
 
-    /// Begins to move a node, and all that are chosen with it.
+    /// Starts moving a node together with the selection.
     fn grab(&mut self, plan: &Plan, ui: &Ui, state: &State, index: usize, actions: &mut Vec<Action>) {
         let Some(origin) = ui.input(|input| input.pointer.press_origin()) else { return };
         let name = &plan.sheet.nodes[index].name;
@@ -117,7 +117,7 @@ impl Canvas {
         let kind = theme::kind(node.makes.first().and_then(|(_, kind)| *kind));
         let out = node.disabled || left_out(state, &node.name);
         let dim = out || plan.idle.contains(&index);
-        // What is dim keeps its place, but lets what is not stand out.
+        // Dimmed nodes keep their place and let the others stand out.
         let tone = |color: Color32| if dim { faded(color, ui.visuals().panel_fill, 0.55) } else { color };
         let ink = |color: Color32| if dim { faded(color, ui.visuals().panel_fill, 0.3) } else { color };
         let chosen = state.selection.contains(&node.name);
@@ -135,7 +135,7 @@ impl Canvas {
             painter.rect_filled(seen, round, tone(paint.fill));
             let top = if has_picture(node) { CornerRadius { sw: 0, se: 0, ..round } } else { round };
             painter.rect_filled(head, top, tone(family));
-            // The kind, also where the head is all but gray.
+            // Stripe in the color of the kind: the head itself may be almost gray.
             let stripe = Rect::from_min_size(head.min, vec2((4.0 * zoom).max(2.0), head.height()));
             painter.rect_filled(stripe, CornerRadius { ne: 0, se: 0, ..top }, tone(kind));
             if has_picture(node) {
@@ -158,7 +158,7 @@ impl Canvas {
         self.draw_keys(ui, state, node, seen);
     }
 
-    /// The sign of what is wrong, here or above; a click leads to the node that is to blame.
+    /// Draws the error badge for a fault in this node or above it; clicking it goes to the node at fault.
     fn fault_ui(&self, plan: &Plan, ui: &Ui, index: usize, actions: &mut Vec<Action>) {
         let Some(fault) = plan.faults.get(&index) else { return };
         let name = &plan.sheet.nodes[index].name;
@@ -179,12 +179,12 @@ impl Canvas {
         }
         let text = match own {
             true => fault.text.clone(),
-            false => format!("{}: {}\n\nA click leads there.", fault.culprit, fault.text),
+            false => format!("{}: {}\n\nClick to go to that node.", fault.culprit, fault.text),
         };
         response.on_hover_text(text).on_hover_cursor(egui::CursorIcon::PointingHand);
     }
 
-    /// Which keys show a node, and whether it is looked at.
+    /// Draws the number keys that show a node, and the outline of the viewed node.
     fn draw_keys(&self, ui: &Ui, state: &State, node: &Node, seen: Rect) {
         let zoom = self.view.zoom;
         let looked = state.look.node.as_ref().is_some_and(|(name, _)| *name == node.name);
@@ -205,7 +205,7 @@ impl Canvas {
         }
         for (nth, slot) in slots.iter().enumerate() {
             let size = (15.0 * zoom).clamp(9.0, 20.0);
-            // Beside the node: pins stand on its upper edge.
+            // Beside the node, because pins stand on its top edge.
             let at = seen.right_top() + vec2(size * 0.75, size * (nth as f32 * 1.15 + 0.5));
             let place = Rect::from_center_size(at, vec2(size, size));
             let (fill, text) =
@@ -224,7 +224,7 @@ impl Canvas {
             ui.painter().rect_filled(place, round, bare);
             return;
         };
-        // As much of its middle as fills the place.
+        // Crops to the middle part with the aspect ratio of the place.
         let size = texture.size_vec2();
         let share = (place.size() / size).max_elem();
         let part = place.size() / (size * share);
@@ -234,7 +234,7 @@ impl Canvas {
     }
 }
 
-/// Which nodes are chosen after a click on one.
+/// Returns the selection after a click on a node.
 fn picked(ui: &Ui, state: &State, name: &str) -> BTreeSet<String> {
     let modifiers = ui.input(|input| input.modifiers);
     let mut names = state.selection.clone();
@@ -250,7 +250,7 @@ fn picked(ui: &Ui, state: &State, name: &str) -> BTreeSet<String> {
 
 fn draw_text(ui: &Ui, node: &Node, head: Rect, zoom: f32, colors: [Color32; 2], state: &State, total: f64) {
     let painter = ui.painter();
-    // Half sizes, so that zooming does not make a letter of every size.
+    // Rounded to half points, so that zooming does not rasterize glyphs at every size.
     let size = |points: f32| FontId::proportional((points * zoom * 2.0).round() / 2.0);
     let left = head.left() + (10.0 * zoom).max(4.0);
     let width = head.right() - (6.0 * zoom).max(1.0) - left;
@@ -264,7 +264,7 @@ fn draw_text(ui: &Ui, node: &Node, head: Rect, zoom: f32, colors: [Color32; 2], 
         TextFormat { strikethrough: strike, ..TextFormat::simple(size(12.5_f32.max(LEGIBLE / zoom)), colors[0]) };
     let text = elided(&node.name, name, width);
     let is_small = 10.0 * zoom < 0.7 * LEGIBLE;
-    // Below the pins, which reach into the head; alone, in its middle.
+    // Below the pins, which reach into the head; centered if the name stands alone.
     let top = match is_small {
         true => head.center().y - text.size().y / 2.0,
         false => head.top() + 6.0 * zoom,
@@ -286,7 +286,7 @@ fn draw_text(ui: &Ui, node: &Node, head: Rect, zoom: f32, colors: [Color32; 2], 
     painter.galley(line, text, colors[1]);
 }
 
-/// A small round sign: what is wrong is here, or above.
+/// Draws a small round badge: `!` for a fault here, an arrow for one above.
 fn badge(ui: &Ui, at: Pos2, own: bool, color: Color32, zoom: f32) {
     let radius = (8.0 * zoom).clamp(5.0, 10.0);
     let painter = ui.painter();
@@ -303,14 +303,14 @@ fn badge(ui: &Ui, at: Pos2, own: bool, color: Color32, zoom: f32) {
     }
 }
 
-/// What is said of a node that is pointed at.
+/// Draws the tooltip of a node.
 fn about_ui(plan: &Plan, ui: &mut Ui, state: &State, index: usize, total: f64) {
     ui.set_max_width(320.0);
     let node = &plan.sheet.nodes[index];
     ui.label(RichText::new(format!("{} — {}", node.name, node.ty)).strong());
     match node.declaration {
         Some(known) => ui.label(known.summary),
-        None => ui.colored_label(theme::error(ui.visuals()), format!("There is no type of node \"{}\".", node.ty)),
+        None => ui.colored_label(theme::error(ui.visuals()), format!("Unknown node type \"{}\".", node.ty)),
     };
     if let Some(seen) = state.seen.nodes.get(&node.name) {
         match &seen.state {
@@ -319,16 +319,14 @@ fn about_ui(plan: &Plan, ui: &mut Ui, state: &State, index: usize, total: f64) {
                 let about = if seen.estimated { "about " } else { "" };
                 ui.weak(format!("Evaluated in {about}{} ({share:.1} %)", format::seconds(seen.seconds)));
             }
-            Fate::Cached => drop(ui.weak("Taken from an earlier evaluation")),
+            Fate::Cached => drop(ui.weak("Reused from the cache")),
             Fate::LeftOut(why) => drop(ui.weak(format!("Left out: {why}"))),
         }
     } else if node.disabled {
-        ui.weak("Disabled: led past");
+        ui.weak("Bypassed");
     }
     if plan.idle.contains(&index) {
-        ui.weak(
-            "No output needs it: it is not rendered. Drop a wire from it on an output's mark, or choose Make output.",
-        );
+        ui.weak("Not rendered: no output needs it. Drop a wire from it on an output's mark, or choose Make output.");
     }
     if let Some(fault) = plan.faults.get(&index) {
         let color = theme::error(ui.visuals());

@@ -1,4 +1,4 @@
-//! Small pictures of nodes, on the graphics card.
+//! Textures of the nodes' thumbnails.
 
 use crate::evaluate::Screen;
 use crate::state::State;
@@ -6,14 +6,14 @@ use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Pictures that were uploaded, by node.
+/// Uploaded thumbnails, by node.
 #[derive(Default)]
 pub(super) struct Pictures {
     known: HashMap<String, (Arc<Screen>, TextureHandle)>,
 }
 
 impl Pictures {
-    /// The picture of a node, uploaded when it is first drawn.
+    /// Returns the thumbnail of a node, uploading it when it is first drawn.
     pub(super) fn of(&mut self, context: &Context, state: &State, name: &str) -> Option<&TextureHandle> {
         let screen = state.seen.thumbnails.get(name)?;
         let fresh = self.known.get(name).is_some_and(|(known, _)| Arc::ptr_eq(known, screen));
@@ -29,7 +29,7 @@ impl Pictures {
         Some(&self.known.get(name)?.1)
     }
 
-    /// Forgets pictures of nodes that are gone.
+    /// Drops thumbnails of nodes that no longer exist.
     pub(super) fn tidy(&mut self, state: &State) {
         if self.known.len() > state.seen.thumbnails.len() {
             self.known.retain(|name, _| state.seen.thumbnails.contains_key(name));

@@ -1,4 +1,4 @@
-//! Pins: where wires begin and end.
+//! Pins: the inputs and outputs of nodes, where wires begin and end.
 
 use super::Canvas;
 use super::connect;
@@ -15,13 +15,13 @@ use serde_json::Value;
 
 /// Radius of a pin.
 const RADIUS: f32 = 4.2;
-/// The least zoom at which pins can be told from what lies around them, and taken.
+/// Minimum zoom at which pins can be clicked and dragged.
 const TAKEN: f32 = 0.4;
-/// How labels lie above their pins.
+/// Angle of the labels above pins, in radians.
 const SLANT: f32 = -0.66;
 
 impl Canvas {
-    /// Draws the pins of a node, and takes what is done to them.
+    /// Draws the pins of a node and handles their input.
     pub(super) fn pins_ui(&mut self, plan: &Plan, ui: &Ui, node: usize, hovered: bool) {
         if self.view.zoom < 0.22 {
             return;
@@ -41,7 +41,7 @@ impl Canvas {
         let radius = (RADIUS * zoom).clamp(1.8, 8.0);
         let reach = (2.0 * radius + 5.0).min(16.0 * zoom.max(0.5));
         let place = Rect::from_center_size(at, vec2(reach, reach));
-        // Without the node's name in it, an identity would be handed on when a node is deleted.
+        // The node's name is part of the id: otherwise another pin would inherit it when a node is deleted.
         let name = &plan.sheet.nodes[end.node()].name;
         let sense = if zoom < TAKEN { Sense::hover() } else { Sense::click_and_drag() };
         let response = ui.interact(place, ui.id().with((name, index_of(end))), sense);
@@ -83,7 +83,7 @@ impl Canvas {
         }
     }
 
-    /// What a click on a pin does: a wire follows the pointer until another pin is clicked.
+    /// Handles a click on a pin: a wire follows the pointer until another pin is clicked.
     pub(super) fn click_pin(
         &mut self,
         plan: &Plan,
@@ -101,7 +101,7 @@ impl Canvas {
                 }
             }
             Gesture::Idle => {
-                // Wires that are there stay; what is clicked begins one.
+                // A click on a connected pin keeps its wire; only a free pin starts a new one.
                 let empty = !matches!(end, End::Pin(node, pin) if plan.wire_at((node, pin)).is_some());
                 if empty {
                     self.pull(plan, end, at, true);
@@ -138,7 +138,7 @@ fn draw_pin(ui: &Ui, at: Pos2, radius: f32, pin: &Pin, wired: bool, strength: f3
     }
 }
 
-/// A text that slants up from a pin.
+/// Draws a label that slants up from a pin.
 fn label(ui: &Ui, at: Pos2, radius: f32, text: &str, size: f32, color: Color32, plate: bool) {
     let galley = ui.painter().layout_no_wrap(text.into(), FontId::proportional((2.0 * size).round() / 2.0), color);
     let up = vec2(SLANT.cos(), SLANT.sin());
@@ -146,9 +146,9 @@ fn label(ui: &Ui, at: Pos2, radius: f32, text: &str, size: f32, color: Color32, 
     let height = galley.size().y;
     let start = at + up * (radius + 3.0) - across * (height / 2.0);
     if plate {
-        // Wires run here.
+        // A background, because wires run here.
         let along = up * galley.size().x;
-        // No wider than needed: beside it is the next label.
+        // No taller than necessary: the next label is close.
         let (near, far) = (start + across * (0.22 * height), start + across * (0.82 * height));
         let corners = [near, near + along, far + along, far];
         let fill = ui.visuals().panel_fill.gamma_multiply(0.85);
@@ -157,7 +157,7 @@ fn label(ui: &Ui, at: Pos2, radius: f32, text: &str, size: f32, color: Color32, 
     ui.painter().add(TextShape::new(start, galley, color).with_angle(SLANT));
 }
 
-/// The color that stands in a pin, in place of a wire.
+/// Returns the color value of an unconnected pin.
 fn swatch(pin: &Pin) -> Option<Color32> {
     match pin.value.as_ref()? {
         Value::String(text) if text.starts_with('#') => Color32::from_hex(text).ok(),
@@ -172,7 +172,7 @@ fn swatch(pin: &Pin) -> Option<Color32> {
     }
 }
 
-/// The number that stands in a pin, in place of a wire.
+/// Returns the number value of an unconnected pin.
 fn constant(pin: &Pin) -> Option<String> {
     let number = pin.value.as_ref()?.as_f64()?;
     let text = format::number(number);
@@ -189,9 +189,9 @@ fn about_ui(plan: &Plan, ui: &mut Ui, end: End) {
     match end {
         End::Output(_, output) => {
             let (name, kind) = node.makes[output];
-            let kind = kind.map_or_else(|| "Of no known kind".to_string(), |kind| kind.to_string());
+            let kind = kind.map_or_else(|| "unknown kind".to_string(), |kind| kind.to_string());
             ui.label(RichText::new(format!("{}.{name}", node.name)).strong());
-            ui.weak(format!("Makes: {kind}"));
+            ui.weak(format!("Output: {kind}"));
             if let Some(known) = node.declaration.and_then(|known| known.outputs.get(output)) {
                 ui.label(known.help);
             }
@@ -199,10 +199,10 @@ fn about_ui(plan: &Plan, ui: &mut Ui, end: End) {
         End::Pin(_, index) => {
             let pin = &node.pins[index];
             ui.label(RichText::new(format!("{}.{}", node.name, pin.label)).strong());
-            ui.weak(format!("Takes: {}{}", pin.accepts, if pin.required { ", required" } else { "" }));
+            ui.weak(format!("Accepts: {}{}", pin.accepts, if pin.required { ", required" } else { "" }));
             ui.label(pin.help);
             if let Some(text) = pin.value.as_ref().filter(|_| plan.wire_at((end.node(), index)).is_none()) {
-                ui.weak(format!("Now: {}", crate::document::change::style(text)));
+                ui.weak(format!("Value: {}", crate::document::change::style(text)));
             }
         }
     }

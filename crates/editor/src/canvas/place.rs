@@ -1,4 +1,4 @@
-//! Where nodes stand: how large they are, and where those go that the document does not place.
+//! Sizes and positions of nodes, including positions for nodes that the document does not place.
 
 use super::route;
 use crate::document::{Edit, Node, Point, Sheet, edit};
@@ -8,47 +8,47 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use trochoid::Kind;
 use trochoid_diagram::{Net, layers};
 
-/// The least width of a node.
+/// Minimum width of a node.
 pub(super) const WIDTH: f32 = 120.0;
-/// Height of what says its name and type.
+/// Height of the head, which shows name and type.
 pub(super) const HEAD: f32 = 38.0;
-/// Height of its picture.
+/// Height of the thumbnail.
 pub(super) const PICTURE: f32 = 60.0;
-/// Between pins, if there is room.
+/// Distance between pins, if there is room.
 const PIN: f32 = 17.0;
-/// What a node keeps free around it where it is laid out.
+/// Margin around a node in the automatic layout.
 const FREE: Vec2 = vec2(14.0, 12.0);
 
-/// Whether a node makes something that can be shown small.
+/// Returns whether a node has a result that a thumbnail can show.
 pub(super) fn has_picture(node: &Node) -> bool {
     matches!(node.makes.first(), Some((_, Some(Kind::Color | Kind::Weights(_) | Kind::Field(_)))))
 }
 
-/// Width and height of a node.
+/// Returns the size of a node.
 pub(super) fn size(node: &Node) -> Vec2 {
     let pins = node.pins.len().max(node.makes.len()) as f32;
     vec2(WIDTH.max(pins * 13.0 + 14.0), if has_picture(node) { HEAD + PICTURE } else { HEAD })
 }
 
-/// Where a pin stands at an edge, from the edge's left end.
+/// Returns the distance of a pin from the left end of its edge.
 pub(super) fn along(index: usize, count: usize, width: f32) -> f32 {
     let step = PIN.min((width - 16.0) / (count.max(2) - 1) as f32);
     width / 2.0 + step * (index as f32 - (count as f32 - 1.0) / 2.0)
 }
 
-/// Nodes in layers, and how wires run between them.
+/// A layered layout: positions of nodes and routes of wires.
 #[derive(Default)]
 pub(super) struct Laid {
-    /// What was laid out.
+    /// Hash of the wires and node sizes that were laid out.
     key: u64,
-    /// By node: its upper left corner.
+    /// Upper left corner of each node.
     pub(super) corners: Vec<Pos2>,
-    /// By wire: through where it passes other layers.
+    /// Points where wires pass other layers, by wire.
     pub(super) routes: HashMap<usize, Vec<Pos2>>,
 }
 
 impl Laid {
-    /// Lays all nodes of a document out, unless they are joined as they were when that was done last.
+    /// Lays out all nodes of a document, unless wires and sizes are unchanged since the last layout.
     pub(super) fn update(&mut self, sheet: &Sheet) {
         let mut hasher = DefaultHasher::new();
         sheet.wires.hash(&mut hasher);
@@ -64,7 +64,7 @@ impl Laid {
     }
 }
 
-/// Lays some nodes out in layers, their wires running down.
+/// Lays out some nodes in layers, with wires running down.
 fn lay(sheet: &Sheet, members: &[usize]) -> Laid {
     let place: HashMap<usize, usize> = members.iter().enumerate().map(|(at, node)| (*node, at)).collect();
     let boxes: Vec<[f64; 2]> = members
@@ -74,7 +74,7 @@ fn lay(sheet: &Sheet, members: &[usize]) -> Laid {
             [f64::from(size.x), f64::from(size.y)]
         })
         .collect();
-    // By what leads there: all that takes it, and the wires that do.
+    // By output: the nodes that take it, with the wires to them.
     let mut joined: BTreeMap<(usize, usize), BTreeMap<usize, Vec<usize>>> = BTreeMap::new();
     for index in acyclic(sheet) {
         let wire = &sheet.wires[index];
@@ -91,7 +91,7 @@ fn lay(sheet: &Sheet, members: &[usize]) -> Laid {
         members.iter().zip(&corners).map(|(node, at)| Rect::from_min_size(*at, size(&sheet.nodes[*node]))).collect();
     let mut routes = HashMap::new();
     for (net, (pieces, to)) in layout.wires.iter().zip(joined.values()).enumerate() {
-        // Where layers are passed, the first piece is what all wires of the net share.
+        // If layers are passed, the first piece is shared by all wires of the net.
         let shared = if pieces.len() > to.len() { pieces[0].as_slice() } else { &[] };
         let shared: Vec<Pos2> = shared.iter().copied().map(point).collect();
         let straight = route::straightened(&shared, &areas, net);
@@ -105,13 +105,13 @@ fn lay(sheet: &Sheet, members: &[usize]) -> Laid {
     Laid { key: 0, corners, routes }
 }
 
-/// All wires but those that close a cycle, which a document that is not valid may have.
+/// Returns all wires except those that close a cycle, which an invalid document may have.
 fn acyclic(sheet: &Sheet) -> Vec<usize> {
     let mut below: Vec<Vec<usize>> = vec![Vec::new(); sheet.nodes.len()];
     for (index, wire) in sheet.wires.iter().enumerate() {
         below[wire.from.0].push(index);
     }
-    // 1 while what is below a node is being visited, 2 afterwards.
+    // 1 while the nodes below are being visited, 2 when done.
     let mut state = vec![0_u8; sheet.nodes.len()];
     let mut kept = Vec::new();
     for root in 0..sheet.nodes.len() {
@@ -136,7 +136,7 @@ fn acyclic(sheet: &Sheet) -> Vec<usize> {
     kept
 }
 
-/// By node: where it stands. Those that the document does not place are laid out.
+/// Returns the area of each node. Nodes that the document does not place are laid out.
 pub(super) fn boxes(sheet: &Sheet, laid: &mut Laid) -> Vec<Rect> {
     let at = |node: &Node, at: Pos2| Rect::from_min_size(at, size(node));
     let placed = sheet.nodes.iter().filter(|node| node.placed).count();
@@ -145,13 +145,13 @@ pub(super) fn boxes(sheet: &Sheet, laid: &mut Laid) -> Vec<Rect> {
         return boxes;
     }
     if 2 * placed < sheet.nodes.len() {
-        // A few that were put into a document without places do not disturb what is seen of it.
+        // A few placed nodes in an otherwise unplaced document do not disturb its layout.
         laid.update(sheet);
         let laid_out = boxes.iter_mut().zip(&sheet.nodes).zip(&laid.corners).filter(|((_, node), _)| !node.placed);
         laid_out.for_each(|((own, node), corner)| *own = at(node, *corner));
         return boxes;
     }
-    // Those that are left go beside what they are joined to.
+    // The remaining nodes go next to the nodes they are connected to.
     let mut done: Vec<usize> = (0..boxes.len()).filter(|index| sheet.nodes[*index].placed).collect();
     for index in 0..boxes.len() {
         if sheet.nodes[index].placed {
@@ -171,7 +171,7 @@ pub(super) fn boxes(sheet: &Sheet, laid: &mut Laid) -> Vec<Rect> {
     boxes
 }
 
-/// The same document with places for all nodes: those where they are seen.
+/// Returns the document with a place for every node: the place where it is drawn.
 pub(super) fn placed(sheet: &Sheet) -> Sheet {
     let boxes = boxes(sheet, &mut Laid::default());
     let mut sheet = sheet.clone();
@@ -179,7 +179,7 @@ pub(super) fn placed(sheet: &Sheet) -> Sheet {
     sheet
 }
 
-/// A change before which all places are written, where the document has not all.
+/// Prefixes an edit with the places of all nodes, if the document does not have them.
 pub(super) fn freezing(sheet: &Sheet, boxes: &[Rect], then: Edit) -> Edit {
     if sheet.nodes.iter().all(|node| node.placed) {
         return then;
@@ -189,20 +189,20 @@ pub(super) fn freezing(sheet: &Sheet, boxes: &[Rect], then: Edit) -> Edit {
     Edit { ops: [edit::laid_out(sheet, &places).ops, then.ops].concat(), ..then }
 }
 
-/// Moves a box to the right until it stands on none of the others.
+/// Moves a box to the right until it overlaps none of the others.
 pub(super) fn free(mut wanted: Rect, others: impl Iterator<Item = Rect> + Clone) -> Rect {
-    // Each of the others can be in the way once.
+    // Terminates: each of the others can be in the way only once.
     while let Some(other) = others.clone().find(|other| other.expand(8.0).intersects(wanted)) {
         wanted = wanted.translate(vec2(other.right() + 20.0 - wanted.left(), 0.0));
     }
     wanted
 }
 
-/// The place nearest to a wanted one where a box stands on none of the others.
+/// Returns the place nearest to the wanted one where a box overlaps none of the others.
 pub(super) fn nearest(wanted: Rect, others: &[Rect]) -> Rect {
     const STEP: f32 = 20.0;
     let is_free = |place: &Rect| !others.iter().any(|other| other.expand(8.0).intersects(*place));
-    // Rings about it, each place of them down and to the sides before up.
+    // Rings around the wanted place; on each ring, below and beside come before above.
     let rings = (0..200).flat_map(|ring| {
         let points = if ring == 0 { 1 } else { 8 * ring };
         (0..points).map(move |point| {
@@ -213,7 +213,7 @@ pub(super) fn nearest(wanted: Rect, others: &[Rect]) -> Rect {
     rings.into_iter().find(is_free).unwrap_or_else(|| free(wanted, others.iter().copied()))
 }
 
-/// Places for nodes, laid out in layers: of the chosen ones, or of all where fewer than two are chosen.
+/// Returns positions from a layered layout of the selected nodes, or of all nodes if fewer than two are selected.
 pub(super) fn arrange(sheet: &Sheet, chosen: &BTreeSet<String>) -> Vec<(String, Point)> {
     let some: Vec<usize> = chosen.iter().filter_map(|name| sheet.find(name)).collect();
     let some = if some.len() < 2 { (0..sheet.nodes.len()).collect() } else { some };

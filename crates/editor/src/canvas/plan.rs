@@ -1,4 +1,4 @@
-//! What is drawn of a document, as long as its text stays the same.
+//! Geometry and faults of a document as drawn, computed once per version of its text.
 
 use super::curve::{Curve, Through};
 use super::place::{self, Laid};
@@ -9,17 +9,17 @@ use egui::{Pos2, Rect, Vec2, pos2};
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
-/// One end that a wire can have: an output, or a pin that takes something.
+/// One end of a wire: an output or an input pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum End {
-    /// A node's output.
+    /// Node index and output index.
     Output(usize, usize),
-    /// A node's pin.
+    /// Node index and pin index.
     Pin(usize, usize),
 }
 
 impl End {
-    /// The node.
+    /// Returns the node.
     pub(super) fn node(self) -> usize {
         match self {
             Self::Output(node, _) | Self::Pin(node, _) => node,
@@ -27,45 +27,45 @@ impl End {
     }
 }
 
-/// What is wrong with a node, or above it.
+/// Fault in a node or above it.
 pub(super) struct Fault {
-    /// The node that is to blame.
+    /// The node at fault.
     pub(super) culprit: String,
-    /// What is wrong.
+    /// The message.
     pub(super) text: String,
 }
 
-/// Where everything of a document lies.
+/// Geometry of everything in a document.
 pub(super) struct Plan {
     /// The document.
     pub(super) sheet: Arc<Sheet>,
-    /// By node.
+    /// Area of each node.
     pub(super) boxes: Vec<Rect>,
-    /// By wire.
+    /// Curve of each wire.
     pub(super) curves: Vec<Curve>,
-    /// By wire: dots that the document has put.
+    /// Dots of each wire that the document places.
     pub(super) dots: Vec<Vec<Pos2>>,
-    /// By wire: through where the layout leads it.
+    /// Route of each wire through the automatic layout.
     routes: HashMap<usize, Vec<Pos2>>,
-    /// Where all lies.
+    /// Bounding box of nodes and backdrops.
     pub(super) bounds: Rect,
-    /// By node.
+    /// Fault to show at each node.
     pub(super) faults: HashMap<usize, Fault>,
-    /// By node: names of the outputs that it makes.
+    /// Names of the outputs that render each node.
     pub(super) makes: HashMap<usize, Vec<String>>,
-    /// Nodes that no output needs, where there are outputs.
+    /// Nodes that no output needs, if there are outputs.
     pub(super) idle: BTreeSet<usize>,
     wire_at: HashMap<(usize, usize), usize>,
-    /// Where nodes stand while some are not being dragged.
+    /// Areas of the nodes without the drag in progress.
     home: Vec<Rect>,
-    /// The node that evaluation failed at, and why, as far as `faults` knows.
+    /// The node at which evaluation failed, and why, as of the last update of `faults`.
     broken: Option<(String, String)>,
-    /// Which are, and by how much.
+    /// The nodes being dragged, and their offset.
     shifted: (BTreeSet<usize>, Vec2),
 }
 
 impl Plan {
-    /// Plans a document.
+    /// Computes the plan of a document.
     pub(super) fn new(state: &State, laid: &mut Laid) -> Self {
         let sheet = state.sheet().clone();
         let boxes = place::boxes(&sheet, laid);
@@ -106,7 +106,7 @@ impl Plan {
         plan
     }
 
-    /// Takes in what evaluation has shown since.
+    /// Updates the faults if evaluation has found a new one.
     pub(super) fn hear(&mut self, state: &State) {
         let broken = broken(state);
         if self.broken != broken {
@@ -124,7 +124,7 @@ impl Plan {
         self.boxes.iter().copied().chain(backdrops).fold(Rect::NOTHING, Rect::union)
     }
 
-    /// Where an end of a wire is.
+    /// Returns the position of an end of a wire.
     pub(super) fn end(&self, end: End) -> Pos2 {
         let (area, node) = (self.boxes[end.node()], &self.sheet.nodes[end.node()]);
         match end {
@@ -135,7 +135,7 @@ impl Plan {
         }
     }
 
-    /// The points that a wire leads through, its ends included.
+    /// Returns the points that a wire passes through, including its ends.
     pub(super) fn points(&self, wire: usize) -> Vec<Pos2> {
         let Wire { from, to } = self.sheet.wires[wire];
         let mut points = vec![self.end(End::Output(from.0, from.1))];
@@ -150,7 +150,7 @@ impl Plan {
         Curve::new(&self.points(wire), through)
     }
 
-    /// Shows nodes elsewhere, while they are dragged.
+    /// Displays nodes at an offset while they are dragged.
     pub(super) fn shift(&mut self, nodes: &BTreeSet<usize>, by: Vec2) {
         if (&self.shifted.0, self.shifted.1) == (nodes, by) {
             return;
@@ -162,7 +162,7 @@ impl Plan {
         for wire in 0..self.curves.len() {
             let Wire { from, to } = self.sheet.wires[wire];
             if touched.contains(&from.0) || touched.contains(&to.0) {
-                // A route past others holds where both ends move as one.
+                // A route past other nodes stays valid if both ends move together.
                 let apart = nodes.contains(&from.0) != nodes.contains(&to.0);
                 let route = if apart { self.routes.remove(&wire) } else { None };
                 self.curves[wire] = self.curve(wire);
@@ -174,7 +174,7 @@ impl Plan {
         self.shifted = (nodes.clone(), by);
     }
 
-    /// Shows a wire's dots elsewhere, while one is dragged.
+    /// Displays a wire's dots at other places while one is dragged.
     pub(super) fn bend(&mut self, wire: usize, dots: &[Pos2]) {
         if self.dots[wire] != dots {
             self.dots[wire] = dots.to_vec();
@@ -182,24 +182,24 @@ impl Plan {
         }
     }
 
-    /// The wire that ends at a pin.
+    /// Returns the wire that ends at a pin.
     pub(super) fn wire_at(&self, to: (usize, usize)) -> Option<usize> {
         self.wire_at.get(&to).copied()
     }
 
-    /// The wire that is nearest to a place, if it is within reach.
+    /// Returns the wire nearest to a place, if it is within reach.
     pub(super) fn nearest_wire(&self, at: Pos2, reach: f32) -> Option<usize> {
         let near = self.curves.iter().enumerate().filter(|(_, curve)| curve.bounds.expand(reach).contains(at));
         let near = near.map(|(wire, curve)| (curve.distance(at), wire)).filter(|(distance, _)| *distance < reach);
         near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, wire)| wire)
     }
 
-    /// The node at a place, the uppermost first.
+    /// Returns the topmost node at a place.
     pub(super) fn node_at(&self, at: Pos2) -> Option<usize> {
         self.boxes.iter().rposition(|area| area.contains(at))
     }
 
-    /// The end of wires that is nearest to a place, if it is within reach.
+    /// Returns the end of a wire nearest to a place, if it is within reach.
     pub(super) fn end_at(&self, at: Pos2, reach: f32) -> Option<End> {
         let near = (0..self.boxes.len()).filter(|node| self.boxes[*node].expand(reach).contains(at));
         let ends = near.flat_map(|node| {
@@ -210,23 +210,24 @@ impl Plan {
         ends.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, end)| end)
     }
 
-    /// What nodes cover; all of them if none is named.
+    /// Returns the bounding box of the named nodes, or of everything if none is named.
     pub(super) fn area(&self, names: &BTreeSet<String>) -> Option<Rect> {
         let some = names.iter().filter_map(|name| Some(self.boxes[self.sheet.find(name)?]));
         some.reduce(Rect::union).or(self.bounds.is_finite().then_some(self.bounds))
     }
 
-    /// Where a node stands, as documents write it.
+    /// Returns the place of a node, in the form documents store.
     pub(super) fn corner(&self, node: usize) -> Point {
         self.boxes[node].min.into()
     }
 
-    /// A change that is to leave nodes where they are seen: writes all places first, where the document has not all.
+    /// Returns an edit that keeps nodes where they are drawn: it first writes all places, if the document does not have
+    /// them.
     pub(super) fn freezing(&self, then: Edit) -> Edit {
         place::freezing(&self.sheet, &self.home, then)
     }
 
-    /// How the end of a wire is called, for those who cannot see it.
+    /// Returns the name of a wire's end for screen readers.
     pub(super) fn spoken(&self, end: End) -> String {
         let node = &self.sheet.nodes[end.node()];
         match end {
@@ -236,16 +237,16 @@ impl Plan {
         }
     }
 
-    /// Whether anything of a node can be seen.
+    /// Returns whether any part of a node is in the viewport.
     pub(super) fn is_seen(&self, node: usize, view: &View) -> bool {
         view.seen().expand(24.0 / view.zoom).intersects(self.boxes[node])
     }
 }
 
-/// Documents with more nodes are laid out only where they do not say how.
+/// Documents with more nodes are laid out only if they do not place their nodes.
 const MOST: usize = 300;
 
-/// Where wires run whose nodes stand to each other as the layout puts them.
+/// Returns routes for wires whose ends have the same relative position as in the layout.
 fn routes(sheet: &Sheet, boxes: &[Rect], laid: &Laid) -> HashMap<usize, Vec<Pos2>> {
     if laid.corners.len() != boxes.len() {
         return HashMap::new();
@@ -259,13 +260,13 @@ fn routes(sheet: &Sheet, boxes: &[Rect], laid: &Laid) -> HashMap<usize, Vec<Pos2
     kept.collect()
 }
 
-/// The node that evaluation failed at, and why.
+/// Returns the node at which evaluation failed, and why.
 fn broken(state: &State) -> Option<(String, String)> {
     let (node, why) = state.broken()?;
     Some((node?.into(), why.into()))
 }
 
-/// What is wrong with nodes.
+/// Returns the fault to show at each node.
 fn faults(state: &State) -> HashMap<usize, Fault> {
     let sheet = state.sheet();
     let own = state.session.meaning().errors().filter_map(|error| sheet.find(error.node.as_deref()?));

@@ -1,4 +1,4 @@
-//! Why a wire was not drawn, and what would make it possible.
+//! The popup that explains why a wire was refused and offers a node that makes the connection possible.
 
 use super::Canvas;
 use super::plan::Plan;
@@ -7,7 +7,7 @@ use crate::theme;
 use egui::{Area, Frame, Key, Order, RichText, Ui, vec2};
 
 impl Canvas {
-    /// Says why the last wire was not drawn, until it is answered.
+    /// Shows why the last wire was refused, until dismissed.
     pub(super) fn refusal_ui(&mut self, plan: &Plan, ui: &Ui, actions: &mut Vec<Action>) {
         let Some((refusal, at)) = self.refusal.take() else { return };
         let (mut bridged, mut closed) = (false, false);
@@ -20,14 +20,14 @@ impl Canvas {
                 ui.add_space(4.0);
                 ui.horizontal(|ui| {
                     if let Some(bridge) = &refusal.bridge {
-                        bridged = ui.button(format!("Put {} between", with_article(bridge.ty))).clicked();
+                        bridged = ui.button(format!("Insert {}", with_article(bridge.ty))).clicked();
                     }
-                    closed = ui.button("Leave it").clicked();
+                    closed = ui.button("Cancel").clicked();
                 });
             });
         });
         let escape = ui.input(|input| input.key_pressed(Key::Escape));
-        // The release that brought it here is no click elsewhere.
+        // The release that opened the popup does not count as a click elsewhere.
         let elsewhere = ui.input(|input| input.pointer.any_pressed()) && !shown.response.contains_pointer();
         match refusal.bridge {
             Some(bridge) if bridged => {
@@ -41,7 +41,7 @@ impl Canvas {
     }
 }
 
-/// `a Clamp`, `an Invert`.
+/// Prepends the indefinite article: `a Clamp`, `an Invert`.
 fn with_article(name: &str) -> String {
     let vowel = name.starts_with(['A', 'E', 'I', 'O', 'U']);
     format!("{} {name}", if vowel { "an" } else { "a" })

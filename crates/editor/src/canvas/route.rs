@@ -1,16 +1,16 @@
-//! Wires that pass layers of nodes run straight down as far as nothing is in the way.
+//! Straightening of wires that pass layers of nodes: they run straight down as far as nothing is in the way.
 
 use egui::{Pos2, Rect, pos2};
 
-/// Between a wire and the nodes that it passes.
+/// Distance between a wire and the nodes that it passes.
 const BESIDE: f32 = 12.0;
-/// Between wires that would run along the same nodes.
+/// Distance between wires that would run along the same nodes.
 const LANE: f32 = 6.0;
-/// After so many lanes the first is used again.
+/// Number of lanes before the first is reused.
 const LANES: usize = 5;
 
-/// A wire that starts at the first point and then passes a layer with every two more: the same without needless bends.
-/// The first point is left out of it.
+/// Removes needless bends from a wire that starts at the first point and passes one layer with every two further
+/// points. The result leaves the first point out.
 pub(super) fn straightened(wire: &[Pos2], boxes: &[Rect], nth: usize) -> Vec<Pos2> {
     let Some((start, layers)) = wire.split_first() else { return Vec::new() };
     let rooms: Vec<[f32; 2]> = layers.chunks_exact(2).map(|ends| room(ends[0], ends[1], boxes)).collect();
@@ -19,7 +19,7 @@ pub(super) fn straightened(wire: &[Pos2], boxes: &[Rect], nth: usize) -> Vec<Pos
     let mut x = start.x;
     let mut first = 0;
     while first < rooms.len() {
-        // As many layers as have room at the same place.
+        // Joins as many layers as are free at the same place.
         let [mut low, mut high] = rooms[first];
         let mut next = first + 1;
         while let Some(room) = rooms.get(next).filter(|room| room[0].max(low) <= room[1].min(high)) {
@@ -37,7 +37,7 @@ pub(super) fn straightened(wire: &[Pos2], boxes: &[Rect], nth: usize) -> Vec<Pos
     straight
 }
 
-/// From where to where nothing is in the way of a wire that passes a layer.
+/// Returns the horizontal range that is free for a wire passing a layer.
 fn room(top: Pos2, bottom: Pos2, boxes: &[Rect]) -> [f32; 2] {
     let mut room = [f32::NEG_INFINITY, f32::INFINITY];
     for own in boxes.iter().filter(|own| own.bottom() > top.y && own.top() < bottom.y) {
@@ -50,7 +50,7 @@ fn room(top: Pos2, bottom: Pos2, boxes: &[Rect]) -> [f32; 2] {
     if room[0] <= room[1] { room } else { [top.x, top.x] }
 }
 
-/// The same line without points that lie on a straight piece of it.
+/// Removes points in the middle of straight vertical pieces.
 pub(super) fn without_middles(line: &[Pos2]) -> Vec<Pos2> {
     let mut kept: Vec<Pos2> = Vec::new();
     for &at in line {

@@ -1,4 +1,4 @@
-//! Finds a type of node by its name, and adds one.
+//! Search for a node type by name, to add or replace a node.
 
 use super::Canvas;
 use super::connect::{self, Wanted};
@@ -13,21 +13,21 @@ use egui::{Area, Button, Color32, Frame, Id, Key, Order, Pos2, Rect, RichText, S
 use egui::{WidgetInfo, WidgetType, vec2};
 use trochoid::{Declaration, registry};
 
-/// What is being looked for.
+/// The open search.
 pub(super) struct Search {
-    /// On the screen, where the new node goes.
+    /// Place on the screen where the new node goes.
     at: Pos2,
     text: String,
     chosen: usize,
     purpose: Purpose,
-    /// Whether it was not drawn yet: the click that opened it is no click elsewhere.
+    /// Whether it has not been drawn yet: the click that opened it must not close it.
     fresh: bool,
 }
 
 enum Purpose {
-    /// A new node, joined in this way.
+    /// Add a node, connected this way.
     Add(Wanted),
-    /// Another type for the node of this name.
+    /// Replace the type of the node with this name.
     Replace(String),
 }
 
@@ -36,12 +36,12 @@ impl Search {
         Self { at, text: String::new(), chosen: 0, purpose, fresh: true }
     }
 
-    /// Asks for another type for a node.
+    /// Creates a search for another type for a node.
     pub(super) fn replacing(name: &str, at: Pos2) -> Self {
         Self::new(at, Purpose::Replace(name.into()))
     }
 
-    /// Types that fit, the best matches first.
+    /// Returns the matching types, best first.
     fn found(&self, plan: &Plan) -> Vec<&'static Declaration> {
         let all = registry().iter().map(|ty| ty.declaration());
         let all: Vec<&'static Declaration> = match &self.purpose {
@@ -57,21 +57,21 @@ impl Search {
 
     fn title(&self) -> String {
         match &self.purpose {
-            Purpose::Add(Wanted::Takes(name, _)) => format!("What takes {name} …"),
-            Purpose::Add(Wanted::Feeds(name, _)) => format!("What feeds {name} …"),
-            Purpose::Add(_) => "Node …".into(),
-            Purpose::Replace(name) => format!("What replaces {name} …"),
+            Purpose::Add(Wanted::Takes(name, _)) => format!("Add node after {name} …"),
+            Purpose::Add(Wanted::Feeds(name, _)) => format!("Add node before {name} …"),
+            Purpose::Add(_) => "Add node …".into(),
+            Purpose::Replace(name) => format!("Replace {name} with …"),
         }
     }
 }
 
 impl Canvas {
-    /// Asks for a node to add at a place of the screen.
+    /// Opens the search for a node to add at a place on the screen.
     pub(super) fn open_search(&mut self, at: Pos2, wanted: Wanted) {
         self.search = Some(Search::new(at, Purpose::Add(wanted)));
     }
 
-    /// Asks what is looked for, and adds what is chosen.
+    /// Draws the search, and adds or replaces the node on a choice.
     pub(super) fn search_ui(&mut self, plan: &Plan, ui: &Ui, state: &State, actions: &mut Vec<Action>) {
         let Some(mut search) = self.search.take() else { return };
         let mut taken = None;
@@ -110,7 +110,7 @@ impl Canvas {
             Purpose::Add(wanted) => {
                 let below = Wanted::Below(state.chosen().unwrap_or_default().into(), 0);
                 let wanted = if *wanted == Wanted::Nothing && state.chosen().is_some() { &below } else { wanted };
-                // The pointer is at the middle of the new node's head.
+                // The pointer ends up in the middle of the new node's head.
                 let at = self.view.canvas(search.at) - vec2(place::WIDTH / 2.0, place::HEAD / 2.0);
                 let below = match wanted {
                     Wanted::Below(name, _) => plan.sheet.find(name).map(|node| plan.boxes[node]),
@@ -129,13 +129,13 @@ impl Canvas {
 
 fn list_ui(search: &mut Search, plan: &Plan, ui: &mut Ui) -> Option<&'static Declaration> {
     let id = Id::new("node search");
-    // Before the field sees them.
+    // Read the arrow keys before the text field sees them.
     let found = search.found(plan);
     search.chosen = moved(ui, search.chosen, found.len());
     let title = search.title();
     let field = TextEdit::singleline(&mut search.text).id(id).hint_text(title.as_str()).desired_width(f32::INFINITY);
     let field = ui.add(field);
-    field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Name of a type of node"));
+    field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Node type"));
     let enter = ui.input(|input| input.key_pressed(Key::Enter));
     field.request_focus();
     let found = if field.changed() {
@@ -169,7 +169,7 @@ fn list_ui(search: &mut Search, plan: &Plan, ui: &mut Ui) -> Option<&'static Dec
                 taken = Some(known);
             }
         }
-        None => drop(ui.colored_label(Color32::GRAY, "No type of node fits.")),
+        None => drop(ui.colored_label(Color32::GRAY, "No node type matches.")),
     }
     taken
 }

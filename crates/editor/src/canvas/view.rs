@@ -1,21 +1,21 @@
-//! Which part of the canvas is seen, and how large.
+//! The viewport on the canvas: pan and zoom.
 
 use egui::{Pos2, Rect, Vec2, vec2};
 
-/// The least and the greatest zoom.
+/// Minimum and maximum zoom.
 const ZOOM: [f32; 2] = [0.06, 3.0];
 
-/// The least zoom at which most names can be read.
+/// Minimum zoom at which most names are legible.
 const READABLE: f32 = 0.5;
 
-/// Where the canvas lies on the screen.
+/// Mapping between the canvas and the screen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View {
-    /// The panel, in points of the screen.
+    /// Area of the panel, in screen points.
     pub(super) rect: Rect,
-    /// What is seen at the panel's upper left corner, times −zoom.
+    /// Position of the canvas origin relative to the panel's upper left corner, in screen points.
     pub(super) pan: Vec2,
-    /// Points of the screen to one of the canvas.
+    /// Screen points per canvas unit.
     pub(super) zoom: f32,
 }
 
@@ -26,27 +26,27 @@ impl Default for View {
 }
 
 impl View {
-    /// From the canvas to the screen.
+    /// Converts a point from the canvas to the screen.
     pub(super) fn screen(&self, at: Pos2) -> Pos2 {
         self.rect.min + self.pan + at.to_vec2() * self.zoom
     }
 
-    /// From the screen to the canvas.
+    /// Converts a point from the screen to the canvas.
     pub(super) fn canvas(&self, at: Pos2) -> Pos2 {
         ((at - self.rect.min - self.pan) / self.zoom).to_pos2()
     }
 
-    /// An area of the canvas on the screen.
+    /// Converts an area from the canvas to the screen.
     pub(super) fn area(&self, area: Rect) -> Rect {
         Rect::from_min_max(self.screen(area.min), self.screen(area.max))
     }
 
-    /// The part of the canvas that is seen.
+    /// Returns the visible part of the canvas.
     pub(super) fn seen(&self) -> Rect {
         Rect::from_min_max(self.canvas(self.rect.min), self.canvas(self.rect.max))
     }
 
-    /// Takes the panel's new place; what was in the middle stays there.
+    /// Sets the panel's area; the middle of the view stays in the middle.
     pub(super) fn set_rect(&mut self, rect: Rect) {
         if self.rect.is_finite() && self.rect.is_positive() {
             self.pan += (rect.size() - self.rect.size()) / 2.0;
@@ -54,14 +54,14 @@ impl View {
         self.rect = rect;
     }
 
-    /// Zooms; what is at this place of the screen stays there.
+    /// Zooms around a place on the screen, which stays fixed.
     pub(super) fn zoom_at(&mut self, at: Pos2, factor: f32) {
         let kept = self.canvas(at);
         self.zoom = (self.zoom * factor).clamp(ZOOM[0], ZOOM[1]);
         self.pan += at - self.screen(kept);
     }
 
-    /// Shows an area as large as it fits, but not larger than life.
+    /// Zooms to fit an area, but to no more than 100%.
     pub(super) fn show(&mut self, area: Rect) {
         let room = (self.rect.size() - vec2(48.0, 72.0)).max(vec2(40.0, 40.0));
         let fits = (room / area.size().max(vec2(1.0, 1.0))).min_elem();
@@ -69,7 +69,7 @@ impl View {
         self.center(area.center());
     }
 
-    /// Shows an area at first: where it does not fit with names that can be read, the part of it around a place.
+    /// Sets the initial view: all of an area if its names stay legible, otherwise the part of it around a place.
     pub(super) fn open(&mut self, area: Rect, around: Pos2) {
         self.show(area);
         if self.zoom >= READABLE {
@@ -84,7 +84,7 @@ impl View {
         self.center(egui::pos2(within(around.x, area.x_range(), half.x), within(around.y, area.y_range(), half.y)));
     }
 
-    /// Brings a place of the canvas to the middle.
+    /// Centers the view on a place of the canvas.
     pub(super) fn center(&mut self, at: Pos2) {
         self.pan = self.rect.size() / 2.0 - at.to_vec2() * self.zoom;
     }

@@ -1,4 +1,4 @@
-//! Wires: how they are drawn, what they are called, and their dots.
+//! Drawing of wires, their accessible names, and their dots.
 
 use super::Canvas;
 use super::curve::{Curve, Through};
@@ -11,13 +11,13 @@ use crate::theme;
 use egui::{Color32, PointerButton, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, WidgetType, vec2};
 use trochoid::State as Fate;
 
-/// How near the pointer must be to a wire, in points of the screen.
+/// Distance at which the pointer picks a wire, in screen points.
 pub(super) const REACH: f32 = 6.0;
 /// Radius of a dot.
 const DOT: f32 = 4.5;
 
 impl Canvas {
-    /// The wire under the pointer.
+    /// Returns the wire under the pointer.
     pub(super) fn wire_hovered(&self, plan: &Plan, ui: &Ui, background: bool) -> Option<usize> {
         let at = ui.input(|input| input.pointer.hover_pos()).filter(|_| background)?;
         matches!(self.gesture, Gesture::Idle)
@@ -42,7 +42,7 @@ impl Canvas {
             let wire = &plan.sheet.wires[index];
             let names = [wire.from.0, wire.to.0].map(|node| plan.sheet.nodes[node].name.as_str());
             let chosen = names.iter().any(|name| state.selection.contains(*name));
-            // Mixed with the ground rather than let through, so that wires that share their way look like one.
+            // Blended with the background instead of transparent, so that overlapping wires look like one.
             let mut color = theme::kind(plan.sheet.kind(wire));
             let muted = |color: Color32, share: f32| faded(color, ground, share);
             let mut width = width;
@@ -58,7 +58,7 @@ impl Canvas {
             }
             self.draw(ui, curve, Stroke::new(width, color));
             if labels {
-                // It is found by what it is called; the pointer finds it by its line.
+                // An area for the accessible name only; the pointer picks a wire by its curve.
                 let place = Rect::from_center_size(self.view.screen(curve.middle()), vec2(8.0, 8.0));
                 let (from, pin) =
                     (plan.sheet.reference(wire.from.0, wire.from.1), &plan.sheet.nodes[wire.to.0].pins[wire.to.1]);
@@ -74,14 +74,14 @@ impl Canvas {
         }
     }
 
-    /// Draws a curve: as much of it as is in view, and with no more points than can be told apart.
+    /// Draws the visible part of a curve with no more points than can be told apart.
     fn draw(&self, ui: &Ui, curve: &Curve, stroke: Stroke) {
         for line in curve.seen(&self.view) {
             ui.painter().add(Shape::line(line, stroke));
         }
     }
 
-    /// Draws the dots of wires, and takes what is done to them.
+    /// Draws the dots of wires and handles their input.
     pub(super) fn dots_ui(&mut self, plan: &Plan, ui: &Ui, actions: &mut Vec<Action>) {
         for wire in 0..plan.dots.len() {
             let Wire { to, .. } = plan.sheet.wires[wire];
@@ -109,13 +109,13 @@ impl Canvas {
                     dots.remove(index);
                     actions.extend([Action::Edit(decor::dotted(&plan.sheet, to, &dots)), Action::Seal]);
                 } else if response.hovered() {
-                    response.on_hover_text("Drag to move, double-click to remove.");
+                    response.on_hover_text("Drag to move. Double-click to remove.");
                 }
             }
         }
     }
 
-    /// Draws the wire that follows the pointer.
+    /// Draws the wire that is being connected.
     pub(super) fn pull_ui(&self, plan: &Plan, ui: &Ui) {
         let Gesture::Pull(pull) = &self.gesture else { return };
         let Some(at) = ui.input(|input| input.pointer.latest_pos()) else { return };
@@ -135,12 +135,12 @@ impl Canvas {
     }
 }
 
-/// Whether a node was left out when it was looked at last.
+/// Returns whether the last evaluation left a node out.
 pub(super) fn left_out(state: &State, name: &str) -> bool {
     state.seen.nodes.get(name).is_some_and(|node| matches!(node.state, Fate::LeftOut(_)))
 }
 
-/// A color with less of itself and more of what is behind it.
+/// Blends a color with its background by a share.
 pub(super) fn faded(color: Color32, behind: Color32, share: f32) -> Color32 {
     color.lerp_to_gamma(behind, share)
 }

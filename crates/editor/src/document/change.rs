@@ -1,50 +1,50 @@
-//! What a change of a document is.
+//! Edits: labeled sequences of JSON operations that change a document.
 
 use super::json::{Misplaced, Op, Path, Splice, Step, quoted, splice};
 use serde_json::Value;
 
-/// A change: what it is called, and what it does to the text.
+/// A change to a document's text, with the label shown by undo.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edit {
-    /// What undo calls it.
+    /// Label shown by undo.
     pub label: String,
-    /// Changes with the same key, without a pause between them, are one step of undo.
+    /// Edits with the same key and no pause between them merge into one step of undo.
     pub merge: Option<String>,
-    /// What is done, in order.
+    /// Operations, in order.
     pub ops: Vec<Op>,
 }
 
 impl Edit {
-    /// A change of one step.
+    /// Creates an edit that merges with no other.
     pub fn new(label: impl Into<String>, ops: Vec<Op>) -> Self {
         Self { label: label.into(), merge: None, ops }
     }
 
-    /// The same change as a part of a gesture.
+    /// Returns the edit with a merge key, as part of a gesture.
     #[must_use]
     pub fn merging(mut self, key: impl Into<String>) -> Self {
         self.merge = Some(key.into());
         self
     }
 
-    /// Sets one value.
+    /// Creates an edit that sets one value.
     pub fn set(path: Path, value: &Value) -> Self {
         Self::new(format!("Set {}", spoken(&path)), vec![Op::Set(path, style(value))])
     }
 
-    /// Takes one value away, which goes back to its default.
+    /// Creates an edit that removes one value, which returns to its default.
     pub fn reset(path: Path) -> Self {
         Self::new(format!("Reset {}", spoken(&path)), vec![Op::Remove(path)])
     }
 
-    /// Both changes as one, called as the first.
+    /// Returns both edits as one, with the label of the first.
     #[must_use]
     pub fn then(mut self, next: Self) -> Self {
         self.ops.extend(next.ops);
         self
     }
 
-    /// A text after it, and what became of that.
+    /// Returns the text after the edit, and the splices that lead there.
     pub(super) fn applied(&self, text: &str) -> Result<(String, Vec<Splice>), Misplaced> {
         let mut text = text.to_string();
         let mut splices = Vec::new();
@@ -58,8 +58,8 @@ impl Edit {
         Ok((text, splices))
     }
 
-    /// Whether it means in a document what it was made for in another: what it changes is the same there, lists as a whole, and
-    /// of the same nodes.
+    /// Returns whether the edit, made for one document, has the same meaning in another: the value it changes (for a
+    /// list element: the whole list) is equal in both, and the node exists in both or in neither.
     pub fn fits(&self, made_for: &Value, document: &Value) -> bool {
         self.ops.iter().all(|op| {
             let steps = &op.path().0;
@@ -71,13 +71,13 @@ impl Edit {
     }
 }
 
-/// A place as people call it: `storm.height` for `nodes.storm.height`.
+/// Returns a path in readable form: `storm.height` for `nodes.storm.height`.
 pub fn spoken(path: &Path) -> String {
     let steps = path.0.strip_prefix(&[Step::from("nodes")][..]).unwrap_or(&path.0);
     Path(steps.to_vec()).to_string()
 }
 
-/// A value as the project's documents write it: on one line, with spaces.
+/// Formats a value in the style of the project's documents: on one line, with spaces.
 pub fn style(value: &Value) -> String {
     match value {
         Value::Array(items) => {
@@ -95,7 +95,7 @@ pub fn style(value: &Value) -> String {
     }
 }
 
-/// A number without digits that say nothing.
+/// Formats a number without superfluous digits.
 fn number_text(value: f64, number: &serde_json::Number) -> String {
     let whole = value.fract() == 0.0 && value.abs() < 1e15;
     if whole { format!("{value:.0}") } else { number.to_string() }

@@ -1,4 +1,4 @@
-//! Nodes as a text that survives a chat: JSON with their places.
+//! Nodes as clipboard text: JSON with their positions, readable even after a chat program has reformatted it.
 
 use super::change::style;
 use super::json::{Path, quoted};
@@ -6,28 +6,28 @@ use super::sheet::{Node, Point, Sheet, point};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, HashMap};
 
-/// Nodes that were copied.
+/// Nodes read from clipboard text.
 pub struct Clip {
-    /// By name, in the order of their document.
+    /// Node bodies by name, in the order of their document.
     pub nodes: Map<String, Value>,
-    /// Their upper left corners.
+    /// Upper left corners.
     pub positions: BTreeMap<String, Point>,
 }
 
 impl Clip {
-    /// The upper left corner of all.
+    /// Returns the upper left corner of the bounding box.
     pub fn corner(&self) -> Point {
         let least = |axis: usize| self.positions.values().map(|at| at[axis]).fold(f32::INFINITY, f32::min);
         if self.positions.is_empty() { [0.0, 0.0] } else { [least(0), least(1)] }
     }
 }
 
-/// Reads a copied text, also one that a chat has put between fences or quotes; `None` where it is nothing of the kind.
+/// Reads clipboard text, tolerating code fences or quotes around it; returns `None` if it holds no nodes.
 pub fn read(text: &str) -> Option<Clip> {
     let start = text.find('{')?;
     let end = text.rfind('}')?;
     let value: Value = serde_json::from_str(text.get(start..=end)?).ok()?;
-    // Either a document, or just its nodes.
+    // Accepts a document or a bare map of nodes.
     let nodes = value.get("nodes").unwrap_or(&value).as_object()?.clone();
     if nodes.is_empty() || !nodes.values().all(|node| node.get("type").is_some_and(Value::is_string)) {
         return None;
@@ -37,7 +37,7 @@ pub fn read(text: &str) -> Option<Clip> {
     Some(Clip { positions: positions.filter(|(name, _)| nodes.contains_key(name)).collect(), nodes })
 }
 
-/// Writes nodes as a text.
+/// Writes nodes as clipboard text.
 pub fn write(sheet: &Sheet, nodes: &HashMap<&str, &Node>) -> String {
     let mut lines = Vec::new();
     let mut places = Vec::new();
@@ -53,7 +53,7 @@ pub fn write(sheet: &Sheet, nodes: &HashMap<&str, &Node>) -> String {
     )
 }
 
-/// Renames the nodes that a node takes; what `to` does not know is taken away.
+/// Renames the nodes that a node refers to; references that `to` does not know are removed.
 pub fn redirect(body: &mut Value, to: &dyn Fn(&str) -> Option<String>) {
     let Some(ty) = body.get("type").and_then(Value::as_str).and_then(|ty| trochoid::registry().get(ty)) else { return };
     redirect_items(ty.declaration().items, body, to);
@@ -86,7 +86,7 @@ fn redirect_items(items: &[trochoid::Item], body: &mut Value, to: &dyn Fn(&str) 
     }
 }
 
-/// Renames a reference; whether it still leads somewhere.
+/// Renames a reference; returns whether it still refers to a node.
 fn renamed(value: &mut Value, to: &dyn Fn(&str) -> Option<String>) -> bool {
     let Value::String(text) = value else { return true };
     if text.starts_with('#') {

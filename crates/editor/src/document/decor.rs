@@ -1,4 +1,4 @@
-//! What a document says of its looks besides where nodes stand: backdrops, and dots that wires run through.
+//! Edits of the `ui` entries other than node positions: backdrops, and dots on wires.
 
 use super::change::{Edit, style};
 use super::json::{Op, Path, Step};
@@ -17,21 +17,21 @@ fn rounded(at: Point) -> Value {
     json!([f64::from(at[0]).round(), f64::from(at[1]).round()])
 }
 
-/// Under which key the dots of the wire to a pin are kept: `sky.weight`, `view.surfaces[1]`.
+/// Returns the key under which the dots of the wire to a pin are stored: `sky.weight`, `view.surfaces[1]`.
 pub fn key(sheet: &Sheet, to: (usize, usize)) -> String {
     let node = &sheet.nodes[to.0];
     Path(std::iter::once(Step::from(&node.name)).chain(node.pins[to.1].steps.iter().cloned()).collect()).to_string()
 }
 
-/// The dots of the wire to a pin, from the top down.
+/// Returns the dots of the wire to a pin, in order from its source.
 pub fn dots(sheet: &Sheet, to: (usize, usize)) -> Vec<Point> {
-    // Most documents have none, and need no keys.
+    // Most documents have no dots; computing keys is skipped for them.
     let Some(all) = wires().find(&sheet.value) else { return Vec::new() };
     let points = all.get(key(sheet, to)).and_then(Value::as_array);
     points.into_iter().flatten().filter_map(|at| point(Some(at))).collect()
 }
 
-/// Lets the wire to a pin run through these dots, or through none.
+/// Sets the dots of the wire to a pin; an empty list removes them.
 pub fn dotted(sheet: &Sheet, to: (usize, usize), points: &[Point]) -> Edit {
     let key = key(sheet, to);
     let path = wires().to(&key);
@@ -40,15 +40,15 @@ pub fn dotted(sheet: &Sheet, to: (usize, usize), points: &[Point]) -> Edit {
         [] => vec![Op::Remove(path)],
         points => vec![Op::Set(path, style(&points.iter().copied().map(rounded).collect()))],
     };
-    Edit::new(format!("Lead the wire to {key}"), ops)
+    Edit::new(format!("Route the wire to {key}"), ops)
 }
 
-/// Takes away the dots of wires to a node that goes away.
+/// Removes the dots of wires to a deleted node.
 pub fn undotted(sheet: &Sheet, name: &str) -> Vec<Op> {
     keys_of(sheet, name).map(|key| Op::Remove(wires().to(key))).collect()
 }
 
-/// Keeps the dots of wires to a node that is renamed.
+/// Renames the dots of wires to a renamed node.
 pub fn redotted(sheet: &Sheet, from: &str, to: &str) -> Vec<Op> {
     let renamed = keys_of(sheet, from).map(|key| Op::Rename(wires().to(key), format!("{to}{}", &key[from.len()..])));
     renamed.collect()
@@ -60,8 +60,8 @@ fn keys_of<'s>(sheet: &'s Sheet, name: &'s str) -> impl Iterator<Item = &'s Stri
     all.into_iter().flat_map(|all| all.keys()).filter(move |key| of(key))
 }
 
-/// The same change with what it entails for dots: those of wires to elements of a list stay with their elements where
-/// others go or come.
+/// Extends an edit to keep dots with their wires: if list elements are removed or inserted, the dots of later elements
+/// move along.
 pub fn following(sheet: &Sheet, edit: Edit) -> Edit {
     let all = wires().find(&sheet.value).and_then(Value::as_object);
     let mut keys: Vec<String> = all.into_iter().flat_map(|all| all.keys().cloned()).collect();
@@ -93,7 +93,7 @@ pub fn following(sheet: &Sheet, edit: Edit) -> Edit {
     Edit { ops, ..edit }
 }
 
-/// What becomes of dots where an element of a node's list goes, or one comes before it.
+/// Returns the operations that move dots after an element of a node's list is removed or inserted.
 fn shifted(keys: &mut Vec<String>, place: &Path, comes: bool) -> Vec<Op> {
     let [Step::Key(top), list @ .., Step::Index(at)] = place.0.as_slice() else { return Vec::new() };
     if top != "nodes" {
@@ -108,7 +108,7 @@ fn shifted(keys: &mut Vec<String>, place: &Path, comes: bool) -> Vec<Op> {
         keys.iter().filter_map(|key| read(key)).filter(|(index, _)| index >= at).collect();
     behind.sort();
     if comes {
-        // From the end on, so that no two have one key.
+        // Starts at the end, so that no two entries share a key.
         behind.reverse();
     }
     let mut ops = Vec::new();
@@ -126,7 +126,7 @@ fn shifted(keys: &mut Vec<String>, place: &Path, comes: bool) -> Vec<Op> {
     ops
 }
 
-/// Changes of a backdrop what is another than it was, and leaves the rest as it is written.
+/// Changes only those entries of a backdrop that differ, and leaves the rest of its text untouched.
 pub fn reframed(label: &str, sheet: &Sheet, name: &str, body: &Backdrop) -> Edit {
     let Some(old) = sheet.backdrops.get(name) else { return Edit::new(label, Vec::new()) };
     let entries = [
@@ -147,12 +147,12 @@ pub fn framed(label: &str, name: &str, body: &Backdrop) -> Edit {
     Edit::new(label, vec![Op::Set(backdrop(name), style(&value))])
 }
 
-/// Takes a backdrop away; what stands on it stays.
+/// Removes a backdrop; the nodes on it stay.
 pub fn unframed(name: &str) -> Edit {
     Edit::new("Delete a backdrop", vec![Op::Remove(backdrop(name))])
 }
 
-/// A name that no backdrop has yet.
+/// Returns an unused backdrop name.
 pub fn free_backdrop(sheet: &Sheet) -> String {
     let names = (1..).map(|n: usize| format!("backdrop{n}"));
     names.into_iter().find(|name| !sheet.backdrops.contains_key(name)).unwrap_or_default()

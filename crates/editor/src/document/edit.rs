@@ -1,4 +1,4 @@
-//! The changes that can be made to a document, each one step of undo.
+//! Edits of nodes and wires, each one step of undo.
 
 use super::change::{Edit, style};
 use super::clip;
@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use trochoid::{Accepts, Declaration, Item, Kind, Knob, KnobDefault, Takes};
 
-/// `2 nodes`, `1 node`.
+/// Formats a count: `2 nodes`, `1 node`.
 pub fn count(n: usize, what: &str) -> String {
     if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
 }
@@ -24,13 +24,13 @@ fn placed(name: &str) -> Path {
     Path::default().to("ui").to("positions").to(name)
 }
 
-/// Moves nodes to these places.
+/// Moves nodes to new places.
 pub fn moved(places: &[(String, Point)]) -> Edit {
     let ops = places.iter().map(|(name, at)| Op::Set(placed(name), style(&position(*at)))).collect();
     Edit::new(format!("Move {}", count(places.len(), "node")), ops)
 }
 
-/// Places of many nodes at once, of the whole document.
+/// Sets the places of many nodes at once.
 pub fn laid_out(sheet: &Sheet, places: &[(String, Point)]) -> Edit {
     let mut all: Map<String, Value> =
         sheet.nodes.iter().filter(|node| node.placed).map(|node| (node.name.clone(), position(node.at))).collect();
@@ -40,7 +40,7 @@ pub fn laid_out(sheet: &Sheet, places: &[(String, Point)]) -> Edit {
     Edit::new("Arrange nodes", vec![Op::Set(Path::default().to("ui").to("positions"), text)])
 }
 
-/// A new node of a type, with a value for everything that must have one and can.
+/// Adds a node, with a value for every required item that can be a constant; also returns its name.
 pub fn added(sheet: &Sheet, declaration: &'static Declaration, at: Point) -> (Edit, String) {
     let name = sheet.free_name(&snake(declaration.name));
     let mut body = Map::new();
@@ -51,7 +51,7 @@ pub fn added(sheet: &Sheet, declaration: &'static Declaration, at: Point) -> (Ed
     (Edit::new(format!("Add {}", declaration.name), ops), name)
 }
 
-/// `NonSpecular` as names are written: `non_specular`.
+/// Converts a type name to the style of node names: `NonSpecular` to `non_specular`.
 fn snake(name: &str) -> String {
     let mut snake = String::new();
     for c in name.chars() {
@@ -63,7 +63,7 @@ fn snake(name: &str) -> String {
     snake
 }
 
-/// Gives required items a value, if any constant will do.
+/// Adds a value for every required item that can be a constant.
 fn fill(items: &[Item], body: &mut Map<String, Value>) {
     for item in items {
         match item {
@@ -96,11 +96,11 @@ fn fill(items: &[Item], body: &mut Map<String, Value>) {
     }
 }
 
-/// A record of a list, with a value for everything that must have one.
+/// Returns a list record with a value for every required item.
 pub fn record(items: &[Item], index: usize) -> Value {
     let mut body = Map::new();
     fill(items, &mut body);
-    // Stops of a ramp ascend, as far as they may.
+    // Stops of a ramp ascend, as far as their range allows.
     for item in items {
         if let Item::Knob(Knob { name: "at", takes: Takes::Number { min, max }, .. }) = item {
             body.insert("at".into(), json!((index as f64).clamp(*min, *max)));
@@ -109,7 +109,7 @@ pub fn record(items: &[Item], index: usize) -> Value {
     Value::Object(body)
 }
 
-/// A legal value of a knob that has no default.
+/// Returns a valid value for a knob without a default.
 fn stand_in(takes: &Takes) -> Value {
     match takes {
         Takes::Number { min, max } => json!(0.0_f64.clamp(*min, *max)),
@@ -124,7 +124,7 @@ fn stand_in(takes: &Takes) -> Value {
     }
 }
 
-/// The value of a knob where the document sets none.
+/// Returns the value of a knob that the document does not set.
 pub fn default_value(knob: &Knob) -> Value {
     match knob.default {
         Some(KnobDefault::Number(number)) => json!(number),
@@ -143,7 +143,7 @@ pub fn connected(sheet: &Sheet, from: (usize, usize), to: (usize, usize)) -> Edi
     Edit::new(label, vec![Op::Set(Path::node(&node.name).join(&pin.steps), quoted(&source))])
 }
 
-/// Takes the connection of a pin away. Where the node needs something there and a constant will do, it gets one.
+/// Disconnects a pin. A required pin gets a constant if it accepts one.
 pub fn disconnected(sheet: &Sheet, to: (usize, usize)) -> Edit {
     let (node, pin) = (&sheet.nodes[to.0], &sheet.nodes[to.0].pins[to.1]);
     let path = Path::node(&node.name).join(&pin.steps);
@@ -158,7 +158,7 @@ pub fn disconnected(sheet: &Sheet, to: (usize, usize)) -> Edit {
     Edit::new(label, vec![op])
 }
 
-/// Deletes nodes. What took their results takes instead what they took, where it is of the same kind.
+/// Deletes nodes. Whatever used their results is connected to their input of the same kind, if there is one.
 pub fn deleted(sheet: &Sheet, names: &[String]) -> Edit {
     let gone: HashSet<usize> = names.iter().filter_map(|name| sheet.find(name)).collect();
     let mut ops = bypass(sheet, &gone);
@@ -173,7 +173,7 @@ pub fn deleted(sheet: &Sheet, names: &[String]) -> Edit {
     Edit::new(format!("Delete {}", count(gone.len(), "node")), ops)
 }
 
-/// Takes nodes out of the wires that run through them, but leaves them on the canvas.
+/// Disconnects nodes from the wires that run through them, and keeps the nodes.
 pub fn extracted(sheet: &Sheet, names: &[String]) -> Edit {
     let out: HashSet<usize> = names.iter().filter_map(|name| sheet.find(name)).collect();
     let mut edit = Edit::new(format!("Extract {}", count(out.len(), "node")), bypass(sheet, &out));
@@ -183,7 +183,7 @@ pub fn extracted(sheet: &Sheet, names: &[String]) -> Edit {
         .filter(|wire| out.contains(&wire.to.0) && !out.contains(&wire.from.0))
         .map(|wire| wire.to)
         .collect();
-    // Elements leave a list from its end on, so that the places of the others hold.
+    // Elements are removed from the end of a list first, so that the indices of the others stay valid.
     cut.sort_by(|a, b| b.cmp(a));
     for to in cut {
         edit = edit.then(disconnected(sheet, to));
@@ -191,7 +191,7 @@ pub fn extracted(sheet: &Sheet, names: &[String]) -> Edit {
     edit
 }
 
-/// Leads all that takes results of these nodes past them.
+/// Connects everything that uses results of these nodes past them.
 fn bypass(sheet: &Sheet, nodes: &HashSet<usize>) -> Vec<Op> {
     let mut ops = Vec::new();
     let mut removed = Vec::new();
@@ -220,7 +220,7 @@ fn bypass(sheet: &Sheet, nodes: &HashSet<usize>) -> Vec<Op> {
     ops
 }
 
-/// What a node that goes away takes itself, of the kind that it makes.
+/// Returns the reference that replaces a removed node's result: its first input of the same kind.
 fn stand_for(sheet: &Sheet, mut from: (usize, usize), gone: &HashSet<usize>) -> Option<String> {
     let kind = sheet.nodes[from.0].makes.get(from.1)?.1?;
     for _ in 0..=gone.len() {
@@ -239,7 +239,7 @@ fn sorted(nodes: &HashSet<usize>) -> Vec<usize> {
     nodes
 }
 
-/// Gives a node another name, everywhere.
+/// Renames a node and all references to it.
 pub fn renamed(sheet: &Sheet, from: &str, to: &str) -> Edit {
     let mut ops = Vec::new();
     let Some(node) = sheet.find(from) else { return Edit::new("Rename", ops) };
@@ -268,7 +268,7 @@ pub fn renamed(sheet: &Sheet, from: &str, to: &str) -> Edit {
     Edit::new(format!("Rename {from} to {to}"), ops)
 }
 
-/// Leads past nodes, or evaluates them again.
+/// Bypasses nodes, or re-enables them if all are bypassed.
 pub fn disabled(sheet: &Sheet, names: &[String]) -> Edit {
     let nodes: Vec<&Node> = names.iter().filter_map(|name| sheet.node(name)).collect();
     let off = nodes.iter().any(|node| !node.disabled);
@@ -280,8 +280,8 @@ pub fn disabled(sheet: &Sheet, names: &[String]) -> Edit {
     Edit::new(format!("{what} {}", count(nodes.len(), "node")), ops.collect())
 }
 
-/// Puts a node into a wire: into its first pin that takes what the wire carries. `None` where none does, or what it makes
-/// does not fit below.
+/// Inserts a node into a wire, using its first pin that accepts the wire's kind. Returns `None` if there is no such
+/// pin, or if no output of the node fits below.
 pub fn inserted(sheet: &Sheet, node: usize, wire: &Wire) -> Option<Edit> {
     let kind = sheet.kind(wire)?;
     let into = &sheet.nodes[node];
@@ -294,7 +294,7 @@ pub fn inserted(sheet: &Sheet, node: usize, wire: &Wire) -> Option<Edit> {
     Some(Edit { label: format!("Insert {}", into.name), ..edit })
 }
 
-/// Makes a node one of another type, which keeps whatever the two have in common.
+/// Changes the type of a node and keeps the entries that both types have.
 pub fn retyped(sheet: &Sheet, name: &str, declaration: &'static Declaration) -> Edit {
     let mut body = Map::new();
     body.insert("type".into(), declaration.name.into());
@@ -309,10 +309,11 @@ pub fn retyped(sheet: &Sheet, name: &str, declaration: &'static Declaration) -> 
         }
     }
     let ops = vec![Op::Set(path, style(&Value::Object(body)))];
-    Edit::new(format!("Make {name} a {}", declaration.name), ops)
+    Edit::new(format!("Replace {name} with {}", declaration.name), ops)
 }
 
-/// Adds what was copied, under free names, and says which these are. `None` where the text is nothing that was copied.
+/// Pastes nodes from clipboard text under free names, which are also returned. Returns `None` if the text holds no
+/// nodes.
 pub fn pasted(sheet: &Sheet, text: &str, at: Point) -> Option<(Edit, Vec<String>)> {
     let clip = clip::read(text)?;
     let mut names: BTreeMap<&str, String> = BTreeMap::new();
@@ -337,7 +338,7 @@ pub fn pasted(sheet: &Sheet, text: &str, at: Point) -> Option<(Edit, Vec<String>
     Some((Edit::new(format!("Paste {}", count(names.len(), "node")), ops), names))
 }
 
-/// The nodes and their places as a text that can be pasted.
+/// Returns nodes and their places as clipboard text.
 pub fn copied(sheet: &Sheet, names: &[String]) -> String {
     let nodes: HashMap<&str, &Node> =
         names.iter().filter_map(|name| Some((name.as_str(), sheet.node(name)?))).collect();

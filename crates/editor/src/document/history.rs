@@ -1,16 +1,16 @@
-//! What was done, and can be undone.
+//! Undo history.
 
 use super::json::Splice;
 use std::collections::VecDeque;
 
-/// One step of undo: changes of the text in the order in which they were made.
+/// One step of undo: splices of the text, in the order they were made.
 #[derive(Clone, Debug, Default)]
 pub struct Change {
-    /// What it does, such as `Move 3 nodes`.
+    /// Description of the step, such as `Move 3 nodes`.
     pub label: String,
-    /// Changes with the same key, without a pause between them, are one step: a drag, or typing.
+    /// Steps with the same key and no pause between them merge into one, as in a drag or while typing.
     pub merge: Option<String>,
-    /// What became of the text.
+    /// Changes to the text.
     pub splices: Vec<Splice>,
 }
 
@@ -19,11 +19,11 @@ impl Change {
         size_of::<Self>() + self.label.len() + self.splices.iter().map(Splice::bytes).sum::<usize>()
     }
 
-    /// Takes in what follows, where it only goes on.
+    /// Appends further splices, merging consecutive changes of the same place.
     fn absorb(&mut self, splices: Vec<Splice>) {
         for next in splices {
             match self.splices.last_mut() {
-                // The same place changed once more, as by a slider.
+                // The same place changed again, for example by a slider.
                 Some(last) if last.at == next.at && last.inserted == next.removed => last.inserted = next.inserted,
                 _ => self.splices.push(next),
             }
@@ -31,21 +31,21 @@ impl Change {
     }
 }
 
-/// Every change since the document was opened, as far as the memory for it goes.
+/// The steps since the document was opened, limited by memory.
 #[derive(Debug)]
 pub struct History {
     changes: VecDeque<Change>,
-    /// Those before it are done, those from it on undone.
+    /// Steps before this index are done, the others undone.
     next: usize,
     bytes: usize,
     limit: usize,
-    /// Whether the newest change takes in others of its key.
+    /// Whether the newest step still merges with others of its key.
     open: bool,
-    /// At which place in the history the document was saved; `None` where that is gone.
+    /// Position in the history at which the document was last saved; `None` if it is no longer reachable.
     saved: Option<usize>,
 }
 
-/// Memory for undo, bytes.
+/// Memory limit of the history, in bytes.
 const LIMIT: usize = 256 << 20;
 
 impl Default for History {
@@ -55,12 +55,12 @@ impl Default for History {
 }
 
 impl History {
-    /// A history that keeps so many bytes, and always the newest change.
+    /// Creates a history that keeps at most this many bytes, but always the newest step.
     pub fn with_limit(limit: usize) -> Self {
         Self { changes: VecDeque::new(), next: 0, bytes: 0, limit, open: false, saved: Some(0) }
     }
 
-    /// Notes a change that was made.
+    /// Records a step that was made.
     pub fn push(&mut self, change: Change) {
         while self.changes.len() > self.next {
             self.bytes -= self.changes.pop_back().map_or(0, |change| change.bytes());
@@ -68,14 +68,14 @@ impl History {
         if self.saved > Some(self.next) {
             self.saved = None;
         }
-        // What was saved can be gone back to, so nothing is merged into it.
+        // Nothing merges into the saved state, so that undo can return to it.
         let merges = self.open && self.saved != Some(self.next) && change.merge.is_some();
         match self.changes.back_mut().filter(|last| merges && last.merge == change.merge) {
             Some(last) => {
                 self.bytes -= last.bytes();
                 last.absorb(change.splices);
                 if last.splices.iter().all(|splice| splice.removed == splice.inserted) {
-                    // All is as it was before.
+                    // The merged step changes nothing any more.
                     self.changes.pop_back();
                     self.next -= 1;
                     return self.seal();
@@ -96,12 +96,12 @@ impl History {
         }
     }
 
-    /// Ends a gesture: what comes next is a step of its own.
+    /// Ends a gesture: the next change becomes a step of its own.
     pub fn seal(&mut self) {
         self.open = false;
     }
 
-    /// Takes the newest change back, and says what it was.
+    /// Undoes the newest step and returns its label.
     pub fn undo(&mut self, text: &mut String) -> Option<&str> {
         self.open = false;
         self.next = self.next.checked_sub(1)?;
@@ -110,7 +110,7 @@ impl History {
         Some(&change.label)
     }
 
-    /// Makes the change again that was undone last, and says what it was.
+    /// Redoes the last undone step and returns its label.
     pub fn redo(&mut self, text: &mut String) -> Option<&str> {
         self.open = false;
         let change = self.changes.get(self.next)?;
@@ -119,28 +119,28 @@ impl History {
         Some(&change.label)
     }
 
-    /// What undo would take back.
+    /// Returns the label of the step that undo would revert.
     pub fn undoes(&self) -> Option<&str> {
         self.changes.get(self.next.checked_sub(1)?).map(|change| change.label.as_str())
     }
 
-    /// What redo would make again.
+    /// Returns the label of the step that redo would repeat.
     pub fn redoes(&self) -> Option<&str> {
         self.changes.get(self.next).map(|change| change.label.as_str())
     }
 
-    /// Notes that the document is saved as it is.
+    /// Records that the document is saved in its current state.
     pub fn mark_saved(&mut self) {
         self.saved = Some(self.next);
         self.open = false;
     }
 
-    /// Notes that no state of the history is what is saved.
+    /// Records that no state in the history matches the saved file.
     pub fn mark_changed(&mut self) {
         self.saved = None;
     }
 
-    /// Whether the document is as it was saved.
+    /// Returns whether the document is in its saved state.
     pub fn is_saved(&self) -> bool {
         self.saved == Some(self.next)
     }

@@ -1,16 +1,16 @@
-//! Places in a JSON text, and the changes that touch nothing but what they name.
+//! Paths into a JSON text, and minimal edits of the text: everything an operation does not name stays byte for byte.
 
 use jsonc_parser::ast::{Array, Object, ObjectProp, Value};
 use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 use std::fmt;
 
-/// One step from a value to one within it.
+/// Step from a value to one inside it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Step {
-    /// To an object's entry.
+    /// Entry of an object.
     Key(String),
-    /// To a list's element.
+    /// Element of a list.
     Index(usize),
 }
 
@@ -32,17 +32,17 @@ impl From<usize> for Step {
     }
 }
 
-/// Where a value stands in a document, from the top.
+/// Path of a value, from the top of the document.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Path(pub Vec<Step>);
 
 impl Path {
-    /// The place of a node.
+    /// Returns the path of a node.
     pub fn node(name: &str) -> Self {
         Self::default().to("nodes").to(name)
     }
 
-    /// A place within this one.
+    /// Returns the path one step below.
     #[must_use]
     pub fn to(&self, step: impl Into<Step>) -> Self {
         let mut steps = self.0.clone();
@@ -50,13 +50,13 @@ impl Path {
         Self(steps)
     }
 
-    /// A place several steps within this one.
+    /// Returns the path several steps below.
     #[must_use]
     pub fn join(&self, steps: &[Step]) -> Self {
         Self(self.0.iter().chain(steps).cloned().collect())
     }
 
-    /// The value at this place of a parsed document.
+    /// Returns the value at this path in a parsed document.
     pub fn find<'v>(&self, value: &'v serde_json::Value) -> Option<&'v serde_json::Value> {
         self.0.iter().try_fold(value, |value, step| match step {
             Step::Key(key) => value.get(key),
@@ -78,21 +78,22 @@ impl fmt::Display for Path {
     }
 }
 
-/// One change of a document. Values are JSON texts.
+/// Operation on a document. Values are JSON texts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Op {
-    /// Replaces a value, or adds it: to an object as its last entry, to a list at its end. Objects on the way there are made.
+    /// Replaces a value, or adds it as the last entry of an object or the last element of a list. Missing objects on
+    /// the path are created.
     Set(Path, String),
-    /// Puts a value into a list, before the element that stands there.
+    /// Inserts a value into a list, before the element at this index.
     Insert(Path, String),
-    /// Takes an entry or element away.
+    /// Removes an entry or element.
     Remove(Path),
-    /// Gives an object's entry another key.
+    /// Renames an object's entry.
     Rename(Path, String),
 }
 
 impl Op {
-    /// Where it does that.
+    /// Returns the path that the operation applies to.
     pub fn path(&self) -> &Path {
         match self {
             Self::Set(path, _) | Self::Insert(path, _) | Self::Remove(path) | Self::Rename(path, _) => path,
@@ -100,34 +101,34 @@ impl Op {
     }
 }
 
-/// A piece of a text replaced by another; what undo and redo are made of.
+/// A piece of text replaced by another; the unit of undo and redo.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Splice {
     /// Byte offset.
     pub at: usize,
-    /// What stood there.
+    /// Text before.
     pub removed: String,
-    /// What stands there now.
+    /// Text after.
     pub inserted: String,
 }
 
 impl Splice {
-    /// Makes the change.
+    /// Applies the replacement.
     pub fn redo(&self, text: &mut String) {
         text.replace_range(self.at..self.at + self.removed.len(), &self.inserted);
     }
 
-    /// Takes the change back.
+    /// Reverts the replacement.
     pub fn undo(&self, text: &mut String) {
         text.replace_range(self.at..self.at + self.inserted.len(), &self.removed);
     }
 
-    /// Bytes that it keeps.
+    /// Returns the memory used, in bytes.
     pub fn bytes(&self) -> usize {
         size_of::<Self>() + self.removed.len() + self.inserted.len()
     }
 
-    /// From one text to another: the part in which they differ.
+    /// Returns the splice between two texts: the span in which they differ.
     pub fn between(old: &str, new: &str) -> Self {
         let (a, b) = (old.as_bytes(), new.as_bytes());
         let mut start = a.iter().zip(b).take_while(|(a, b)| a == b).count();
@@ -144,13 +145,13 @@ impl Splice {
     }
 }
 
-/// Why a change cannot be made.
+/// Reason that an edit cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum Misplaced {
-    /// The text is no JSON.
-    #[error("the document is no JSON: {0}")]
+    /// The text is not JSON.
+    #[error("the document is not JSON: {0}")]
     NoJson(#[from] jsonc_parser::errors::ParseError),
-    /// The text has no value.
+    /// The text is empty.
     #[error("the document is empty")]
     Empty,
     /// The text has no such place.
@@ -158,7 +159,7 @@ pub enum Misplaced {
     Missing(Path),
 }
 
-/// Strict JSON.
+/// Parser options for strict JSON.
 const STRICT: ParseOptions = ParseOptions {
     allow_comments: false,
     allow_loose_object_property_names: false,
@@ -172,25 +173,25 @@ const STRICT: ParseOptions = ParseOptions {
     allow_extended_string_escapes: false,
 };
 
-/// A string as JSON writes it.
+/// Returns a string as JSON text.
 pub fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
-/// The change of a text that makes an operation.
+/// Returns the splice of a text that performs an operation.
 ///
 /// # Errors
-/// The text is no JSON, or has no such place.
+/// Fails if the text is not JSON or has no such place.
 pub fn splice(text: &str, op: &Op) -> Result<Splice, Misplaced> {
     let mut splice = in_lines(text, op)?;
-    // Lines end as they do in the document.
+    // Keep the line ends of the document.
     if text.contains("\r\n") && splice.inserted.contains('\n') {
         splice.inserted = splice.inserted.replace("\r\n", "\n").replace('\n', "\r\n");
     }
     Ok(splice)
 }
 
-/// Line and column of a value, counted from 1; of the nearest one around it that is there.
+/// Returns line and column of a value, counted from 1; if it does not exist, of its nearest existing ancestor.
 pub fn place(text: &str, path: &Path) -> Option<[usize; 2]> {
     let parsed = parse_to_ast(text, &CollectOptions::default(), &STRICT).ok()?;
     let root = parsed.value?;
@@ -276,7 +277,7 @@ fn descend<'v, 'a>(root: &'v Value<'a>, steps: &[Step]) -> Option<&'v Value<'a>>
 }
 
 fn set(text: &str, root: &Value<'_>, steps: &[Step], value: &str) -> Option<Splice> {
-    // As deep as there is something.
+    // Find the deepest existing ancestor.
     let depth = (0..=steps.len()).rev().find(|&depth| descend(root, &steps[..depth]).is_some())?;
     let found = descend(root, &steps[..depth])?;
     if depth == steps.len() {
@@ -299,14 +300,14 @@ fn set(text: &str, root: &Value<'_>, steps: &[Step], value: &str) -> Option<Spli
     }
 }
 
-/// An entry added to the end of an object, set apart as its other entries are.
+/// Appends an entry to an object, separated like its other entries.
 fn added(text: &str, object: &Object<'_>, entry: &str, depth: usize) -> Splice {
     match object.properties.last() {
         Some(last) => {
             let gap = gap_before(text, last.range.start, object.range.start);
             replaced(text, last.range.end, last.range.end, &format!(",{gap}{entry}"))
         }
-        // Objects near the top, such as all nodes, have a line for each entry.
+        // Objects near the top of the document, such as `nodes`, have one line per entry.
         None if depth <= 1 => {
             let (outer, inner) = ("  ".repeat(depth), "  ".repeat(depth + 1));
             let inside = format!("\n{inner}{entry}\n{outer}");
@@ -326,13 +327,13 @@ fn appended(text: &str, list: &Array<'_>, value: &str) -> Splice {
     }
 }
 
-/// What sets a value apart from the one before: a line break with the same indentation, or a space.
+/// Returns the separator between a value and the one before: a line break with indentation, or a space.
 fn gap_before(text: &str, start: usize, from: usize) -> String {
     let between = &text[from + 1..start];
     let line = between.rfind('\n').filter(|at| between[*at..].trim().is_empty());
     match line {
         Some(at) => between[at..].into(),
-        // Several in a line: where it began a line of its own, so does what comes behind it.
+        // Several values on a line: the new one goes on the same line.
         None => " ".into(),
     }
 }

@@ -1,7 +1,6 @@
-//! Copies of unsaved work, kept beside the program's other data until the document is saved or closed.
+//! Backup copies of unsaved work, kept with the program's data until the document is saved or closed.
 //!
-//! Every running editor has a copy of its own and holds a lock on it. A copy without a lock is of one that ended
-//! unexpectedly.
+//! Every running editor locks a copy of its own. A copy without a lock belongs to an editor that ended unexpectedly.
 
 use serde_json::{Value, json};
 use std::fs::File;
@@ -10,18 +9,18 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, SystemTime};
 
-/// How long after a change its copy is kept at the latest.
+/// Maximum delay between a change and its backup.
 pub const AFTER: Duration = Duration::from_millis(800);
 
-/// Most bytes of a copy: a document, of which JSON may escape every byte.
+/// Maximum size of a backup: a document in which JSON escapes every byte.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// Keeps the copy of one running editor.
+/// Writes the backup of one running editor.
 #[derive(Debug)]
 pub struct Keeper {
     path: PathBuf,
     lock: PathBuf,
-    /// Open and locked as long as the editor runs.
+    /// Lock file, open and locked while the editor runs.
     held: Option<File>,
     tasks: Option<Sender<Task>>,
     writer: Option<JoinHandle<()>>,
@@ -30,28 +29,28 @@ pub struct Keeper {
 #[derive(Debug)]
 enum Task {
     Keep(String),
-    /// Take the place of a copy whose editor has ended, as soon as our own is there.
+    /// Take over from the copy of an ended editor: remove it once the new copy is written.
     Replace(Kept),
     Drop,
 }
 
-/// A copy whose editor has ended.
+/// A backup left by an ended editor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Kept {
-    /// The copy.
+    /// File of the backup.
     pub path: PathBuf,
-    /// The document that it is of; `None` for one never saved.
+    /// File of the document; `None` if it was never saved.
     pub file: Option<PathBuf>,
-    /// The document's text.
+    /// Text of the document.
     pub text: String,
-    /// When it was kept.
+    /// Time of the backup.
     pub when: SystemTime,
-    /// Whether the document's file was changed after that.
+    /// Whether the document's file was changed after the backup.
     pub overtaken: bool,
 }
 
 impl Kept {
-    /// Whether its document has the text by now: there is nothing to recover then.
+    /// Returns whether the document's file already has this text, so that there is nothing to recover.
     pub fn is_saved(&self) -> bool {
         let text = self.file.as_ref().and_then(|file| trochoid::io::read_text(file, MOST_BYTES).ok());
         text.is_some_and(|text| text == self.text)
@@ -59,10 +58,10 @@ impl Kept {
 }
 
 impl Keeper {
-    /// Starts keeping in a folder, which is made.
+    /// Starts a keeper in a folder, creating the folder if necessary.
     ///
     /// # Errors
-    /// The folder takes no files.
+    /// Fails if no files can be created in the folder.
     pub fn new(folder: &Path) -> std::io::Result<Self> {
         std::fs::create_dir_all(folder)?;
         tidy(folder);
@@ -70,7 +69,7 @@ impl Keeper {
             .find_map(|number| {
                 let stem = format!("{}-{number}", std::process::id());
                 if folder.join(format!("{stem}.json")).exists() {
-                    // Kept by one of the same number that has ended: not ours to write over.
+                    // Written by an ended editor with the same process id: must not be overwritten.
                     return None;
                 }
                 let lock = folder.join(format!("{stem}.lock"));
@@ -87,23 +86,24 @@ impl Keeper {
 
     fn send(&self, task: Task) {
         if let Some(tasks) = &self.tasks {
-            // The writer ends with the keeper only.
+            // The writer thread ends only with the keeper.
             let _ = tasks.send(task);
         }
     }
 
-    /// Keeps a text, without waiting for the disk; that of a file whose name is no Unicode as of one never saved.
+    /// Saves a backup of a text without waiting for the disk. If the file's name is not Unicode, the backup counts as
+    /// one of an unsaved document.
     pub fn keep(&self, file: Option<&Path>, text: &str) {
         let file = file.and_then(Path::to_str);
         self.send(Task::Keep(json!({ "file": file, "text": text }).to_string()));
     }
 
-    /// Removes a copy that was recovered, as soon as what was kept here last is on the disk.
+    /// Removes a recovered backup once the latest text is written to this editor's own.
     pub fn replace(&self, old: Kept) {
         self.send(Task::Replace(old));
     }
 
-    /// Takes the copy away: there is nothing that could be lost.
+    /// Removes the backup, because there is no unsaved work.
     pub fn forget(&self) {
         self.send(Task::Drop);
     }
@@ -115,21 +115,21 @@ impl Drop for Keeper {
         if let Some(writer) = self.writer.take() {
             let _ = writer.join();
         }
-        // A window that closes has asked what is to become of unsaved work.
+        // Closing the window has already asked about unsaved work.
         if !std::thread::panicking() {
             let _ = std::fs::remove_file(&self.path);
         }
-        // Last, so that nobody finds the copy without its lock.
+        // Released last, so that no other editor finds the copy without a lock.
         self.held = None;
         let _ = std::fs::remove_file(&self.lock);
     }
 }
 
 fn write(path: &Path, inbox: &Receiver<Task>) {
-    // What was recovered and is not on the disk anew.
+    // Recovered backups whose text is not yet written to the new copy.
     let mut old: Vec<Kept> = Vec::new();
     while let Ok(first) = inbox.recv() {
-        // Only the newest text counts.
+        // Only the newest text is written.
         let mut newest = None;
         for task in std::iter::once(first).chain(inbox.try_iter()) {
             match task {
@@ -139,7 +139,7 @@ fn write(path: &Path, inbox: &Receiver<Task>) {
             }
         }
         let is_done = match newest {
-            // A full disk must not stop the work; saving will say so.
+            // A full disk must not interrupt work; saving will report it.
             Some(Some(text)) => trochoid::write_whole(path, text.as_bytes()).is_ok(),
             Some(None) => {
                 let _ = std::fs::remove_file(path);
@@ -153,7 +153,7 @@ fn write(path: &Path, inbox: &Receiver<Task>) {
     }
 }
 
-/// The copies in a folder whose editors have ended, the newest first.
+/// Returns the backups of ended editors in a folder, newest first.
 pub fn kept(folder: &Path) -> Vec<Kept> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let paths = entries.flatten().map(|entry| entry.path());
@@ -171,17 +171,17 @@ fn read(path: PathBuf) -> Option<Kept> {
     }
     let when = std::fs::metadata(&path).ok()?.modified().ok()?;
     let value: Value = serde_json::from_str(&trochoid::io::read_text(&path, MOST_BYTES).ok()?).ok()?;
-    // A relative path says nothing: nobody knows from where.
+    // A relative path is useless: its base folder is unknown.
     let file = value.get("file").and_then(Value::as_str).map(PathBuf::from).filter(|file| file.is_absolute());
     let changed = file.as_ref().and_then(|file| std::fs::metadata(file).ok()?.modified().ok());
     let overtaken = changed.is_some_and(|changed| changed > when);
     Some(Kept { file, text: value.get("text")?.as_str()?.into(), when, overtaken, path })
 }
 
-/// How old a lock must be that nobody holds: a younger one may be about to be taken.
+/// Minimum age of an unheld lock file before it is removed; a younger one may be about to be locked.
 const YOUNG: Duration = Duration::from_secs(60);
 
-/// Removes locks of editors that have ended and left no copy.
+/// Removes lock files of ended editors that left no backup.
 fn tidy(folder: &Path) {
     for path in std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
         let is_lock = path.extension().is_some_and(|end| end == "lock") && !path.with_extension("json").exists();
@@ -193,7 +193,7 @@ fn tidy(folder: &Path) {
     }
 }
 
-/// Removes a copy for good.
+/// Deletes a backup and its lock file.
 pub fn discard(kept: &Kept) {
     let _ = std::fs::remove_file(&kept.path);
     let _ = std::fs::remove_file(kept.path.with_extension("lock"));

@@ -1,25 +1,25 @@
-//! What a document's text means.
+//! The interpretation of a document's text: graph, diagnostics, and sheet.
 
 use super::sheet::Sheet;
 use std::path::Path;
 use std::sync::Arc;
 use trochoid::{Access, CheckedGraph, Diagnostic, LoadError, Severity, missing_files, parse};
 
-/// What a text means.
+/// Interpretation of a document's text.
 #[derive(Clone, Debug, Default)]
 pub struct Meaning {
-    /// The graph, where the document is valid.
+    /// The graph, if the document is valid.
     pub graph: Option<Arc<CheckedGraph>>,
     /// Errors and warnings.
     pub diagnostics: Vec<Diagnostic>,
-    /// What can be drawn, whether it is valid or not; of a text that is no JSON, what could be drawn before.
+    /// Content for the canvas, also of invalid documents; if the text is not JSON, the previous one.
     pub sheet: Arc<Sheet>,
-    /// Whether the text is JSON at all: if not, nothing but the text can be edited.
+    /// Whether the text is JSON; if not, only the text panel can edit it.
     pub readable: bool,
 }
 
 impl Meaning {
-    /// Reads a text; `name` and `folder` as for [`trochoid::parse`], `access` is what it may reach.
+    /// Interprets a text. `name` and `folder` are as in [`trochoid::parse`]; `access` limits the files it may use.
     pub fn of(name: &str, text: &str, folder: &Path, access: &Access) -> Self {
         let (graph, mut diagnostics) = match parse(name, text, folder, &[]) {
             Ok(loaded) => (Some(loaded.graph.with_access(access.clone())), loaded.warnings),
@@ -29,7 +29,7 @@ impl Meaning {
         if let Some(graph) = &graph {
             diagnostics.extend(missing_files(graph));
         }
-        // What is too deep or too large for the graph is too deep for anything else.
+        // A text too large for the graph is not parsed for the sheet either.
         let value = if text.len() <= 64 << 20 { serde_json::from_str(text).ok() } else { None };
         let readable = value.is_some();
         let mut sheet = Sheet::new(value.unwrap_or_default(), graph.as_ref());
@@ -38,7 +38,7 @@ impl Meaning {
         Self { graph: graph.map(Arc::new), diagnostics, sheet, readable }
     }
 
-    /// The errors.
+    /// Returns the errors.
     pub fn errors(&self) -> impl Iterator<Item = &Diagnostic> {
         self.diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error)
     }

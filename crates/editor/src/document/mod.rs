@@ -1,4 +1,4 @@
-//! The document: its text, what it means, and the changes that can be made to it. Nothing here draws.
+//! The document model: text, interpretation, and edits. Independent of drawing.
 
 pub mod change;
 pub mod clip;

@@ -1,4 +1,4 @@
-//! What a document renders: changes of its outputs.
+//! Edits of a document's outputs.
 
 use super::change::Edit;
 use super::json::{Op, Path, quoted};
@@ -6,15 +6,15 @@ use super::sheet::{Output, Sheet};
 use serde_json::{Value, json};
 use trochoid::Kind;
 
-/// Under which of these an output names its node.
+/// Keys under which an output may name its source.
 pub const KEYS: [&str; 3] = ["color", "weights", "field"];
 
-/// Where an output stands in the document.
+/// Returns the path of an output in the document.
 pub fn path(name: &str) -> Path {
     Path::default().to("outputs").to(name)
 }
 
-/// Under which key an output names what is of a kind; `None` where no file holds such.
+/// Returns the key under which an output names a source of this kind; `None` if no file can hold it.
 fn key(kind: Option<Kind>) -> Option<&'static str> {
     match kind? {
         Kind::Color | Kind::ANY => Some("color"),
@@ -24,30 +24,30 @@ fn key(kind: Option<Kind>) -> Option<&'static str> {
     }
 }
 
-/// Whether a file can hold what a node makes.
+/// Returns whether a file can hold a node's result.
 pub fn is_renderable(sheet: &Sheet, from: (usize, usize)) -> bool {
     sheet.nodes[from.0].makes.get(from.1).is_some_and(|(_, kind)| key(*kind).is_some())
 }
 
-/// The first result of a node that can be rendered.
+/// Returns the first result of a node that can be rendered.
 pub fn renderable(sheet: &Sheet, node: usize) -> Option<usize> {
     sheet.nodes[node].makes.iter().position(|(_, kind)| key(*kind).is_some())
 }
 
-/// The output of that name.
+/// Returns the output with this name.
 pub fn find<'s>(sheet: &'s Sheet, name: &str) -> Option<&'s Output> {
     sheet.outputs.iter().find(|output| output.name == name)
 }
 
-/// The name that an output of a sheet before has now, where it has another.
+/// Returns the new name of an output that was renamed since the earlier sheet.
 pub fn now(sheet: &Sheet, before: &Sheet, name: &str) -> Option<String> {
     let index = before.outputs.iter().position(|output| output.name == name)?;
     let now = sheet.outputs.get(index).filter(|_| sheet.outputs.len() == before.outputs.len())?;
     find(before, &now.name).is_none().then(|| now.name.clone())
 }
 
-/// Renders what a node makes: a new output with a name that is free, and its file beside that of the first. `None` where
-/// no file holds such.
+/// Adds an output that renders a node's result, with a free name and a file in the folder of the first output's file.
+/// Returns `None` if no file can hold the result.
 pub fn made(sheet: &Sheet, from: (usize, usize)) -> Option<(Edit, String)> {
     let kind = sheet.nodes[from.0].makes.get(from.1)?.1;
     let key = key(kind)?;
@@ -58,7 +58,7 @@ pub fn made(sheet: &Sheet, from: (usize, usize)) -> Option<(Edit, String)> {
     let png = kind == Some(Kind::Color) && first.is_some_and(|file| file.to_lowercase().ends_with(".png"));
     let file = format!("{folder}{name}.####.{}", if png { "png" } else { "exr" });
     let body = super::change::style(&json!({ key: source, "file": file }));
-    Some((Edit::new(format!("Make the output {name}"), vec![Op::Set(path(&name), body)]), name))
+    Some((Edit::new(format!("Add output {name}"), vec![Op::Set(path(&name), body)]), name))
 }
 
 fn free(sheet: &Sheet, wanted: &str) -> String {
@@ -66,7 +66,7 @@ fn free(sheet: &Sheet, wanted: &str) -> String {
     names.into_iter().find(|name| find(sheet, name).is_none()).unwrap_or_default()
 }
 
-/// Lets an output show something else. `None` where no file holds such.
+/// Redirects an output to another source. Returns `None` if no file can hold the result.
 pub fn redirected(sheet: &Sheet, name: &str, from: (usize, usize)) -> Option<Edit> {
     let kind = sheet.nodes[from.0].makes.get(from.1)?.1;
     let new = key(kind)?;
@@ -77,7 +77,7 @@ pub fn redirected(sheet: &Sheet, name: &str, from: (usize, usize)) -> Option<Edi
     let mut ops = Vec::new();
     if let Some(old) = old.filter(|old| *old != new) {
         ops.push(Op::Rename(path.to(old), new.into()));
-        // Only colors have a palette to keep to.
+        // Only color outputs have a palette guarantee.
         if new != "color" && body.get("require").is_some() {
             ops.push(Op::Remove(path.to("require")));
         }
@@ -91,31 +91,34 @@ pub fn redirected(sheet: &Sheet, name: &str, from: (usize, usize)) -> Option<Edi
             ops.push(Op::Remove(path.to("precision")));
         }
     }
-    Some(Edit::new(format!("Lead {source} to the output {name}"), ops))
+    Some(Edit::new(format!("Connect {source} to output {name}"), ops))
 }
 
-/// Why what a node makes cannot be rendered.
+/// Returns the message why a node's result cannot be rendered.
 pub fn unfit(sheet: &Sheet, from: (usize, usize)) -> String {
     let node = &sheet.nodes[from.0];
     match node.makes.get(from.1).and_then(|(_, kind)| *kind) {
         Some(kind) => {
-            format!("{} makes a {kind}, which no file holds; an output needs a color, weights or a field", node.name)
+            format!(
+                "{} outputs a {kind}, which no file can hold; an output needs a color, weights, or a field",
+                node.name
+            )
         }
-        None => format!("nothing is known of what {} makes: correct its type first", node.name),
+        None => format!("the output kind of {} is unknown: correct the node's type first", node.name),
     }
 }
 
-/// Gives an output another name.
+/// Renames an output.
 pub fn renamed(from: &str, to: &str) -> Edit {
-    Edit::new(format!("Rename the output {from} to {to}"), vec![Op::Rename(path(from), to.into())])
+    Edit::new(format!("Rename output {from} to {to}"), vec![Op::Rename(path(from), to.into())])
 }
 
-/// Takes an output away; its node stays.
+/// Removes an output; its node stays.
 pub fn removed(name: &str) -> Edit {
-    Edit::new(format!("Remove the output {name}"), vec![Op::Remove(path(name))])
+    Edit::new(format!("Remove output {name}"), vec![Op::Remove(path(name))])
 }
 
-/// Sets one of an output's further settings, or takes it back to its default.
+/// Sets an optional setting of an output, or resets it to its default.
 pub fn set(sheet: &Sheet, name: &str, key: &str, value: Option<Value>) -> Option<Edit> {
     let path = path(name).to(key);
     match value {
@@ -124,18 +127,18 @@ pub fn set(sheet: &Sheet, name: &str, key: &str, value: Option<Value>) -> Option
     }
 }
 
-/// A name that an output cannot have.
+/// Reason that an output cannot have a name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum WrongName {
-    /// It has other characters.
+    /// The name has illegal characters.
     #[error("found the output name \"{0}\"; expected a–z, A–Z, 0–9, _ and -: choose another name")]
     Illegal(String),
-    /// Another output has it.
-    #[error("there is an output \"{0}\" already: choose another name")]
+    /// Another output has the name.
+    #[error("an output \"{0}\" already exists: choose another name")]
     Taken(String),
 }
 
-/// Why an output cannot have this name.
+/// Returns the reason that an output cannot have this name.
 pub fn wrong_name(sheet: &Sheet, name: &str) -> Option<WrongName> {
     let legal = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
     if !legal {

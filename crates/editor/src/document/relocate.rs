@@ -1,4 +1,4 @@
-//! The paths of a document that moves to another folder: they are written anew, so that they lead to the same files.
+//! Rewrites the relative paths of a document that moves to another folder, so that they still refer to the same files.
 
 use super::change::Edit;
 use super::edit::count;
@@ -8,7 +8,7 @@ use serde_json::Value;
 use std::path::{Component, Path, PathBuf};
 use trochoid::{Item, Takes, escape_frame, expand_frame};
 
-/// How many frames of a sequence are looked for at most.
+/// Maximum number of frames of a sequence to look for.
 const FRAMES: usize = 1000;
 
 /// A folder on the way to a file, whose name is no text.
@@ -23,14 +23,14 @@ pub struct NoText {
     pub path: PathBuf,
 }
 
-/// Writes the relative paths of a document in one folder so that they lead to the same files from another; absolute ones
-/// stay. The edit has an operation for each path that changes.
+/// Rewrites the relative paths of a document for a move from one folder to another; absolute paths stay. The edit has
+/// one operation for each path that changes.
 ///
-/// Of a document that has no file yet (`stored` is false) only paths to files that are there move with it, and those of
-/// outputs do not: they mean the folder that the document is saved to.
+/// If the document has no file yet (`stored` is false), only paths to existing files are rewritten, and output paths
+/// are not: they are meant relative to the folder where the document is saved.
 ///
 /// # Errors
-/// A path would lead through a folder whose name is no text.
+/// Fails if a path would lead through a folder whose name is not Unicode.
 pub fn relocated(sheet: &Sheet, from: &Path, to: &Path, stored: bool) -> Result<Edit, NoText> {
     let (from, to) = (real(from), real(to));
     let mut ops = Vec::new();
@@ -48,14 +48,14 @@ pub fn relocated(sheet: &Sheet, from: &Path, to: &Path, stored: bool) -> Result<
     Ok(Edit::new(format!("Rewrite {}", count(ops.len(), "path")), ops))
 }
 
-/// Nodes as a text, copied from a document in one folder, for one in another.
+/// Rewrites the paths of copied nodes, from a document in one folder to one in another.
 pub fn carried(text: &str, from: &Path, to: &Path) -> Option<String> {
     let sheet = Sheet::new(serde_json::from_str(text).ok()?, None);
     let edit = relocated(&sheet, from, to, true).ok()?;
     Some(edit.applied(text).ok()?.0)
 }
 
-/// Every path that a document writes, of what it reads and, if asked for, of what it renders to.
+/// Returns every path in a document: of files it reads and, on request, of its outputs.
 fn paths(sheet: &Sheet, outputs: bool) -> Vec<(ValuePath, String)> {
     let mut found = Vec::new();
     for node in &sheet.nodes {
@@ -89,19 +89,19 @@ fn collect(items: &[Item], body: &Value, place: &ValuePath, found: &mut Vec<(Val
     }
 }
 
-/// Whether a path leads to a file, at any frame of the document.
+/// Returns whether a path refers to a file at any frame of the document.
 fn is_there(sheet: &Sheet, folder: &Path, path: &str) -> bool {
     let (first, last, _) = sheet.frames;
     (first..=last).take(FRAMES).any(|frame| folder.join(expand_frame(path, frame)).exists())
 }
 
-/// A folder without links, from which `..` leads where it seems to.
+/// Resolves the links in a folder's path, so that `..` leads to the actual parent.
 fn real(folder: &Path) -> PathBuf {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     std::fs::canonicalize(folder).or_else(|_| std::path::absolute(folder)).unwrap_or_else(|_| folder.into())
 }
 
-/// A folder as paths of documents name it.
+/// Escapes frame placeholders in a folder's path, as documents do.
 fn escaped(folder: &Path) -> PathBuf {
     let name = |step: Component<'_>| match step.as_os_str().to_str() {
         Some(name) => escape_frame(name).into(),
@@ -110,8 +110,8 @@ fn escaped(folder: &Path) -> PathBuf {
     folder.components().map(name).collect()
 }
 
-/// A path relative to one folder as it is relative to another; both without links. Signs that would stand for the frame are
-/// escaped in the names of these folders, as they are in the path.
+/// Converts a path relative to one folder into one relative to another; both folders are free of links. Frame
+/// placeholders in the folders' names are escaped, as they already are in the path.
 fn rewritten(path: &str, from: &Path, to: &Path) -> Result<String, NoText> {
     let mut target = escaped(from);
     for step in Path::new(path).components() {
@@ -127,7 +127,7 @@ fn rewritten(path: &str, from: &Path, to: &Path) -> Result<String, NoText> {
             Component::CurDir | Component::RootDir | Component::Prefix(_) => {}
         }
     }
-    // From one drive to another no path leads but the whole one.
+    // No relative path exists between two drives.
     let Some(relative) = pathdiff::diff_paths(&target, escaped(to)) else { return text(&target) };
     let steps: Result<Vec<String>, NoText> = relative.components().map(|step| text(step.as_ref())).collect();
     Ok(steps?.join("/"))

@@ -1,4 +1,4 @@
-//! One open document: its text, what became of it, and what it means.
+//! An open document: its text, its undo history, and its interpretation.
 
 use super::change::Edit;
 use super::decor;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use trochoid::{Access, Diagnostic, OutputError};
 
-/// Counts the texts of all documents: no two have one number.
+/// Counter for revisions: every text of every document gets a unique number.
 static REVISIONS: AtomicU64 = AtomicU64::new(1);
 
 /// Why a document is not saved.
@@ -30,7 +30,7 @@ pub enum SaveError {
     Write(#[from] OutputError),
 }
 
-/// An open document. Its text is the document; everything else here is read from it.
+/// An open document. The text is the document; everything else is derived from it.
 #[derive(Debug)]
 pub struct Session {
     text: String,
@@ -38,12 +38,12 @@ pub struct Session {
     history: History,
     revision: u64,
     meaning: Meaning,
-    /// The text that is in the file, as far as this session knows.
+    /// The text in the file, as far as this session knows.
     stored: Option<String>,
     access: Access,
 }
 
-/// The document that a new window shows: a light on a ramp, so that there is something to play with.
+/// Document shown in a new window: a vertical color ramp to start from.
 pub const NEW: &str = r##"{
   "trochoid": 1,
   "format": { "width": 1280, "height": 720, "samples": 1 },
@@ -62,8 +62,8 @@ pub const NEW: &str = r##"{
 "##;
 
 impl Session {
-    /// A document of this text, from this file. Its path is made absolute: what is kept of the document must find it again from
-    /// wherever the editor is started next.
+    /// Creates a session for a text and the file it came from. The path is made absolute, because backups and
+    /// permissions stored under it must stay valid wherever the editor is started next.
     pub fn new(text: String, file: Option<PathBuf>) -> Self {
         let file = file.map(|file| std::path::absolute(&file).unwrap_or(file));
         let mut session = Self {
@@ -79,10 +79,10 @@ impl Session {
         session
     }
 
-    /// Opens a file. One with faults opens too, as long as it is text.
+    /// Opens a file. Any text file opens, even if the document is invalid.
     ///
     /// # Errors
-    /// It cannot be read, or is no text, or far too large.
+    /// Fails if the file cannot be read, is not text, or is too large.
     pub fn open(file: &Path) -> Result<Self, trochoid::io::Error> {
         Ok(Self::new(read(file)?, Some(file.into())))
     }
@@ -99,43 +99,43 @@ impl Session {
         self.revision = REVISIONS.fetch_add(1, Ordering::Relaxed);
         let before = std::mem::replace(&mut self.meaning, meaning);
         if !self.meaning.readable {
-            // What was drawn last stays in sight until the text can be read again.
+            // The last drawn sheet stays visible until the text can be parsed again.
             self.meaning.sheet = before.sheet;
         }
     }
 
-    /// The text.
+    /// Returns the text.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// Where it is stored.
+    /// Returns the document's file.
     pub fn file(&self) -> Option<&Path> {
         self.file.as_deref()
     }
 
-    /// What stands for it in messages.
+    /// Returns the name used in messages.
     pub fn name(&self) -> String {
         self.file.as_ref().map_or_else(|| "untitled.json".into(), |file| file.display().to_string())
     }
 
-    /// Its name without the folders.
+    /// Returns the file name without its folder.
     pub fn title(&self) -> String {
         let name = self.file.as_ref().and_then(|file| file.file_name());
         name.map_or_else(|| "untitled".into(), |name| name.to_string_lossy().into_owned())
     }
 
-    /// What its paths are relative to.
+    /// Returns the folder that paths in the document are relative to.
     pub fn folder(&self) -> PathBuf {
         folder_of(self.file.as_deref())
     }
 
-    /// Which files it may reach: at first the usual ones, see [`Access::usual`].
+    /// Returns the files that the document may access; initially [`Access::usual`].
     pub fn access(&self) -> &Access {
         &self.access
     }
 
-    /// Lets it reach other files than before. What was made of it is out of date then.
+    /// Changes the files that the document may access, and reinterprets the document.
     pub fn set_access(&mut self, access: Access) {
         if self.access != access {
             self.access = access;
@@ -143,44 +143,44 @@ impl Session {
         }
     }
 
-    /// Grows with every change, so that what was made of an older text, or of another document, can be told.
+    /// Returns the revision: a number unique to this text, which grows with every change.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// What the text means.
+    /// Returns the interpretation of the text.
     pub fn meaning(&self) -> &Meaning {
         &self.meaning
     }
 
-    /// What the canvas draws.
+    /// Returns the sheet that the canvas draws.
     pub fn sheet(&self) -> &Arc<Sheet> {
         &self.meaning.sheet
     }
 
-    /// What was done.
+    /// Returns the undo history.
     pub fn history(&self) -> &History {
         &self.history
     }
 
-    /// Whether there is something to save.
+    /// Returns whether there are unsaved changes.
     pub fn is_changed(&self) -> bool {
         !self.history.is_saved() && self.stored.as_ref() != Some(&self.text)
     }
 
-    /// Makes a change, as one step of undo.
+    /// Applies an edit as one step of undo.
     ///
     /// # Errors
-    /// It names a place that is not there; nothing changes then.
+    /// Fails if the edit names a place that does not exist; nothing changes then.
     pub fn edit(&mut self, edit: Edit) -> Result<(), Misplaced> {
         self.make(edit, |_, _, _| None).map(|_| ())
     }
 
-    /// Makes a change of one value, as [`edit`](Self::edit) does, unless the value would be a fault where there was none:
-    /// that fault is the result, and nothing changes.
+    /// Applies an edit of one value like [`edit`](Self::edit), unless the value would cause a new fault: then the fault
+    /// is returned, and nothing changes.
     ///
     /// # Errors
-    /// As for [`edit`](Self::edit).
+    /// Fails like [`edit`](Self::edit).
     pub fn give(&mut self, edit: Edit) -> Result<Option<Diagnostic>, Misplaced> {
         self.make(edit, trial::fault)
     }
@@ -215,39 +215,39 @@ impl Session {
         }
     }
 
-    /// What the document would mean after a change, which is not made.
+    /// Returns the interpretation that the document would have after an edit, without applying it.
     ///
     /// # Errors
-    /// It names a place that is not there.
+    /// Fails if the edit names a place that does not exist.
     pub fn after(&self, edit: &Edit) -> Result<Meaning, Misplaced> {
         Ok(self.meaning_of(&edit.applied(&self.text)?.0))
     }
 
-    /// Ends a gesture: what comes next is a step of its own.
+    /// Ends a gesture: the next change becomes a step of its own.
     pub fn seal(&mut self) {
         self.history.seal();
     }
 
-    /// Takes back the last change, and says what it was.
+    /// Undoes the last step and returns its label.
     pub fn undo(&mut self) -> Option<String> {
         let label = self.history.undo(&mut self.text)?.to_string();
         self.understand();
         Some(label)
     }
 
-    /// Makes the change again that was taken back last, and says what it was.
+    /// Redoes the last undone step and returns its label.
     pub fn redo(&mut self) -> Option<String> {
         let label = self.history.redo(&mut self.text)?.to_string();
         self.understand();
         Some(label)
     }
 
-    /// Writes the document to a file, whole or not at all, which is its file from then on. In another folder its relative
-    /// paths are written anew, as one step of undo, so that they lead to the same files; how many is the result. What was
-    /// allowed under the path before is not under another.
+    /// Writes the document to a file atomically; it becomes the document's file. If the folder changes, relative paths
+    /// are rewritten to keep referring to the same files, as one step of undo; returns their number. Permissions given
+    /// under the old path do not carry over.
     ///
     /// # Errors
-    /// The file cannot be written, or a path cannot lead on from there; all stays as it was.
+    /// Fails if the file cannot be written or a path cannot be rewritten; nothing changes then.
     pub fn save(&mut self, file: &Path) -> Result<usize, SaveError> {
         let moves = self.file.as_deref() != Some(file) && self.meaning.readable;
         let edit = match file.parent().filter(|_| moves) {
@@ -271,16 +271,16 @@ impl Session {
         Ok(edit.ops.len())
     }
 
-    /// Whether the file holds another text than the one that this session read or wrote; `None` where it cannot be read.
+    /// Returns whether the file's text differs from the one last read or written; `None` if it cannot be read.
     pub fn differs_on_disk(&self) -> Option<bool> {
         let there = read(self.file.as_deref()?).ok()?;
         Some(self.stored.as_ref() != Some(&there))
     }
 
-    /// Takes what is in the file now, as one step of undo.
+    /// Reloads the text from the file, as one step of undo.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// Fails if the file cannot be read.
     pub fn reload(&mut self) -> Result<(), trochoid::io::Error> {
         let Some(file) = &self.file else { return Ok(()) };
         let text = read(file)?;
@@ -290,7 +290,7 @@ impl Session {
         Ok(())
     }
 
-    /// Keeps what is here although the file has changed: saving writes over it.
+    /// Keeps the text in the editor although the file has changed: the next save overwrites the file.
     pub fn keep_mine(&mut self) {
         if let Some(text) = self.file.as_deref().and_then(|file| read(file).ok()) {
             self.stored = Some(text);
@@ -298,8 +298,8 @@ impl Session {
         self.history.mark_changed();
     }
 
-    /// Takes back a text that was kept when the program ended unexpectedly, as one step of undo. Where the file was `overtaken`
-    /// by another program since then, it counts as changed: saving must ask.
+    /// Restores a backup left by an editor that ended unexpectedly, as one step of undo. If the file was `overtaken`
+    /// (changed by another program since), it counts as changed on disk, so that saving asks first.
     pub fn recover(&mut self, text: &str, overtaken: bool) {
         self.replace(text, "Recover unsaved work");
         if overtaken {
@@ -313,7 +313,7 @@ fn folder_of(file: Option<&Path>) -> PathBuf {
     folder.unwrap_or_else(|| std::env::current_dir().unwrap_or_default())
 }
 
-/// Most bytes of a document.
+/// Maximum size of a document, in bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
 fn read(file: &Path) -> Result<String, trochoid::io::Error> {

@@ -1,4 +1,4 @@
-//! A document as the canvas draws it: also one that is not valid, as far as it can be understood.
+//! A document as the canvas draws it; invalid documents are included as far as they can be understood.
 
 use super::json::{Path, Step};
 use serde_json::Value;
@@ -6,117 +6,117 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 use trochoid::{Accepts, Arity, CheckedGraph, Declaration, Item, Kind, Role, registry};
 
-/// A point on the canvas, x to the right and y down.
+/// Point on the canvas; x points right, y down.
 pub type Point = [f32; 2];
 
-/// Frames reach so far on both sides of 0 in the editor.
+/// Largest absolute frame number in the editor.
 pub(crate) const FAR: i64 = 10_000_000;
 
-/// Every node and wire of a document.
+/// Nodes, wires, and outputs of a document.
 #[derive(Clone, Debug, Default)]
 pub struct Sheet {
-    /// In the order of the document.
+    /// Nodes in the order of the document.
     pub nodes: Vec<Node>,
-    /// By name.
+    /// Index of each node, by name.
     index: HashMap<String, usize>,
-    /// In the order of the nodes that take them.
+    /// Wires in the order of the nodes at their lower ends.
     pub wires: Vec<Wire>,
-    /// What is rendered.
+    /// Outputs in the order of the document.
     pub outputs: Vec<Output>,
-    /// First and last frame, and frames per second.
+    /// First frame, last frame, and frames per second.
     pub frames: (i64, i64, f64),
-    /// Width and height of pictures.
+    /// Width and height of pictures, in pixels.
     pub format: [u32; 2],
-    /// Colored areas behind nodes.
+    /// Colored areas behind nodes, by key.
     pub backdrops: BTreeMap<String, Backdrop>,
-    /// The whole document.
+    /// The whole document as parsed JSON.
     pub value: Value,
-    /// Its text.
+    /// Text of the document.
     pub text: Arc<str>,
 }
 
 /// A node.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// Its name.
+    /// Name of the node.
     pub name: String,
-    /// What the document says that it is.
+    /// Type as written in the document.
     pub ty: String,
-    /// What is known of that type.
+    /// Declaration of the type, if the type is known.
     pub declaration: Option<&'static Declaration>,
-    /// Whether it is led past.
+    /// Whether the node is bypassed.
     pub disabled: bool,
-    /// Its upper left corner.
+    /// Upper left corner.
     pub at: Point,
-    /// Whether the document says where it stands.
+    /// Whether the document specifies the position.
     pub placed: bool,
-    /// What it takes.
+    /// Inputs.
     pub pins: Vec<Pin>,
-    /// What it makes: names and kinds, where these are known.
+    /// Outputs: names, and kinds where known.
     pub makes: Vec<(&'static str, Option<Kind>)>,
 }
 
 impl Node {
-    /// Whether its type has a role.
+    /// Returns whether the node's type has a role.
     pub fn is(&self, role: Role) -> bool {
         self.declaration.is_some_and(|declaration| declaration.role == Some(role))
     }
 }
 
-/// A place of a node for one connection.
+/// Input of a node: a place for one connection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pin {
-    /// Where it stands within the node.
+    /// Path within the node.
     pub steps: Vec<Step>,
-    /// What it is called.
+    /// Displayed name.
     pub label: String,
-    /// What it means.
+    /// Help text of the port.
     pub help: &'static str,
-    /// What it takes.
+    /// Kinds that the pin accepts.
     pub accepts: Accepts,
-    /// Whether the node does nothing without it.
+    /// Whether the node needs a value here.
     pub required: bool,
-    /// Whether it stands behind the others of a list, for one more.
+    /// Whether this is the empty pin behind a list's last element, for one more.
     pub more: bool,
-    /// The least that the list has, of which it is one.
+    /// Whether this pin is an element of a list.
     pub of_list: bool,
-    /// What the document writes there.
+    /// Value in the document.
     pub value: Option<Value>,
 }
 
-/// A connection: from an output of a node to a pin of another.
+/// Connection from an output of a node to a pin of another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Wire {
-    /// The node above and its output.
+    /// Source node and its output.
     pub from: (usize, usize),
-    /// The node below and its pin.
+    /// Destination node and its pin.
     pub to: (usize, usize),
 }
 
-/// What is rendered.
+/// Entry of the document's `outputs`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
-    /// Its name.
+    /// Name of the output.
     pub name: String,
-    /// The node and its output, as written.
+    /// Reference to a node and its output, as written.
     pub source: String,
 }
 
-/// A colored area behind nodes, with a title.
+/// Colored area behind nodes, with a title.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Backdrop {
-    /// Its upper left corner.
+    /// Upper left corner.
     pub at: Point,
     /// Width and height.
     pub size: Point,
-    /// Its title, or a note.
+    /// Title or note.
     pub text: String,
-    /// Which of the theme's colors.
+    /// Index of a color in the theme.
     pub tint: usize,
 }
 
 impl Sheet {
-    /// Reads a document's value; `graph` tells kinds, where the document is valid.
+    /// Reads a parsed document; `graph` supplies kinds if the document is valid.
     pub fn new(value: Value, graph: Option<&CheckedGraph>) -> Self {
         let mut sheet = Self { frames: (1, 1, 24.0), format: [1920, 1080], ..Self::default() };
         let entries = value.get("nodes").and_then(Value::as_object);
@@ -132,7 +132,7 @@ impl Sheet {
             sheet.outputs.push(Output { name: name.clone(), source: source.unwrap_or_default().into() });
         }
         if let Some(frames) = value.get("frames") {
-            // As far as the timeline goes: what is beyond is an error of the document's, which it shows.
+            // Clamped to the timeline's range; the document reports frames beyond it as an error.
             let frame = |name: &str| frames.get(name).and_then(Value::as_i64).map(|frame| frame.clamp(-FAR, FAR));
             let first = frame("first").unwrap_or(1);
             let last = frame("last").unwrap_or(first);
@@ -154,27 +154,27 @@ impl Sheet {
         sheet
     }
 
-    /// The node of that name.
+    /// Returns the index of the node with this name.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.index.get(name).copied()
     }
 
-    /// The node of that name.
+    /// Returns the node with this name.
     pub fn node(&self, name: &str) -> Option<&Node> {
         Some(&self.nodes[self.find(name)?])
     }
 
-    /// What the document writes at a place.
+    /// Returns the value at a path of the document.
     pub fn get(&self, path: &Path) -> Option<&Value> {
         path.find(&self.value)
     }
 
-    /// The kind of what a wire carries.
+    /// Returns the kind of data on a wire.
     pub fn kind(&self, wire: &Wire) -> Option<Kind> {
         self.nodes[wire.from.0].makes.get(wire.from.1)?.1
     }
 
-    /// Nodes that have another name than in the sheet before, by the old name: they stand where the old ones stood.
+    /// Returns the old and new names of nodes renamed since the earlier sheet, matched by position.
     pub fn renamed(&self, before: &Self) -> Vec<(String, String)> {
         if self.nodes.len() != before.nodes.len() {
             return Vec::new();
@@ -184,7 +184,7 @@ impl Sheet {
         changed.map(|(old, new)| (old.clone(), new.clone())).collect()
     }
 
-    /// A node and its output, from how a document names them.
+    /// Resolves a reference to a node and its output.
     pub fn source(&self, text: &str) -> Option<(usize, usize)> {
         let (name, output) = text.split_once('.').map_or((text, None), |(name, output)| (name, Some(output)));
         let node = self.find(name)?;
@@ -195,7 +195,7 @@ impl Sheet {
         Some((node, output))
     }
 
-    /// How a document names an output of a node: the first by the node alone.
+    /// Returns the reference to an output of a node; the first output is referred to by the node's name alone.
     pub fn reference(&self, node: usize, output: usize) -> String {
         let node = &self.nodes[node];
         match node.makes.get(output) {
@@ -204,12 +204,12 @@ impl Sheet {
         }
     }
 
-    /// Everything that a node depends on, itself included.
+    /// Returns all nodes that the given ones depend on, including those themselves.
     pub fn upstream(&self, roots: impl IntoIterator<Item = usize>) -> HashSet<usize> {
         self.walk(roots, |wire| (wire.to.0, wire.from.0))
     }
 
-    /// Everything that depends on a node, itself included.
+    /// Returns all nodes that depend on the given ones, including those themselves.
     pub fn downstream(&self, roots: impl IntoIterator<Item = usize>) -> HashSet<usize> {
         self.walk(roots, |wire| (wire.from.0, wire.to.0))
     }
@@ -229,12 +229,12 @@ impl Sheet {
         seen
     }
 
-    /// A name that no node has yet: `mix`, `mix2`, `mix3`.
+    /// Returns an unused node name: `mix`, `mix2`, `mix3`.
     pub fn free_name(&self, wanted: &str) -> String {
         self.free_name_beside(wanted, |_| false)
     }
 
-    /// A name that no node has yet, and that is not taken otherwise.
+    /// Returns an unused node name that is not taken otherwise either.
     pub fn free_name_beside(&self, wanted: &str, taken: impl Fn(&str) -> bool) -> String {
         let taken = |name: &str| self.index.contains_key(name) || taken(name);
         if !taken(wanted) {
@@ -245,9 +245,9 @@ impl Sheet {
         (2..).map(|n| format!("{stem}{n}")).find(|name| !taken(name)).unwrap_or_default()
     }
 
-    /// Gives nodes that hand on what they are given the kind of their first connection.
+    /// Gives nodes whose output kind follows their input the kind of their first connection.
     fn pass_kinds(&mut self) {
-        // As often as the longest chain of them.
+        // Repeated at most as often as the longest chain of such nodes.
         for _ in 0..self.nodes.len() {
             let mut changed = false;
             for index in 0..self.nodes.len() {
@@ -278,7 +278,7 @@ impl Sheet {
         }
     }
 
-    /// Finds the wires.
+    /// Collects the wires.
     fn join(&mut self) {
         for to in 0..self.nodes.len() {
             for pin in 0..self.nodes[to].pins.len() {
@@ -318,13 +318,13 @@ impl Node {
         node
     }
 
-    /// The pin at a place within the node.
+    /// Returns the pin at a path within the node.
     pub fn pin(&self, steps: &[Step]) -> Option<usize> {
         self.pins.iter().position(|pin| pin.steps == steps)
     }
 }
 
-/// Every pin of some items, those of a list's records behind the list's name.
+/// Collects the pins of some items; labels of a list's pins begin with the list's name.
 fn pins(items: &'static [Item], body: &Value, steps: &[Step], before: &str, found: &mut Vec<Pin>) {
     for item in items {
         let within = |step: Step| steps.iter().cloned().chain([step]).collect::<Vec<Step>>();
@@ -384,7 +384,7 @@ fn pins(items: &'static [Item], body: &Value, steps: &[Step], before: &str, foun
     }
 }
 
-/// A point as documents write it.
+/// Parses a point.
 pub fn point(value: Option<&Value>) -> Option<Point> {
     let [x, y] = value?.as_array()?.as_slice() else { return None };
     let [x, y] = [x.as_f64()? as f32, y.as_f64()? as f32];

@@ -1,12 +1,13 @@
-//! Whether a document bears a value that is given to it.
+//! Checks whether a document would accept an edited value.
 
 use super::change::Edit;
 use super::json::{Op, Path, Step};
 use super::meaning::Meaning;
 use trochoid::Diagnostic;
 
-/// The fault that a change brings to the node that it changes, or to the entry of the document where that is no node's. None
-/// where there was one before, or where another goes away: then the change is a step on a way out.
+/// Returns the new fault that an edit causes in the edited node, or in the edited entry outside of nodes. Returns none
+/// if that place already had a fault, or if the edit fixes another fault: then it may be a step toward a valid
+/// document.
 pub(super) fn fault(edit: &Edit, before: &Meaning, after: &Meaning) -> Option<Diagnostic> {
     let [Op::Set(path, _), ..] = edit.ops.as_slice() else { return None };
     let place = Part::of(path)?;
@@ -18,10 +19,10 @@ pub(super) fn fault(edit: &Edit, before: &Meaning, after: &Meaning) -> Option<Di
     after.errors().find(|fault| place.holds(fault) && !is_known(fault)).cloned()
 }
 
-/// What a change is of.
+/// Part of the document that an edit concerns.
 enum Part<'p> {
     Node(&'p str),
-    /// An entry of the document itself, such as its format.
+    /// Entry outside of nodes, such as `format`.
     Top(&'p [Step]),
 }
 
@@ -45,7 +46,7 @@ impl<'p> Part<'p> {
     }
 }
 
-/// Whether two faults are one, wherever in the text it stands by now.
+/// Returns whether two faults are the same, regardless of their place in the text.
 fn is_same(a: &Diagnostic, b: &Diagnostic) -> bool {
     (&a.node, &a.port, &a.found, &a.expected) == (&b.node, &b.port, &b.found, &b.expected)
 }

@@ -1,23 +1,23 @@
-//! Which version of the document format a document is of.
+//! The format version of a document, compared with the one this program supports.
 
 use super::change::Edit;
 use super::json::{Op, Path};
 use serde_json::Value;
 use trochoid::FORMAT_VERSION;
 
-/// How a document's version stands to the one that is known here.
+/// Relation between a document's format version and the supported one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Standing {
-    /// It is the same.
+    /// The supported version.
     Current,
-    /// It is a newer one, as the document writes it: what it means is not known here.
+    /// A newer version, as written in the document; its meaning is unknown to this program.
     Newer(String),
-    /// It is none that there ever was, or the document names none.
+    /// A number that was never a version, or a missing version.
     Unknown(Option<String>),
 }
 
 impl Standing {
-    /// Reads it from a document's value.
+    /// Reads the version from a parsed document.
     pub fn of(document: &Value) -> Self {
         let Some(entries) = document.as_object() else { return Self::Current };
         match entries.get("trochoid") {
@@ -30,31 +30,33 @@ impl Standing {
         }
     }
 
-    /// Whether the document is of a version newer than this program.
+    /// Returns whether the document's version is newer than this program supports.
     pub fn is_newer(&self) -> bool {
         matches!(self, Self::Newer(_))
     }
 
-    /// What was found, what is expected and what is to be done; `None` where all is well.
+    /// Returns the message for the user; `None` if the version is current.
     pub fn notice(&self) -> Option<String> {
         let expected = format!("expected {FORMAT_VERSION}, the version of the document format");
         match self {
             Self::Current => None,
             Self::Newer(found) => Some(format!(
-                "This document is of version {found} of the format, and this editor knows version {FORMAT_VERSION}. It is \
-                 shown as far as it is understood, and not evaluated; its file stays as it is unless you save it. Open it with \
-                 a newer Trochoid."
+                "This document uses format version {found}; this editor supports version {FORMAT_VERSION}. It is shown \
+                 as far as it is understood, but not evaluated. The file stays unchanged unless you save. Open it with \
+                 a newer version of Trochoid."
             )),
-            Self::Unknown(None) => Some(format!("Found no \"trochoid\" at the top of the document; {expected}.")),
+            Self::Unknown(None) => {
+                Some(format!("Found no \"trochoid\" entry at the top level of the document; {expected}."))
+            }
             Self::Unknown(Some(found)) => Some(format!("Found \"trochoid\": {found}; {expected}.")),
         }
     }
 
-    /// The change that makes a document one of the present version. There is one for documents that lack it; a document of
-    /// an older version, once there are any, is brought up to date here and nowhere else.
+    /// Returns the edit that sets the current version in a document with an unknown one. This is also the only place
+    /// for upgrading documents of older versions, once there are any.
     pub fn remedy(&self) -> Option<Edit> {
         let Self::Unknown(_) = self else { return None };
         let place = Path::default().to("trochoid");
-        Some(Edit::new("Write the version", vec![Op::Set(place, FORMAT_VERSION.to_string())]))
+        Some(Edit::new("Set the format version", vec![Op::Set(place, FORMAT_VERSION.to_string())]))
     }
 }

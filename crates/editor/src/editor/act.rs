@@ -1,5 +1,5 @@
-//! What each action asks for, and what it does to what is chosen and looked at. Changes of the document stand in `change`,
-//! leaving and saving it in `leave`, runs in `rendering`.
+//! Dispatch of actions, and those that concern selection, viewing, and playback. Edits of the document are in `change`,
+//! leaving and saving in `leave`, rendering in `rendering`.
 
 use super::Editor;
 use crate::actions::{Action, After, Pane};
@@ -10,7 +10,7 @@ use egui::Context;
 use std::collections::BTreeSet;
 
 impl Editor {
-    /// Does what was asked for.
+    /// Performs an action.
     pub fn act(&mut self, action: Action, context: &Context) {
         let state = &mut self.state;
         match action {
@@ -79,7 +79,7 @@ impl Editor {
         }
     }
 
-    /// The names of the chosen nodes.
+    /// Returns the names of the selected nodes.
     pub(super) fn chosen(&self) -> Vec<String> {
         self.state.selection.iter().cloned().collect()
     }
@@ -89,11 +89,11 @@ impl Editor {
         let asked = names.len();
         names.retain(|name| state.sheet().find(name).is_some());
         if names.is_empty() && asked > 0 {
-            // What was to be chosen could not be made.
+            // The nodes to select could not be created.
             return;
         }
         if state.selection != names {
-            // The field that waits for a color is not to be seen any more.
+            // The field that waits for a picked color is no longer visible.
             state.dropper = None;
         }
         state.selection = names;
@@ -148,7 +148,7 @@ impl Editor {
         self.state.playing = playing;
         self.playback = Default::default();
         self.asked.ahead = None;
-        // What was missing may be there by now.
+        // Files that were missing may exist by now.
         self.asked.failed.clear();
         if !playing {
             self.worker.ahead([]);
@@ -160,7 +160,7 @@ impl Editor {
         self.prompts.palette();
     }
 
-    /// Chooses nodes; what tests and prompts use.
+    /// Selects nodes, for tests and prompts.
     pub fn select(&mut self, names: &[&str]) {
         self.state.selection = names.iter().map(|name| (*name).to_string()).collect::<BTreeSet<String>>();
         self.state.output = None;

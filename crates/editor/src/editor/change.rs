@@ -1,4 +1,4 @@
-//! Changes of the document, and what follows from them.
+//! Actions that edit the document, and the updates that follow an edit.
 
 use super::Editor;
 use crate::actions::Line;
@@ -10,7 +10,7 @@ use egui::{Context, Id};
 use std::time::{Duration, Instant};
 
 impl Editor {
-    /// Changes a value, unless the document does not bear it: then the field says why.
+    /// Applies an edit of a value, unless the document rejects the value: then the field shows the reason.
     pub(super) fn give(&mut self, edit: Edit, field: Id, context: &Context) {
         if let Some(fault) = self.make(edit, Session::give).flatten() {
             self.forgive(context);
@@ -18,7 +18,7 @@ impl Editor {
         }
     }
 
-    /// Changes wires; nodes stay where they are seen.
+    /// Applies an edit of wires; nodes keep the places where they are drawn.
     pub(super) fn rewire(&mut self, edit: Edit) {
         self.edit(crate::canvas::freezing(self.state.sheet(), edit));
     }
@@ -33,16 +33,16 @@ impl Editor {
         if self.settle("Nothing was undone")
             && let Some(label) = self.state.session.undo()
         {
-            self.notices.plain(format!("Undone: {label}"));
+            self.notices.plain(format!("Undo: {label}"));
             self.changed();
         }
     }
 
     pub(super) fn redo(&mut self) {
-        if self.settle("Nothing was done again")
+        if self.settle("Nothing was redone")
             && let Some(label) = self.state.session.redo()
         {
-            self.notices.plain(format!("Redone: {label}"));
+            self.notices.plain(format!("Redo: {label}"));
             self.changed();
         }
     }
@@ -65,7 +65,7 @@ impl Editor {
                 self.state.selection = names.into_iter().collect();
             }
             None => {
-                self.notices.warning("The clipboard holds no nodes: copy some from a graph, or their JSON");
+                self.notices.warning("The clipboard contains no nodes: copy nodes from a graph, or their JSON");
             }
         }
     }
@@ -121,7 +121,7 @@ impl Editor {
         self.panels.canvas.write_on(name, text);
     }
 
-    /// Renders what the chosen node makes: what is looked at of it, or the first that a file can hold.
+    /// Adds an output that renders the selected node: its viewed result, or the first one that a file can hold.
     pub(super) fn make_output(&mut self) {
         let sheet = self.state.sheet().clone();
         let Some(node) = self.state.chosen().and_then(|name| sheet.find(name)) else { return };
@@ -136,7 +136,7 @@ impl Editor {
         }
     }
 
-    /// A text to be pasted; paths of nodes that were copied from a document in another folder lead to the same files.
+    /// Rewrites the paths in pasted text if the nodes were copied from a document in another folder.
     fn carried(&self, text: String) -> String {
         let folder = self.state.session.folder();
         let from = self.copied.as_ref().filter(|(copied, from)| copied.trim() == text.trim() && *from != folder);
@@ -147,7 +147,7 @@ impl Editor {
         self.make(edit, Session::edit);
     }
 
-    /// Says no more of a refused value once the document is another, or something else of it is chosen.
+    /// Clears a refusal once the document or the selection has changed.
     pub(super) fn forgive(&mut self, context: &Context) {
         let (state, known) = (&self.state, &self.refusing);
         let revision = state.session.revision();
@@ -157,12 +157,12 @@ impl Editor {
         }
     }
 
-    /// Makes a change of a text that can be read; what came of it, where it can be made.
+    /// Applies a change if the text is JSON; returns its result if it was made.
     fn make<T>(&mut self, edit: Edit, change: impl FnOnce(&mut Session, Edit) -> Result<T, Misplaced>) -> Option<T> {
         if !self.state.session.meaning().readable {
-            // Once, however fast one types.
+            // At most one notice per 5 seconds, however fast the user types.
             if self.complained.is_none_or(|since| since.elapsed() > Duration::from_secs(5)) {
-                self.notices.error("The text is not JSON: correct it in the panel \"Text\" first");
+                self.notices.error("The text is not JSON: correct it in the Text panel first");
                 self.complained = Some(Instant::now());
             }
             return None;
@@ -173,8 +173,8 @@ impl Editor {
         }
         if !edit.fits(&sheet.value, &self.state.sheet().value) {
             self.notices.warning(
-                "What was typed in the panel \"Text\" was applied, and changes the same place: look at it, and do that \
-                 once more",
+                "The changes typed in the Text panel were applied and affect the same place. Check them, then repeat \
+                 your edit",
             );
             return None;
         }
@@ -193,12 +193,12 @@ impl Editor {
         }
     }
 
-    /// Applies what is typed in the panel of the text, before something else is done with the document. Where that is no
-    /// JSON, says so, with what became of it; false then.
+    /// Applies pending text of the text panel before another operation on the document. If it is not JSON, shows an
+    /// error that begins with `outcome` and returns false.
     pub(super) fn settle(&mut self, outcome: &str) -> bool {
         let Some(text) = self.panels.source.pending() else { return true };
         if let Err(error) = serde_json::from_str::<serde_json::Value>(text) {
-            let why = "the text typed in the panel \"Text\" is no JSON";
+            let why = "the text in the Text panel is not JSON";
             self.notices.error(format!("{outcome}: {why}: {error}. Correct it there, or revert it"));
             return false;
         }
@@ -209,12 +209,12 @@ impl Editor {
         true
     }
 
-    /// What follows from a change of the document.
+    /// Updates everything that depends on the document after a change.
     pub(super) fn changed(&mut self) {
         let sheet = self.state.session.sheet().clone();
         let before = std::mem::replace(&mut self.known, sheet.clone());
         if before.value.is_null() {
-            // The first text that can be read.
+            // This is the first text that can be parsed.
             self.state.begin();
         }
         self.state.rename(&sheet.renamed(&before));

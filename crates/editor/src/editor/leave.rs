@@ -1,4 +1,4 @@
-//! Leaving a document, and saving it before.
+//! Leaving the open document, and saving it first.
 
 use super::Editor;
 use crate::actions::After;
@@ -7,12 +7,12 @@ use crate::document::{Session, Standing, edit};
 use egui::Context;
 use std::path::Path;
 
-/// What became of saving a text that is no JSON.
+/// Outcome reported if pending text that is not JSON prevents saving.
 const NOT_SAVED: &str = "Nothing was saved";
 
 impl Editor {
-    /// Leaves this document for something else, unless there is unsaved work, or a run would end with the window: then a
-    /// question comes first.
+    /// Leaves the document for another step. If there is unsaved work, or closing would end a rendering, a prompt comes
+    /// first.
     pub(crate) fn leave(&mut self, after: After, context: &Context) {
         if self.renderer.is_some() && matches!(after, After::Close) {
             self.prompts.rendering(after);
@@ -23,7 +23,7 @@ impl Editor {
         }
     }
 
-    /// Goes on to something else, whatever is unsaved.
+    /// Performs the next step, discarding unsaved work.
     pub(crate) fn go(&mut self, after: After, context: &Context) {
         match after {
             After::New => self.start(Session::new(crate::document::session::NEW.into(), None), context),
@@ -46,7 +46,7 @@ impl Editor {
         }
     }
 
-    /// Saves to the document's file, or asks where to; goes on to something else then.
+    /// Saves to the document's file, or asks for one; then performs the next step.
     pub(crate) fn store(&mut self, after: Option<After>, context: &Context) {
         if !self.settle(NOT_SAVED) {
             return;
@@ -54,7 +54,7 @@ impl Editor {
         let session = &self.state.session;
         let newer = Standing::of(&session.sheet().value).is_newer();
         match session.file().map(Path::to_path_buf) {
-            // Also where nobody could watch the file.
+            // Checked even if the file could not be watched.
             Some(_) if session.differs_on_disk() == Some(true) => self.prompts.external(Some(after)),
             Some(_) if newer && session.is_changed() => self.prompts.newer(after),
             Some(file) => self.save(&file, after, context),
@@ -62,17 +62,17 @@ impl Editor {
         }
     }
 
-    /// Saves to a file, and goes on to something else where that worked.
+    /// Saves to a file and, on success, performs the next step.
     pub(crate) fn save(&mut self, file: &Path, after: Option<After>, context: &Context) {
         let moves = self.state.session.file() != Some(file);
-        // The watcher tells of this write too; it is what we know already then.
+        // The watcher reports this write too, but by then the text is known.
         match self.state.session.save(file) {
             Ok(paths) => {
                 self.notices.success(format!("Saved {}", file.display()));
                 if paths > 0 {
                     let what = edit::count(paths, "relative path");
                     let (were, they) = if paths == 1 { ("was", "it leads") } else { ("were", "they lead") };
-                    let text = format!("{what} {were} rewritten so that {they} to the same files from the new folder");
+                    let text = format!("{what} {were} rewritten so that {they} to the same files as before");
                     self.notices.info(text);
                 }
                 if moves {
@@ -93,13 +93,13 @@ impl Editor {
         }
     }
 
-    /// Takes what was kept of an editor that ended unexpectedly.
+    /// Restores a backup of an editor that ended unexpectedly.
     pub(crate) fn recover(&mut self, kept: &Kept, context: &Context) {
         let session = kept.file.as_deref().and_then(|file| Session::open(file).ok());
         let mut session = session.unwrap_or_else(|| Session::new(String::new(), kept.file.clone()));
         session.recover(&kept.text, kept.overtaken);
         self.start(session, context);
-        // It is not in the file yet, so it is kept again before the old copy goes.
+        // The recovered text is in no file yet, so it is backed up again before the old backup is deleted.
         self.copy();
         if let Some(keeper) = &self.keeper {
             keeper.replace(kept.clone());
@@ -113,9 +113,9 @@ impl Editor {
         }
     }
 
-    /// Takes what is in the file now.
+    /// Reloads the document from its file.
     pub(super) fn reload(&mut self) {
-        self.settle("It stays there");
+        self.settle("The typed text was kept");
         match self.state.session.reload() {
             Ok(()) => self.changed(),
             Err(error) => {

@@ -1,5 +1,4 @@
-//! The editor: what is asked for is done here (`act`), and what is evaluated comes back here (`pictures`). It draws nothing
-//! itself.
+//! The editor: performs actions (`act`) and receives evaluated pictures (`pictures`). Draws nothing itself.
 
 mod act;
 mod change;
@@ -36,19 +35,19 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// The editor of one document.
+/// Editor for one document at a time.
 pub struct Editor {
     pub(crate) state: State,
     pub(crate) tree: egui_tiles::Tree<Pane>,
     pub(crate) panels: Panels,
     pub(crate) prompts: Prompts,
     pub(crate) notices: Notices,
-    /// The complaint about the text that was shown last, and when.
+    /// Time of the last notice about text that is not JSON.
     complained: Option<Instant>,
     pub(crate) recent: Vec<PathBuf>,
-    /// What this run lets every document reach besides its own.
+    /// Paths that every document may access in this run.
     allowed: Vec<PathBuf>,
-    /// What this document was allowed, the newest first: remembered where it has a file.
+    /// Permissions of this document, newest first; stored if the document has a file.
     pub(crate) answers: Vec<Grant>,
     pub(crate) worker: Worker,
     asked: LastRequest,
@@ -56,33 +55,33 @@ pub struct Editor {
     kept: Backup,
     watcher: Watcher,
     renderer: Option<Renderer>,
-    /// Nodes that were copied here, and the folder that their paths are relative to.
+    /// Nodes copied in this editor, and the folder that their paths are relative to.
     copied: Option<(String, PathBuf)>,
     playback: Playback,
-    /// Most memory for pictures of frames, bytes.
+    /// Memory limit for cached frames, in bytes.
     pub(crate) room: usize,
-    /// The document as it was when it changed last.
+    /// The document at the last change.
     known: Arc<Sheet>,
-    /// What was looked at before it was deleted: undo brings both back.
+    /// The viewed result, if it was deleted: undoing the deletion views it again.
     lost: Option<(String, usize)>,
-    /// The revision, the nodes and the output of which a value may stand refused.
+    /// Revision, selected nodes, and selected output for which a refusal may be shown.
     refusing: (u64, BTreeSet<String>, Option<String>),
-    /// What waits until a number that is being typed has been taken.
+    /// Actions that wait until the focused field has committed its text.
     later: Vec<Action>,
     space: Space,
     closing: bool,
 }
 
-/// What there is a copy of, in case that the editor ends unexpectedly.
+/// State of the backup of unsaved work.
 #[derive(Default)]
 struct Backup {
-    /// The revision, and how much had been typed; `None` where there is no copy.
+    /// Revision and typing count of the backup; `None` if there is none.
     what: Option<(u64, u64)>,
-    /// When the first change since was seen.
+    /// Time when the first change since the backup was noticed.
     since: Option<Instant>,
 }
 
-/// What panels hold besides what all see.
+/// State that panels do not share.
 #[derive(Default)]
 pub(crate) struct Panels {
     pub(crate) canvas: Canvas,
@@ -95,11 +94,11 @@ pub(crate) struct Panels {
 }
 
 impl Editor {
-    /// An editor of a document. `data` is where copies of unsaved work and the list of recent files are kept; nowhere if
-    /// `None`.
+    /// Creates an editor for a document. `data` is the folder for backups of unsaved work and the list of recent files;
+    /// `None` disables both.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// Fails if the system cannot start a thread.
     pub fn new(context: &Context, session: Session, data: Option<&Path>) -> std::io::Result<Self> {
         crate::theme::install(context);
         crate::turns::install(context);
@@ -139,15 +138,15 @@ impl Editor {
         Ok(editor)
     }
 
-    /// Offers work of this document that was kept of editors that ended unexpectedly; beside one that is nowhere yet, also of
-    /// documents that are gone, and tells of others.
+    /// Offers to recover backups of this document. For a new document, also offers backups of unsaved or missing
+    /// documents, and notifies the user about those of other documents.
     fn offer(&mut self) {
         let folder = self.prompts.data().map(|data| data.join("unsaved"));
         let file = self.state.session.file().map(reach::whole);
         let all = folder.as_deref().map(kept).unwrap_or_default();
         let (saved, all): (Vec<Kept>, Vec<Kept>) = all.into_iter().partition(Kept::is_saved);
         saved.iter().for_each(discard);
-        // Of a document that is not there any more nobody else asks.
+        // No other document would offer a backup whose file no longer exists.
         let is_homeless = |kept: &Kept| file.is_none() && kept.file.as_deref().is_none_or(|file| !file.is_file());
         let is_own = |kept: &Kept| is_homeless(kept) || kept.file.as_deref().map(reach::whole) == file;
         let (own, others): (Vec<Kept>, Vec<Kept>) = all.into_iter().partition(is_own);
@@ -157,13 +156,13 @@ impl Editor {
         if file.is_none() {
             let files: BTreeSet<&Path> = others.iter().filter_map(|kept| kept.file.as_deref()).collect();
             for file in files {
-                let text = format!("Unsaved work of {} was kept: open it to recover that", file.display());
+                let text = format!("Unsaved changes to {} can be recovered: open the file to do so", file.display());
                 self.notices.info(text);
             }
         }
     }
 
-    /// Offers work that was kept of a document that cannot be opened.
+    /// Offers backups of a document that cannot be opened.
     fn offer_lost(&mut self, file: &Path) {
         let (file, folder) = (reach::whole(file), self.prompts.data().map(|data| data.join("unsaved")));
         let mut lost = folder.as_deref().map(kept).unwrap_or_default();
@@ -173,17 +172,17 @@ impl Editor {
         }
     }
 
-    /// What is open, chosen and seen.
+    /// Returns the shared state.
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// What is kept of the window until the editor starts next.
+    /// Returns the window layout, theme, and zoom for storage.
     pub fn kept_window(&self, context: &Context) -> String {
         layout::written(&self.tree, (context.options(|options| options.theme_preference), context.zoom_factor()))
     }
 
-    /// Lays the window out as it was kept; one that cannot be read stays as it is at first.
+    /// Restores a stored window layout; an unreadable one is ignored.
     pub fn restore(&mut self, kept: &str, context: &Context) {
         if let Some((tree, (theme, zoom))) = layout::read(kept) {
             self.tree = tree;
@@ -192,23 +191,23 @@ impl Editor {
         }
     }
 
-    /// The title of the window.
+    /// Returns the window title.
     pub fn title(&self) -> String {
         let changed = if self.is_unsaved() { "• " } else { "" };
         format!("{changed}{} — Trochoid", self.state.session.title())
     }
 
-    /// Whether there is work that is not in the document's file.
+    /// Returns whether there is work that is not in the document's file.
     pub fn is_unsaved(&self) -> bool {
         self.state.session.is_changed() || self.panels.source.pending().is_some()
     }
 
-    /// Whether the window may close now.
+    /// Returns whether the window may close now.
     pub fn is_closing(&self) -> bool {
         self.closing
     }
 
-    /// Asks to close the window: at once, or after a question about unsaved changes.
+    /// Requests to close the window: immediately, or after a question about unsaved changes.
     pub fn close(&mut self, context: &Context) {
         if context.text_edit_focused() {
             self.defer(Action::Quit, context);
@@ -217,7 +216,7 @@ impl Editor {
         }
     }
 
-    /// Does something as soon as what is being typed has been taken.
+    /// Performs an action as soon as the focused field has committed its text.
     fn defer(&mut self, action: Action, context: &Context) {
         if let Some(field) = context.memory(|memory| memory.focused()) {
             context.memory_mut(|memory| memory.surrender_focus(field));
@@ -226,7 +225,7 @@ impl Editor {
         context.request_repaint();
     }
 
-    /// What comes before anything is drawn: what has happened since is heard. Gives what keys ask for.
+    /// Prepares a frame before drawing: receives news and returns the actions of pressed keys.
     pub(crate) fn before(&mut self, context: &Context) -> Vec<Action> {
         self.hear(context);
         self.forgive(context);
@@ -239,19 +238,19 @@ impl Editor {
                 actions.push(Action::Play(!self.state.playing));
             }
         }
-        // Wherever the pointer is.
+        // Works wherever the pointer is.
         if self.state.dropper.is_some() && context.input(|input| input.key_pressed(Key::Escape)) {
             actions.push(Action::Dropper(None));
         }
         actions
     }
 
-    /// What comes after everything is drawn: what was asked for is done, and pictures are asked for. `typing` says whether
-    /// something was being typed when drawing began.
+    /// Completes a frame after drawing: performs the actions and requests pictures. `typing` says whether a text field
+    /// had the focus when drawing began.
     pub(crate) fn after(&mut self, actions: Vec<Action>, typing: bool, context: &Context) {
         let mut later = std::mem::take(&mut self.later);
         for action in actions {
-            // What is typed and not entered yet counts before the document is written, rendered or left.
+            // Text in a field must be committed before the document is saved, rendered, or left.
             if typing && action.needs_all() {
                 self.defer(action, context);
             } else {
@@ -259,7 +258,7 @@ impl Editor {
             }
         }
         for action in later.drain(..) {
-            // What was typed is refused: that stays to be seen.
+            // A refusal of the typed text must stay visible.
             if !(action.hides() && refusal::is_fresh(context)) {
                 self.act(action, context);
             }
@@ -271,26 +270,26 @@ impl Editor {
         self.ask_blame();
     }
 
-    /// Lets every document of this run reach these files and folders, besides what it may and what it was allowed.
+    /// Allows every document of this run to access these files and folders, in addition to its own permissions.
     pub fn allow_all(&mut self, paths: &[PathBuf]) {
         self.allowed = paths.to_vec();
         self.grant();
     }
 
-    /// Lets the document reach what it was allowed before.
+    /// Applies the permissions to the document.
     fn grant(&mut self) {
         let session = &mut self.state.session;
         session.set_access(reach::access(&session.folder(), &self.allowed, &self.answers));
     }
 
-    /// Takes up what was answered for the document that is open now.
+    /// Loads the stored permissions of the open document.
     fn remember(&mut self) {
         let known = self.state.session.file().zip(self.prompts.data());
         self.answers = known.map_or_else(Vec::new, |(file, data)| reach::remembered(data, file));
         self.grant();
     }
 
-    /// Allows the document something, and remembers it.
+    /// Gives the document a permission, and stores it.
     fn allow(&mut self, grant: Grant) {
         if let Some((file, data)) = self.state.session.file().zip(self.prompts.data()) {
             reach::remember(data, file, &grant);
@@ -301,7 +300,7 @@ impl Editor {
         self.changed();
     }
 
-    /// Takes back what a document was allowed; the one that is open where none is named.
+    /// Revokes a permission of the named document, or of the open one if none is named.
     fn forbid(&mut self, document: Option<&Path>, grant: &Grant) {
         if let Some((document, data)) = document.or(self.state.session.file()).zip(self.prompts.data()) {
             reach::forget(data, document, grant);
@@ -342,7 +341,7 @@ impl Editor {
         self.opened(context);
     }
 
-    /// Keeps a copy of unsaved work within a second of a change, as long as there is some.
+    /// Backs up unsaved work within a second of a change.
     fn keep(&mut self, context: &Context) {
         let Some(keeper) = &self.keeper else { return };
         if !self.is_unsaved() {
@@ -362,7 +361,7 @@ impl Editor {
         }
     }
 
-    /// Copies the work as it is: what is typed and not applied is what it will be.
+    /// Backs up the current work, including typed text that is not applied yet.
     fn copy(&mut self) {
         let (session, source) = (&self.state.session, &self.panels.source);
         if let Some(keeper) = &self.keeper {

@@ -1,4 +1,4 @@
-//! Pictures are asked for, and taken in.
+//! Requests pictures from the worker and receives them.
 
 use super::Editor;
 use crate::evaluate::{Job, News, Question, Subject};
@@ -7,36 +7,36 @@ use egui::Context;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// What was asked of the worker last.
+/// State of the last requests to the worker.
 #[derive(Default)]
 pub(super) struct LastRequest {
     pub(super) generation: u64,
     pub(super) what: Option<What>,
     pub(super) display: crate::evaluate::Display,
     pub(super) thumbnails: u64,
-    /// The frame whose followers are being made, and in which range.
+    /// Frame from which frames are being evaluated ahead, and the range.
     pub(super) ahead: Option<(i64, (i64, i64))>,
-    /// Which pictures made ahead are of what is looked at: all frames of it have one number.
+    /// Generation number shared by all frames evaluated ahead for the viewed result.
     pub(super) series: u64,
-    /// Frames that could not be made ahead.
+    /// Frames that could not be evaluated ahead.
     pub(super) failed: BTreeSet<i64>,
-    /// The picture that is held, and how it was asked to be shown.
+    /// The held picture, and the display it was requested with.
     pub(super) held: Option<(u64, crate::evaluate::Display)>,
-    /// Picture, frame and place.
+    /// Picture generation, frame, and place.
     pub(super) blame: Option<(u64, i64, [f32; 2])>,
 }
 
-/// The first number of pictures made ahead; those of single pictures are less.
+/// First generation number of frames evaluated ahead; numbers of single pictures are smaller.
 const SERIES: u64 = 1 << 48;
 
-/// What a picture is of: revision, node, output, frame, proxy, region.
+/// Identity of a picture: revision, node, output, frame, proxy, region.
 type What = (u64, String, usize, i64, u32, Option<[f32; 4]>);
 
-/// Most memory for pictures of frames, bytes.
+/// Memory limit for cached frames, in bytes.
 pub(super) const FRAMES: usize = 2 << 30;
 
 impl Editor {
-    /// What the viewer should show.
+    /// Returns the subject that the viewer should show.
     pub(super) fn subject(&self) -> Option<Subject> {
         let (name, output) = self.state.look.node.as_ref()?;
         let sheet = self.state.sheet().clone();
@@ -54,13 +54,13 @@ impl Editor {
         })
     }
 
-    /// Asks the worker for what is not there yet.
+    /// Requests whatever the viewer lacks.
     pub(super) fn ask(&mut self) {
         if !self.state.session.meaning().readable {
             return self.ask_nothing();
         }
         let Some(subject) = self.subject() else {
-            // Also what was said of a text that was no JSON.
+            // Also clears the message about a text that was not JSON.
             if self.asked.what.take().is_some() || self.state.seen.failed.is_some() {
                 self.worker.stop();
                 let seen = &mut self.state.seen;
@@ -122,7 +122,7 @@ impl Editor {
             self.asked.thumbnails = revision;
             self.worker.thumbnails(subject.clone(), self.state.frame);
         }
-        // Once there is nothing else to do, the frames that come next, the nearest first.
+        // When idle, evaluate the upcoming frames, nearest first.
         let present = Some((self.state.frame, self.state.range));
         if self.state.playing && self.asked.ahead != present {
             self.asked.ahead = present;
@@ -131,30 +131,29 @@ impl Editor {
         }
     }
 
-    /// Of a text that is no JSON there is no picture, and what is drawn is the document before it: its picture stays, as of
-    /// what is past.
+    /// Handles a text that is not JSON: the canvas and the viewer keep showing the previous document, marked as past.
     fn ask_nothing(&mut self) {
         if self.asked.what.take().is_some() {
             self.worker.stop();
-            // What is on its way is of the document before.
+            // Pictures still being evaluated belong to the previous document.
             self.asked.generation += 1;
             self.forget_frames();
         }
         let why = self.state.session.meaning().errors().next().map(|fault| fault.found.clone()).unwrap_or_default();
         let seen = &mut self.state.seen;
-        seen.failed = Some(format!("found a text that is no JSON: {why}"));
+        seen.failed = Some(format!("found text that is not JSON: {why}"));
         (seen.culprit, seen.broken, seen.progress) = (None, false, None);
         seen.refused.clear();
         seen.last = seen.result.take().or(seen.last.take());
     }
 
-    /// Whether what was asked for last is a frame of the document as it is.
+    /// Returns whether the last requested picture is this frame of the current document.
     pub(super) fn is_asked(&self, frame: i64) -> bool {
         let revision = self.state.session.revision();
         self.asked.what.as_ref().is_some_and(|what| (what.0, what.3) == (revision, frame))
     }
 
-    /// Forgets pictures of frames: they are of something else than what is looked at.
+    /// Drops cached frames, because they show something other than the viewed result.
     pub(super) fn forget_frames(&mut self) {
         self.state.seen.frames.clear();
         self.asked.failed.clear();
@@ -162,7 +161,7 @@ impl Editor {
         self.asked.series = (self.asked.series + 1).max(SERIES);
     }
 
-    /// Asks for the picture that is held beside the present one to be shown as that is.
+    /// Requests the held picture with the display of the current one.
     pub(super) fn ask_held(&mut self) {
         let Some(result) = &self.state.seen.result else { return };
         let Some((number, picture, space, display)) = self.panels.viewer.held_wanted(result) else {
@@ -175,7 +174,7 @@ impl Editor {
         }
     }
 
-    /// Asks what the pixel that is inspected is made of, once its picture is finished.
+    /// Requests the composition of the inspected pixel, once its picture is finished.
     pub(super) fn ask_blame(&mut self) {
         let Some(at) = self.state.look.pick else {
             self.asked.blame = None;
@@ -199,7 +198,7 @@ impl Editor {
         }
     }
 
-    /// Takes in what has happened elsewhere.
+    /// Receives news from the worker and the file watcher.
     pub(super) fn hear(&mut self, context: &Context) {
         let news: Vec<News> = self.worker.news().collect();
         let seen = &mut self.state.seen;
@@ -209,7 +208,7 @@ impl Editor {
                     let result = Arc::new(*result);
                     seen.failed = None;
                     seen.last = None;
-                    // Where the wish for its looks has changed meanwhile, that is asked for anew.
+                    // If the display has changed in the meantime, `ask` requests it again.
                     self.asked.display = result.display;
                     if result.finished {
                         seen.progress = None;
@@ -257,7 +256,7 @@ impl Editor {
                     (seen.failed, seen.refused) = (Some(why.to_string()), refused);
                     (seen.culprit, seen.broken) = (why.node().map(String::from), begun);
                     seen.progress = None;
-                    // It stays in sight until there is another.
+                    // The last picture stays visible until there is another.
                     seen.last = seen.result.take().or(seen.last.take());
                 }
                 News::Blame(blamed) if self.asked.blame == Some((blamed.generation, blamed.frame, blamed.at)) => {
@@ -276,14 +275,14 @@ impl Editor {
     }
 }
 
-/// The memory that a picture takes, bytes.
+/// Returns the memory used by a picture, in bytes.
 pub(super) fn bytes(result: &crate::evaluate::Result) -> usize {
     result.screen.pixels.len() + result.picture.planes.iter().map(|plane| 4 * plane.samples().len()).sum::<usize>()
 }
 
-/// Keeps a frame's picture for playing, and lets go of those that are needed last: in a range that is played, those that
-/// come last after the present frame, else those furthest from it. Two are kept, whatever they take: what is shown, and
-/// what follows.
+/// Caches a frame for playback and drops the frames needed last: while playing, those furthest ahead in playback order,
+/// otherwise those furthest from the current frame. Two frames always stay, whatever their size: the one shown and the
+/// next.
 fn keep_frame(
     frames: &mut std::collections::BTreeMap<i64, Arc<crate::evaluate::Result>>,
     result: &Arc<crate::evaluate::Result>,

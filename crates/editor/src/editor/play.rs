@@ -1,43 +1,43 @@
-//! Frames that follow each other: every one is shown, in order, and none before it is made.
+//! Playback: shows every frame of the range in order, and waits for frames that are not evaluated yet.
 
 use super::Editor;
 use egui::Context;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// How many frames the rate is taken over.
+/// Number of frames over which the frame rate is measured.
 const RATE: usize = 24;
 
-/// What has been shown since frames follow each other. Times are seconds of the window's clock.
+/// State of the playback clock. Times are in seconds of the window's clock.
 #[derive(Debug, Default)]
 pub(super) struct Playback {
-    /// When the last frames were shown.
+    /// Times when the last frames were shown.
     times: VecDeque<f64>,
-    /// The frame that was shown last.
+    /// The frame shown last.
     frame: Option<i64>,
-    /// When the next one may follow.
+    /// Earliest time for the next frame.
     due: f64,
 }
 
-/// What comes next.
+/// Next step of playback.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Step {
-    /// Nothing, until there is something new.
+    /// Wait for news.
     Wait,
-    /// Nothing for so many seconds.
+    /// Wait for this many seconds.
     Pause(f64),
-    /// The next frame.
+    /// Go to the next frame.
     Go,
 }
 
 impl Playback {
-    /// What is to be done at a time, where `shown` is the frame that is shown whole, if one is, and `ready` says whether
-    /// the one after it is made.
+    /// Returns the next step at time `now`. `shown` is the completely shown frame, if any; `ready` says whether the
+    /// frame after it is evaluated.
     pub(super) fn step(&mut self, now: f64, shown: Option<i64>, ready: bool, fps: f64) -> Step {
         let Some(frame) = shown else { return Step::Wait };
         let time = 1.0 / fps;
         if self.frame.replace(frame) != Some(frame) {
-            // A little late is made up for; much is not.
+            // A delay of less than one frame is made up for; a longer one is not.
             let on_time = !self.times.is_empty() && now - self.due < time;
             self.due = if on_time { self.due + time } else { now + time };
             self.times.push_back(now);
@@ -52,19 +52,19 @@ impl Playback {
         }
     }
 
-    /// Frames per second over the last that were shown.
+    /// Returns the frame rate over the last frames.
     pub(super) fn rate(&self) -> Option<f64> {
         let (first, last) = (self.times.front()?, self.times.back()?);
         (last > first).then(|| (self.times.len() - 1) as f64 / (last - first))
     }
 }
 
-/// The frame after one in a range that is gone through again and again.
+/// Returns the frame after another in a looped range.
 pub(super) fn after(frame: i64, (first, last): (i64, i64)) -> i64 {
     if frame < first || frame >= last { first } else { frame + 1 }
 }
 
-/// How many frames later one comes than the present one, in a range that is gone through again and again.
+/// Returns how many frames after the present one another frame comes in a looped range.
 pub(super) fn ahead(frame: i64, present: i64, (first, last): (i64, i64)) -> i64 {
     if frame == present {
         return 0;
@@ -79,7 +79,7 @@ pub(super) fn ahead(frame: i64, present: i64, (first, last): (i64, i64)) -> i64 
 }
 
 impl Editor {
-    /// Goes to the next frame when it is due and made. One that is not made is waited for, however long that takes.
+    /// Goes to the next frame once it is due and evaluated; waits for it however long that takes.
     pub(super) fn play(&mut self, context: &Context) {
         if !self.state.playing {
             self.state.seen.rate = None;
@@ -88,7 +88,7 @@ impl Editor {
         let seen = &self.state.seen;
         let frame = self.state.frame;
         if seen.failed.is_some() {
-            // A document with errors is waited for; a frame that cannot be made is where it ends.
+            // Waits while the document has errors; stops at a frame that fails.
             let is_of_this = self.is_asked(frame) && seen.progress.is_none();
             self.state.playing = !is_of_this || self.state.session.meaning().graph.is_none();
             return;
@@ -102,7 +102,7 @@ impl Editor {
         self.state.seen.rate = self.playback.rate();
         match step {
             Step::Wait => {}
-            // Frames may be as far apart as ages.
+            // Frames may be arbitrarily far apart at low rates.
             Step::Pause(seconds) => context.request_repaint_after(Duration::from_secs_f64(seconds.min(60.0))),
             Step::Go => {
                 self.state.frame = next;
@@ -111,12 +111,12 @@ impl Editor {
         }
     }
 
-    /// Whether there is a picture of a frame, as it is to be shown.
+    /// Returns whether a frame is cached with the current display.
     pub(super) fn is_made(&self, frame: i64) -> bool {
         self.state.seen.frames.get(&frame).is_some_and(|made| made.display == self.state.look.display)
     }
 
-    /// The frames that come next and are not made, as many as can be kept.
+    /// Returns the upcoming frames that are not cached, as many as fit in the cache.
     pub(super) fn missing(&self) -> Vec<i64> {
         let range = self.state.range;
         let largest = self.state.seen.frames.values().map(|made| super::pictures::bytes(made)).max().unwrap_or(0);
@@ -135,19 +135,20 @@ impl Editor {
     }
 }
 
-/// How many frames are made ahead.
+/// Maximum number of frames evaluated ahead.
 const AHEAD: usize = 8;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Plays until a time; each frame takes so long to be made once the one before it is. Gives what was shown, and when.
+    /// Simulates playback until a time, where each frame takes `seconds` to evaluate after the one before. Returns the
+    /// shown frames with their times, and the measured rate.
     fn played(frames: i64, fps: f64, seconds: f64, until: f64) -> (Vec<(i64, f64)>, Option<f64>) {
         let (range, mut playback) = ((1, frames), Playback::default());
         let (mut now, mut frame, mut made, mut shown) = (0.0, 1, seconds, Vec::new());
         while now < until {
-            // The next is begun when the last is made.
+            // Evaluation of the next frame starts when the last one is done.
             let before = playback.frame;
             let is_made = now >= made;
             let step = playback.step(now, Some(frame), is_made, fps);
@@ -177,7 +178,7 @@ mod tests {
     fn what_is_made_is_played_in_real_time() {
         let (shown, rate) = played(100, 24.0, 0.0, 3.0);
         assert!((rate.unwrap() - 24.0).abs() < 0.1, "{rate:?}");
-        // Steps of a millisecond add up to nothing.
+        // The steps of a millisecond do not accumulate an error.
         let (first, last) = (shown[0], shown[shown.len() - 1]);
         assert!(((last.1 - first.1) - (last.0 - first.0) as f64 / 24.0).abs() < 0.01);
     }

@@ -1,4 +1,4 @@
-//! Runs that write files.
+//! Rendering of the range to files, from the editor's side.
 
 use super::Editor;
 use crate::actions::After;
@@ -31,7 +31,7 @@ impl Editor {
         }
     }
 
-    /// Ends the run that goes on, as soon as it hears of it.
+    /// Ends the rendering in progress as soon as its thread notices.
     pub(crate) fn end_render(&mut self) {
         (self.renderer, self.state.render) = (None, None);
     }

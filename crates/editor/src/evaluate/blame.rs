@@ -1,53 +1,53 @@
-//! What a pixel is made of.
+//! Composition of a pixel: the control colors it is mixed from.
 
 use super::lens::Lens;
 use super::subject::Subject;
 use trochoid::{Buffers, Cache, Monitor, Plan, Settings};
 
-/// A question about a pixel of a picture.
+/// Request for the composition of a pixel.
 #[derive(Clone, Debug)]
 pub struct Question {
-    /// Of which picture: told again with the answer.
+    /// Generation number of the picture, repeated in the answer.
     pub generation: u64,
-    /// What was looked at.
+    /// The viewed result.
     pub subject: Subject,
     /// The frame.
     pub frame: i64,
-    /// By how much the picture is smaller than the document's.
+    /// Factor by which the picture is smaller than the document's.
     pub shrunk: u32,
-    /// Where the pixel lies, in shares of the picture's width and height.
+    /// Place of the pixel, in fractions of the picture's width and height.
     pub at: [f32; 2],
 }
 
-/// The answer.
+/// Composition of a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blamed {
-    /// Of which picture.
+    /// Generation number of the picture.
     pub generation: u64,
     /// The frame.
     pub frame: i64,
-    /// Where the pixel was asked for.
+    /// Place that was asked for.
     pub at: [f32; 2],
-    /// The pixel.
+    /// Pixel coordinates.
     pub pixel: [i64; 2],
-    /// Its value by channel, in the working space for colors.
+    /// Value per channel; colors are in the working space.
     pub value: Vec<f64>,
-    /// The control colors of a Color, the greatest share first; the shares sum to 1. Empty for anything else.
+    /// Control colors of a Color pixel, largest weight first; weights sum to 1. Empty for other kinds.
     pub shares: Vec<Share>,
 }
 
-/// A control color's share of a pixel.
+/// Weight of a control color in a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Share {
-    /// The node that holds the color.
+    /// Node that holds the color.
     pub node: String,
     /// The color, in the working space.
     pub color: [f64; 3],
-    /// From 0 to 1.
+    /// Weight, from 0 to 1.
     pub weight: f64,
 }
 
-/// The pixel at a place in shares of a picture.
+/// Returns the pixel at a place in fractions of a picture.
 pub fn pixel(at: [f32; 2], size: [u32; 2]) -> [i64; 2] {
     [0, 1].map(|axis| {
         let side = i64::from(size[axis]);
@@ -55,7 +55,7 @@ pub fn pixel(at: [f32; 2], size: [u32; 2]) -> [i64; 2] {
     })
 }
 
-/// Asks a lens for what a pixel is made of; `None` where that cannot be told.
+/// Determines the composition of a pixel; returns `None` if it cannot be determined.
 pub(super) fn answer(question: &Question, lens: &Lens, cache: &mut Cache, monitor: &dyn Monitor) -> Option<Blamed> {
     let graph = lens.drawn(question.shrunk, true).ok()?;
     let format = graph.format();
@@ -80,10 +80,11 @@ pub(super) fn answer(question: &Question, lens: &Lens, cache: &mut Cache, monito
     })
 }
 
-/// Colors of one node that differ by less than this in every channel are one: nobody tells them apart.
+/// Colors of one node that differ by less than this in every channel count as the same.
 const SAME: f64 = 1.0 / 256.0;
 
-/// The shares of colors that can be told apart: a node that makes colors gives every sample of a pixel one of its own.
+/// Merges the weights of indistinguishable colors: a node that generates colors contributes a slightly different one
+/// for each sample of a pixel.
 fn merged(shares: impl Iterator<Item = Share>) -> Vec<Share> {
     let mut all: Vec<Share> = Vec::new();
     for share in shares {
@@ -92,7 +93,7 @@ fn merged(shares: impl Iterator<Item = Share>) -> Vec<Share> {
             own.node == share.node && near
         };
         match all.iter_mut().find(is_same) {
-            // The greatest share lends its color.
+            // The first share found keeps its color.
             Some(own) => own.weight += share.weight,
             None => all.push(share),
         }

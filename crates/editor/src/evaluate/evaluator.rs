@@ -1,4 +1,4 @@
-//! The thread that evaluates: what it holds, and how it does its tasks.
+//! The evaluation thread: its state, and how it performs its tasks.
 
 use super::blame;
 use super::lens::{Lens, LensError, lens, of_every_node};
@@ -12,20 +12,20 @@ use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 use trochoid::{Buffers, Cache, EvalError, Format, Plan, Settings};
 
-/// Memory for what stages have prepared, bytes.
+/// Memory limit for prepared stages, in bytes.
 const CACHE: usize = 3 << 30;
-/// Pictures that take no longer need no coarse one before them.
+/// Pictures expected to take no longer than this are evaluated without a coarse preview.
 const AT_ONCE: Duration = Duration::from_millis(90);
-/// Width and height of thumbnails, at most.
+/// Maximum width and height of thumbnails.
 const THUMBNAIL: [u32; 2] = [128, 80];
 
-/// What the thread holds.
+/// State of the evaluation thread.
 pub(super) struct Evaluator<'o> {
     queue: &'o Queue,
     news: &'o Sender<News>,
     wake: &'o (dyn Fn() + Send + Sync),
     cache: Cache,
-    /// How long a picture took, and how many samples it had, of what was looked at last.
+    /// Time and number of samples of the last picture of the viewed result, to predict the next one.
     last: Option<(Duration, u64)>,
     lens: Option<(Subject, Arc<Lens>)>,
 }
@@ -36,12 +36,12 @@ impl<'o> Evaluator<'o> {
     }
 
     fn tell(&self, news: News) {
-        // Nobody listens while the window closes.
+        // Sending fails only while the window closes.
         let _ = self.news.send(news);
         (self.wake)();
     }
 
-    /// Does what there is to do, until there will be no more.
+    /// Performs tasks until the queue is closed.
     pub(super) fn work(&mut self) {
         while let Some(task) = self.queue.next() {
             let stamp = self.queue.stamp();
@@ -71,7 +71,7 @@ impl<'o> Evaluator<'o> {
         }
     }
 
-    /// Makes a frame before it is shown.
+    /// Evaluates a frame ahead of playback.
     fn ahead(&mut self, job: Job, stamp: u64) {
         let (generation, frame) = (job.generation, job.frame);
         let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Short, progress: None };
@@ -85,14 +85,14 @@ impl<'o> Evaluator<'o> {
             Err(Failure::Cancelled) => {
                 let mut requests = self.queue.requests();
                 if self.queue.stamp() == stamp {
-                    // Something short came between: it is waited for all the same.
+                    // A more urgent task interrupted this job, which is still needed.
                     requests.ahead.push_front(job);
                 }
             }
         }
     }
 
-    /// The graph that shows a subject, made once.
+    /// Returns the graph that shows a subject, built at most once per subject.
     fn lens(&mut self, subject: &Subject) -> Result<Arc<Lens>, LensError> {
         if let Some((_, lens)) = self.lens.as_ref().filter(|(known, _)| known.is(subject)) {
             return Ok(lens.clone());
@@ -111,7 +111,7 @@ impl<'o> Evaluator<'o> {
         Ok(lens)
     }
 
-    /// Makes a picture, coarse ones before it where it takes long.
+    /// Evaluates a picture, after coarse previews if it takes long.
     fn picture(&mut self, job: &Job, stamp: u64) {
         let lens = match self.lens(&job.subject) {
             Ok(lens) => lens,
@@ -162,7 +162,7 @@ impl<'o> Evaluator<'o> {
         self.cache.forget_unused();
     }
 
-    /// Makes small pictures of all nodes.
+    /// Evaluates thumbnails of all nodes.
     fn small(&mut self, subject: &Subject, frame: i64, stamp: u64) {
         let Some(graph) = of_every_node(&subject.sheet, &subject.name, &subject.folder) else { return };
         let graph = graph.with_access(subject.access.clone());
@@ -178,7 +178,7 @@ impl<'o> Evaluator<'o> {
         let evaluated = match plan.evaluate(&Buffers::new(), &mut self.cache, &monitor) {
             Ok(evaluated) => evaluated,
             Err(EvalError::Cancelled) if self.queue.stamp() == stamp => {
-                // Something short came between: what stages have prepared is kept meanwhile.
+                // A more urgent task interrupted; prepared stages stay in the cache.
                 self.queue.requests().thumbnails.get_or_insert((subject.clone(), frame));
                 return;
             }

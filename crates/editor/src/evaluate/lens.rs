@@ -1,5 +1,5 @@
-//! What to evaluate so that a node can be looked at: a document of just that node and what it depends on, so that faults
-//! elsewhere do not matter.
+//! Builds the document that shows one node: just that node and its dependencies, so that faults elsewhere do not
+//! matter.
 
 use super::subject::Subject;
 use crate::document::{Path, Sheet, json as text};
@@ -11,28 +11,28 @@ use trochoid::{
     registry,
 };
 
-/// The name of the output that a lens looks through.
+/// Name of the lens's output.
 pub const OUTPUT: &str = "look";
 
-/// Names of nodes that a lens adds; `_` keeps them apart from what users type, numbers from what they might.
+/// Names of nodes that a lens adds; `_` and the number keep them distinct from users' names.
 const CAMERA: &str = "_lens_camera_1";
 const LIGHT: &str = "_lens_light_1";
 const VIEW: &str = "_lens_view_1";
 const CLAY: &str = "_lens_clay_1";
 
-/// A node seen for itself.
+/// Document that shows one node.
 #[derive(Debug)]
 pub struct Lens {
     /// The graph, whose only output is [`OUTPUT`].
     pub graph: CheckedGraph,
     /// Its document.
     pub text: String,
-    /// Whether what is seen is the node lit like clay, because it is no picture itself.
+    /// Whether the picture is a clay shading of the node, because the node itself is not a picture.
     pub clay: bool,
 }
 
 impl Lens {
-    /// The files that it would read at a frame and may not, of each node the first one.
+    /// Returns the files that evaluation at a frame may not read; the first one of each node.
     pub(super) fn refused(&self, frame: i64) -> Vec<Refused> {
         let graph = &self.graph;
         let context = graph.frame_context(frame, u64::MAX);
@@ -41,20 +41,20 @@ impl Lens {
         nodes.filter_map(|index| graph.refused(NodeId(index), &context)).collect()
     }
 
-    /// Its graph for pictures that are so many times smaller.
+    /// Returns the graph with its resolution divided by a factor.
     pub(super) fn drawn(&self, shrink: u32, finished: bool) -> Result<Cow<'_, CheckedGraph>, FormatError> {
         if shrink == 1 {
             return Ok(Cow::Borrowed(&self.graph));
         }
         let whole = self.graph.format();
         let side = |side: u32| side.div_ceil(shrink).max(1);
-        // A coarse picture is seen for a moment only: one sample a pixel.
+        // Coarse previews are visible only briefly: one sample per pixel is enough.
         let samples = if finished { whole.samples() } else { 1 };
         let format = Format::new(side(whole.width()), side(whole.height()), samples)?;
         Ok(Cow::Owned(self.graph.clone().drawn_at(format.with_shading(whole.shading()))))
     }
 
-    /// An error with the place of the user's document where it has one of the lens, which has all of it on one line.
+    /// Translates the place in an error to the user's document; in the lens, everything is on one line.
     pub(super) fn in_document(&self, mut error: EvalError, subject: &Subject) -> EvalError {
         if let EvalError::Node { place, .. } | EvalError::TooMuchMemory { place, .. } = &mut error
             && let Some(there) = self.place_in_document(place, subject)
@@ -64,7 +64,7 @@ impl Lens {
         error
     }
 
-    /// The place of the user's document that a place of the lens stands for.
+    /// Returns the place in the user's document for a place in the lens.
     fn place_in_document(&self, sought: &str, subject: &Subject) -> Option<String> {
         let graph = &self.graph;
         let sheet = &subject.sheet;
@@ -73,7 +73,7 @@ impl Lens {
             let own = Path::node(&node.name);
             let items = node.ty.declaration().items.iter();
             let items = items.map(|item| (graph.place_of(NodeId(index), Some(item.name())), own.to(item.name())));
-            // That of the node itself stands for items that are not written.
+            // The node's own place stands in for items that are not written in the document.
             places.push((graph.place_of(NodeId(index), None), own.clone()));
             places.extend(items);
         }
@@ -83,27 +83,28 @@ impl Lens {
     }
 }
 
-/// Why an output of a node cannot be looked at.
+/// Reason that an output of a node cannot be viewed.
 #[derive(Debug, thiserror::Error)]
 pub enum LensError {
-    /// It makes something else than pictures.
-    #[error("a {0} is no picture: connect it to a Render or a pass, and look at that")]
+    /// The output is not a picture.
+    #[error("a {0} is not a picture: connect it to a Render or a pass, and view that")]
     NoPicture(Kind),
-    /// The node has a type that there is not.
-    #[error("nobody knows what \"{0}\" makes: its type is unknown")]
+    /// The node's type is unknown.
+    #[error("the kind of \"{0}\" is unknown, because its type is")]
     Unknown(String),
-    /// It, or something that it depends on, has a fault.
+    /// The node or one of its dependencies has a fault.
     #[error("{}found {}; expected {}", .0.node.as_deref().map_or(String::new(), |node| format!("{node}: ")), .0.found, .0.expected)]
     Fault(Box<Diagnostic>),
-    /// Its document cannot be read.
+    /// The lens's document cannot be read.
     #[error(transparent)]
     Load(LoadError),
 }
 
-/// A graph that shows an output of a node.
+/// Builds the graph that shows an output of a node.
 ///
 /// # Errors
-/// The node makes nothing that can be seen, or it or something that it depends on has a fault.
+/// Fails if the node has no visible result, or if the node or one of its dependencies has a fault; the error is a
+/// sentence.
 pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path::Path) -> Result<Lens, LensError> {
     let mut nodes = Map::new();
     let mut closure: Vec<usize> = sheet.upstream([node]).into_iter().collect();
@@ -148,7 +149,7 @@ pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path
         Ok(loaded) => Ok(Lens { graph: loaded.graph, text, clay }),
         Err(LoadError::Invalid(diagnostics)) => {
             let errors = diagnostics.into_iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
-            // The node's own fault before those above it.
+            // The node's own fault takes precedence over those above it.
             let worst = errors.min_by_key(|diagnostic| diagnostic.node.as_deref() != Some(shown.name.as_str()));
             let none = || LensError::Load(LoadError::Invalid(Vec::new()));
             Err(worst.map_or_else(none, |fault| LensError::Fault(Box::new(fault))))
@@ -157,17 +158,17 @@ pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path
     }
 }
 
-/// The name of the type that has a role.
+/// Returns the name of the type with a role.
 fn ty(role: Role) -> &'static str {
     registry().of_role(role).map_or("", |ty| ty.declaration().name)
 }
 
-/// The first node of a role in the document.
+/// Returns the first node of the document with a role.
 fn borrowed(sheet: &Sheet, role: Role) -> Option<String> {
     sheet.nodes.iter().find(|node| node.is(role) && !node.disabled).map(|node| node.name.clone())
 }
 
-/// Brings the document's first node of a role, and whatever it depends on; whether there is one.
+/// Copies the document's first node with a role and its dependencies; returns whether there is one.
 fn borrow(sheet: &Sheet, role: Role, nodes: &mut Map<String, Value>) -> bool {
     let Some(found) = borrowed(sheet, role).and_then(|name| sheet.find(&name)) else { return false };
     for index in sheet.upstream([found]) {
@@ -177,7 +178,7 @@ fn borrow(sheet: &Sheet, role: Role, nodes: &mut Map<String, Value>) -> bool {
     true
 }
 
-/// Lights a view like clay.
+/// Shades a view like clay.
 fn clay(sheet: &Sheet, view: String, nodes: &mut Map<String, Value>) -> (&'static str, String) {
     if !borrow(sheet, Role::Light, nodes) {
         nodes.insert(LIGHT.into(), json!({ "type": ty(Role::Light), "direction": [0.5, 0.6, 0.4] }));
@@ -187,8 +188,8 @@ fn clay(sheet: &Sheet, view: String, nodes: &mut Map<String, Value>) -> (&'stati
     ("field", CLAY.into())
 }
 
-/// A graph with an output for every node that can be seen, named after it, so that all are made at once; `None` where the
-/// document is invalid. Nodes beyond the first thousand go without.
+/// Builds a graph with one output per visible node, named after the node, so that all thumbnails are evaluated at once.
+/// Returns `None` if the document is invalid. Only the first 1000 visible nodes get an output.
 pub(super) fn of_every_node(sheet: &Sheet, name: &str, folder: &path::Path) -> Option<CheckedGraph> {
     let mut document = sheet.value.as_object()?.clone();
     let mut outputs = Map::new();

@@ -1,4 +1,4 @@
-//! Evaluation on a thread of its own: what is newest first, coarse before fine, and never waited for.
+//! Evaluation on a separate thread: newest request first, coarse before fine, and the interface never waits for it.
 
 pub mod blame;
 mod evaluator;

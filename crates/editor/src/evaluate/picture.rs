@@ -1,4 +1,4 @@
-//! One picture, made.
+//! Evaluation of a single picture.
 
 use super::lens::{Lens, LensError, OUTPUT};
 use super::queue::Cancellation;
@@ -10,11 +10,11 @@ use std::time::Instant;
 use trochoid::Monitor;
 use trochoid::{Buffers, Cache, EvalError, Format, FormatError, Plan, PlanError, Settings, Window};
 
-/// Why there is no picture.
+/// Reason why there is no picture.
 pub(super) enum Failure {
-    /// It is out of date.
+    /// A newer request made the picture obsolete.
     Cancelled,
-    /// Why.
+    /// Reason.
     Because(PictureError),
 }
 
@@ -24,28 +24,28 @@ impl<E: Into<PictureError>> From<E> for Failure {
     }
 }
 
-/// Why a picture cannot be made.
+/// Reason that a picture cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
-    /// The node cannot be looked at.
+    /// The node cannot be viewed.
     #[error(transparent)]
     Lens(#[from] LensError),
-    /// There is no such format.
+    /// The format is invalid.
     #[error(transparent)]
     Format(#[from] FormatError),
-    /// There is no plan.
+    /// Planning failed.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// It cannot be evaluated.
+    /// Evaluation failed.
     #[error(transparent)]
     Evaluate(#[from] EvalError),
-    /// No picture came of it.
+    /// No picture was made.
     #[error("nothing was evaluated")]
     Nothing,
 }
 
 impl PictureError {
-    /// The node that failed, where one did.
+    /// Returns the node that failed, if the failure belongs to one.
     pub fn node(&self) -> Option<&str> {
         match self {
             Self::Evaluate(EvalError::Node { node, .. }) => Some(node),
@@ -54,7 +54,8 @@ impl PictureError {
     }
 }
 
-/// Evaluates a job through its lens, so many times smaller; `finished` says whether that is what was asked for.
+/// Evaluates a job through its lens with the resolution divided by `shrink`; `finished` says whether this is the
+/// requested size rather than a coarse preview.
 pub(super) fn evaluate(
     job: &Job,
     lens: &Arc<Lens>,
@@ -71,7 +72,7 @@ pub(super) fn evaluate(
     let format = graph.format();
     let mut settings = Settings::default();
     settings.region = job.region.map(|region| part(region, format));
-    // What an edit leaves alone is there at once in coarse pictures.
+    // Coarse previews keep intermediate results, so that parts unaffected by an edit are available at once.
     settings.keep = !finished;
     let plan = Plan::new(graph, &[OUTPUT], job.frame, &[], &settings)?;
     let mut frame = match plan.evaluate(&Buffers::new(), cache, monitor) {
@@ -97,7 +98,7 @@ pub(super) fn evaluate(
     })
 }
 
-/// The pixels of a part of the picture, at least one.
+/// Returns the pixels of a region, at least one.
 fn part(region: [f32; 4], format: Format) -> Window {
     let pixels = |share: f32, side: u32| (f64::from(share) * f64::from(side)).round() as i64;
     let window = format.window();

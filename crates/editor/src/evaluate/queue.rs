@@ -1,4 +1,4 @@
-//! What waits for the thread that evaluates, the more urgent first, and when it has to stop what it does.
+//! Pending requests for the evaluation thread by urgency, and the cancellation of tasks.
 
 use super::blame::Question;
 use super::shown::Display;
@@ -10,7 +10,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use trochoid::{Monitor, Picture, WorkingSpace};
 
-/// What is asked for and not begun.
+/// Requests that have not been started.
 #[derive(Default)]
 pub(super) struct Requests {
     pub(super) job: Option<Job>,
@@ -19,15 +19,15 @@ pub(super) struct Requests {
     pub(super) question: Option<Question>,
     pub(super) thumbnails: Option<(Subject, i64)>,
     pub(super) ahead: VecDeque<Job>,
-    /// The frame that is being made ahead, and whose it is.
+    /// Generation and frame being evaluated ahead.
     pub(super) making: Option<(u64, i64)>,
     pub(super) closed: bool,
 }
 
 impl Requests {
-    /// What is next.
+    /// Removes and returns the most urgent task.
     fn take(&mut self) -> Option<Task> {
-        // What is held goes first, so that both change as one.
+        // The held picture goes first, so that both change together.
         if let Some((number, picture, space, display)) = self.held.take() {
             Some(Task::Held(number, picture, space, display))
         } else if let Some((generation, picture, space, display)) = self.shown.take() {
@@ -37,7 +37,7 @@ impl Requests {
         } else if let Some(question) = self.question.take() {
             Some(Task::Blame(question))
         } else if let Some(job) = self.ahead.pop_front() {
-            // Frames are waited for; small pictures of nodes are not.
+            // Playback waits for frames; nothing waits for thumbnails.
             self.making = Some((job.generation, job.frame));
             Some(Task::Ahead(job))
         } else {
@@ -45,27 +45,27 @@ impl Requests {
         }
     }
 
-    /// Whether something waits that is looked at now.
+    /// Returns whether a request for the visible picture is pending.
     fn is_urgent(&self) -> bool {
         self.job.is_some() || self.shown.is_some() || self.held.is_some() || self.question.is_some()
     }
 }
 
-/// The jobs of the worker, which its handle adds and its thread takes.
+/// Queue of the worker: its handle adds requests, its thread takes them.
 #[derive(Default)]
 pub(super) struct Queue {
     requests: Mutex<Requests>,
-    /// Wakes the thread where something is asked for.
+    /// Wakes the thread when a request arrives.
     wake_up: Condvar,
-    /// Grows with everything that makes what is being done out of date.
+    /// Incremented by every request that makes the running task obsolete.
     newest: AtomicU64,
-    /// Milliseconds that each picture takes besides, for tests.
+    /// Extra milliseconds per picture, for tests.
     #[cfg(test)]
     pace: AtomicU64,
 }
 
 impl Queue {
-    /// Waits as long as each picture takes besides.
+    /// Waits for the extra time per picture.
     #[cfg(test)]
     pub(super) fn pace(&self, cancelled: impl Fn() -> bool) {
         let pace = Duration::from_millis(self.pace.load(Ordering::Relaxed));
@@ -75,7 +75,7 @@ impl Queue {
         }
     }
 
-    /// Lets each picture take so long besides.
+    /// Sets the extra time per picture.
     #[cfg(test)]
     pub(super) fn slow_down(&self, by: Duration) {
         self.pace.store(by.as_millis() as u64, Ordering::Relaxed);
@@ -85,7 +85,7 @@ impl Queue {
         self.requests.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes what waits, and wakes the thread; `cancels` says whether what is being done is out of date then.
+    /// Changes the pending requests and wakes the thread; `cancels` makes the running task obsolete.
     pub(super) fn change(&self, cancels: bool, change: impl FnOnce(&mut Requests)) {
         change(&mut self.requests());
         if cancels {
@@ -94,7 +94,7 @@ impl Queue {
         self.wake_up.notify_one();
     }
 
-    /// The most urgent task, waited for; `None` once there will be no more.
+    /// Waits for the most urgent task; returns `None` once the queue is closed.
     pub(super) fn next(&self) -> Option<Task> {
         let mut requests = self.requests();
         loop {
@@ -108,13 +108,13 @@ impl Queue {
         }
     }
 
-    /// What is begun now is out of date once this is another.
+    /// Returns the stamp of the present moment; a task is obsolete once the stamp has changed.
     pub(super) fn stamp(&self) -> u64 {
         self.newest.load(Ordering::Relaxed)
     }
 }
 
-/// Something to be done.
+/// Task of the evaluation thread.
 pub(super) enum Task {
     Picture(Job),
     Show(u64, Arc<Picture>, WorkingSpace, Display),
@@ -124,7 +124,7 @@ pub(super) enum Task {
     Ahead(Job),
 }
 
-/// Tells how far an evaluation is, but not more often than anybody can see.
+/// Reports progress, but no more often than is visible.
 pub(super) struct Progress<'t> {
     tell: &'t (dyn Fn(f32) + Sync),
     last: Mutex<Instant>,
@@ -136,18 +136,18 @@ impl<'t> Progress<'t> {
     }
 }
 
-/// What is more urgent, and comes between.
+/// Requests that interrupt a task.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Yields {
-    /// Nothing.
+    /// None.
     Never,
-    /// What is looked at now.
+    /// Requests for the visible picture.
     Short,
-    /// Frames that come next, too.
+    /// Requests for the visible picture and for frames ahead.
     Always,
 }
 
-/// Stops what is out of date.
+/// Cancels a task that is obsolete or must yield.
 pub(super) struct Cancellation<'o> {
     pub(super) queue: &'o Queue,
     pub(super) stamp: u64,

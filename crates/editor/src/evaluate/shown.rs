@@ -1,33 +1,32 @@
-//! How a picture is shown: what becomes of its values on the screen. Nothing of it is in the document.
+//! Conversion of pictures to screen pixels. None of its settings are stored in the document.
 
 use rayon::prelude::*;
 use trochoid::{Kind, Picture, Plane, WorkingSpace, srgb_decode, srgb_encode};
 
-/// Which of a picture's channels are shown.
+/// Channels of a picture to show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Channel {
-    /// Colors as colors; of anything else the first channel.
+    /// Colors as colors; the first channel of other kinds.
     #[default]
     All,
-    /// One channel alone.
+    /// A single channel.
     One(usize),
-    /// The luminance of a color.
+    /// Luminance of a color.
     Luminance,
 }
 
-/// How values become brightness.
+/// Settings that map values to brightness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Display {
-    /// Which channels.
+    /// Channels to show.
     pub channel: Channel,
-    /// Stops by which colors are brightened.
+    /// Exposure in stops.
     pub exposure: f32,
-    /// Exponent by which displayed values are darkened (below 1) or brightened (above 1) in their middle.
+    /// Display gamma: midtones are darker below 1 and brighter above 1.
     pub gamma: f32,
-    /// What is shown black and white of a Field; found from its values if `None`. Colors are shown as light, whatever
-    /// this says.
+    /// Values of a Field shown as black and white; `None` uses the range of its values. Ignored for colors.
     pub range: Option<[f32; 2]>,
-    /// Whether what is shown as gray is shown in false colors.
+    /// Whether grayscale displays use false colors.
     pub false_color: bool,
 }
 
@@ -37,16 +36,16 @@ impl Default for Display {
     }
 }
 
-/// A picture for the screen.
+/// A picture converted for the screen.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Screen {
-    /// Width and height.
+    /// Width and height, in pixels.
     pub size: [usize; 2],
-    /// sRGB, four bytes a pixel.
+    /// sRGB, four bytes per pixel.
     pub pixels: Vec<u8>,
 }
 
-/// The least and greatest finite value of a plane; 0 and 1 where there is none.
+/// Returns the smallest and largest finite value of a plane; 0 and 1 if there are none.
 pub fn range_of(plane: &Plane) -> [f32; 2] {
     let chunks = plane.samples().par_chunks(1 << 16);
     let ends = chunks.map(|chunk| {
@@ -63,7 +62,7 @@ pub fn range_of(plane: &Plane) -> [f32; 2] {
     }
 }
 
-/// The range in which a picture's values are shown, where the display does not say.
+/// Returns the range of values from black to white, which the display may override.
 pub fn range(picture: &Picture, display: &Display) -> [f32; 2] {
     match (display.range, picture.kind) {
         (_, Kind::Color) => [0.0, 1.0],
@@ -76,7 +75,7 @@ pub fn range(picture: &Picture, display: &Display) -> [f32; 2] {
     }
 }
 
-/// What is shown of a picture.
+/// Converts a picture for the screen.
 pub fn screen(picture: &Picture, space: WorkingSpace, display: &Display) -> Screen {
     let Some(first) = picture.planes.first() else { return Screen { size: [0, 0], pixels: Vec::new() } };
     let window = first.window();
@@ -109,21 +108,21 @@ pub fn screen(picture: &Picture, space: WorkingSpace, display: &Display) -> Scre
     Screen { size, pixels }
 }
 
-/// Colors of the working space as the screen shows them, by a table over what each channel is multiplied to.
+/// Converts colors of the working space to the screen, with a look-up table over exposed channels.
 struct Encoder {
     space: WorkingSpace,
     channel: Channel,
     false_color: bool,
-    /// By which light is multiplied before the table; 1 where the table holds encoded values.
+    /// Factor applied to light before the table; 1 if the table is indexed by encoded values.
     gain: f32,
     table: Vec<u8>,
-    /// The light of encoded values; empty where the working space is light.
+    /// Decoding table from encoded values to light; empty if the working space is linear.
     light: Vec<f32>,
 }
 
-/// Entries of tables over [0, 1].
+/// Number of entries of tables over [0, 1].
 const TABLE: usize = 1 << 12;
-/// Shares of linear sRGB in luminance.
+/// Luminance weights of linear sRGB.
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 impl Encoder {
@@ -133,7 +132,7 @@ impl Encoder {
         let encoded = space == WorkingSpace::Srgb;
         let at = |index: usize| index as f64 / (TABLE - 1) as f64;
         let entry = |index: usize| {
-            // Light is what an exposure multiplies, so encoded values are decoded before.
+            // Exposure multiplies light, so encoded values are decoded first.
             let light = if encoded { srgb_decode(at(index)) * exposed } else { at(index) };
             (srgb_encode(light.clamp(0.0, 1.0)).powf(gamma).clamp(0.0, 1.0) * 255.0).round() as u8
         };
@@ -148,14 +147,14 @@ impl Encoder {
         }
     }
 
-    /// A pixel: all of a color, or what was chosen of it as gray that is as bright.
+    /// Converts a pixel: the whole color, or the chosen channel as an equally bright gray.
     fn pixel(&self, color: [f32; 3]) -> [u8; 3] {
         if color.iter().any(|value| value.is_nan()) {
             return NAN;
         }
         let gray = match self.channel {
             Channel::All => return self.screen(color).map(|value| self.byte(value)),
-            // A gray of the working space is one of the screen.
+            // Grays of the working space are grays of the screen.
             Channel::One(channel) => color[channel.min(2)],
             Channel::Luminance => self.luminance(self.screen(color)),
         };
@@ -163,7 +162,7 @@ impl Encoder {
         if self.false_color { turbo(f32::from(byte) / 255.0) } else { [byte; 3] }
     }
 
-    /// A color in the screen's primaries, encoded where the working space is.
+    /// Converts a color to the screen's primaries, encoded if the working space is.
     fn screen(&self, color: [f32; 3]) -> [f32; 3] {
         match self.space {
             WorkingSpace::AcesCg => self.space.to_linear_srgb(color.map(f64::from)).map(|value| value as f32),
@@ -171,7 +170,7 @@ impl Encoder {
         }
     }
 
-    /// The gray of as much light, encoded where the color is.
+    /// Returns the gray with the luminance of a color, encoded if the color is.
     fn luminance(&self, color: [f32; 3]) -> f32 {
         let sum = |light: [f32; 3]| light.iter().zip(LUMINANCE).map(|(light, share)| light * share).sum::<f32>();
         if self.light.is_empty() {
@@ -180,7 +179,7 @@ impl Encoder {
         srgb_encode(f64::from(sum(color.map(|value| self.decoded(value))))) as f32
     }
 
-    /// Between two entries of the table, so that what is encoded again is what it was.
+    /// Interpolates between table entries, so that encoding the result restores the value.
     fn decoded(&self, value: f32) -> f32 {
         let at = value.clamp(0.0, 1.0) * (TABLE - 1) as f32;
         let index = (at as usize).min(TABLE - 2);
@@ -193,10 +192,10 @@ impl Encoder {
     }
 }
 
-/// What is not a number stands out.
+/// Conspicuous color for values that are not numbers.
 const NAN: [u8; 3] = [255, 0, 255];
 
-/// One number as gray or as a false color.
+/// Maps numbers to gray or false colors, with a look-up table.
 struct Shade {
     table: Vec<[u8; 3]>,
 }
@@ -219,7 +218,7 @@ impl Shade {
     }
 }
 
-/// A false color that rises evenly in hue: the polynomial of Mikhailov's Turbo.
+/// Returns a false color with evenly rising hue: the polynomial approximation of Mikhailov's Turbo.
 ///
 /// Source: A. Mikhailov, *Turbo, An Improved Rainbow Colormap for Visualization*, 2019.
 pub fn turbo(t: f32) -> [u8; 3] {

@@ -1,26 +1,26 @@
-//! What is looked at.
+//! The subject of an evaluation.
 
 use crate::document::Sheet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use trochoid::Access;
 
-/// An output of a node, in a document as it is at one time.
+/// An output of a node, in a snapshot of the document.
 #[derive(Clone, Debug)]
 pub struct Subject {
     /// The document.
     pub sheet: Arc<Sheet>,
-    /// Grows with every change of the document.
+    /// Revision of the document.
     pub revision: u64,
-    /// The node.
+    /// Index of the node.
     pub node: usize,
-    /// Its output.
+    /// Index of the node's output.
     pub output: usize,
     /// The document's name, for messages.
     pub name: String,
-    /// What its paths are relative to.
+    /// Folder that paths in the document are relative to.
     pub folder: PathBuf,
-    /// Which files it may reach: what else it may is another revision.
+    /// Files that the document may access; a change of permissions changes the revision.
     pub access: Access,
 }
 

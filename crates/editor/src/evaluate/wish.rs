@@ -1,4 +1,4 @@
-//! What is asked of the thread that evaluates, and what it tells.
+//! Requests to the evaluation thread, and its answers.
 
 use super::blame::Blamed;
 use super::lens::Lens;
@@ -8,55 +8,55 @@ use super::subject::Subject;
 use std::sync::Arc;
 use trochoid::{Format, NodeReport, Phases, Picture, Refused};
 
-/// A picture to be made.
+/// Request for a picture.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// Told again with the result. A job with a newer number cancels one with an older.
+    /// Generation number, repeated in the result. A job with a newer number cancels one with an older.
     pub generation: u64,
-    /// Of what.
+    /// Subject to evaluate.
     pub subject: Subject,
     /// The frame.
     pub frame: i64,
-    /// By how much the finished picture is smaller than the document's: 1, 2 or 4.
+    /// Factor by which the finished picture is smaller than the document's: 1, 2, or 4.
     pub proxy: u32,
-    /// The part that is wanted, in shares of the picture's width and height: left, top, right, bottom.
+    /// Requested region, in fractions of the picture's width and height: left, top, right, bottom.
     pub region: Option<[f32; 4]>,
-    /// How it is shown.
+    /// Display settings.
     pub display: Display,
-    /// Whether a coarse picture comes first.
+    /// Whether coarse previews come first.
     pub progressive: bool,
 }
 
-/// A picture, small or whole.
+/// An evaluated picture, coarse or finished.
 #[derive(Clone, Debug)]
 pub struct Result {
-    /// Whose result it is.
+    /// Generation number of the job.
     pub generation: u64,
     /// The frame.
     pub frame: i64,
-    /// By how much it is smaller than the document's picture.
+    /// Factor by which the picture is smaller than the document's.
     pub shrunk: u32,
-    /// Whether it is what was asked for, and not a coarse one before that.
+    /// Whether the picture has the requested size, rather than being a coarse preview.
     pub finished: bool,
-    /// What was looked at.
+    /// Subject that was evaluated.
     pub subject: Subject,
-    /// What was evaluated.
+    /// Lens through which it was evaluated.
     pub lens: Arc<Lens>,
     /// The document's format, at this size.
     pub format: Format,
     /// The picture.
     pub picture: Arc<Picture>,
-    /// The picture as it is shown.
+    /// The picture converted for the screen.
     pub screen: Arc<Screen>,
-    /// How it is shown.
+    /// Display settings of the conversion.
     pub display: Display,
-    /// What nodes did.
+    /// Report of each node.
     pub nodes: Arc<Vec<NodeReport>>,
-    /// Seconds by phase, and in all.
+    /// Seconds per phase, and in total.
     pub seconds: (Phases, f64),
 }
 
-/// A small picture of a node, sRGB of four bytes a pixel.
+/// Thumbnail of a node, sRGB with four bytes per pixel.
 #[derive(Clone, Debug)]
 pub struct Thumbnail {
     /// The node.
@@ -65,58 +65,58 @@ pub struct Thumbnail {
     pub screen: Screen,
 }
 
-/// What the thread has to tell.
+/// Message from the evaluation thread.
 #[derive(Clone, Debug)]
 pub enum News {
     /// A picture.
     Picture(Box<Result>),
-    /// A picture of another frame than the one looked at, made ahead for playing.
+    /// A frame evaluated ahead for playback.
     Ahead(Box<Result>),
-    /// A picture of another frame could not be made.
+    /// A frame could not be evaluated ahead.
     AheadFailed {
-        /// Whose.
+        /// Generation number of the job.
         generation: u64,
         /// The frame.
         frame: i64,
     },
-    /// The picture that is shown, shown otherwise.
+    /// The current picture, converted with other display settings.
     Shown {
-        /// Whose picture it is.
+        /// Generation number of the picture.
         generation: u64,
-        /// How it is shown.
+        /// Display settings.
         display: Display,
-        /// The picture as it is shown.
+        /// The picture converted for the screen.
         screen: Arc<Screen>,
     },
-    /// A picture that is held beside the one looked at, shown otherwise.
+    /// The held picture, converted with other display settings.
     Held {
-        /// Which.
+        /// Number of the held picture.
         number: u64,
-        /// How it is shown.
+        /// Display settings.
         display: Display,
-        /// The picture as it is shown.
+        /// The picture converted for the screen.
         screen: Arc<Screen>,
     },
-    /// How much of a picture is done.
+    /// Progress of a picture.
     Progress {
-        /// Whose.
+        /// Generation number of the job.
         generation: u64,
-        /// From 0 to 1.
+        /// Completed fraction, from 0 to 1.
         share: f32,
     },
-    /// It could not be made.
+    /// A picture could not be evaluated.
     Failed {
-        /// What.
+        /// Generation number of the job.
         generation: u64,
-        /// Why.
+        /// Reason.
         why: Arc<PictureError>,
-        /// Whether it was begun: what has no picture is not.
+        /// Whether evaluation had started; it does not start if the node has no picture.
         begun: bool,
-        /// Files that it may not read, of each node the first one.
+        /// Files that may not be read; the first one of each node.
         refused: Vec<Refused>,
     },
-    /// Pictures of nodes.
+    /// Thumbnails of nodes.
     Thumbnails(Vec<Thumbnail>),
-    /// What a pixel is made of.
+    /// Composition of a pixel.
     Blame(Box<Blamed>),
 }

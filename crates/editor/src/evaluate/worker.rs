@@ -1,4 +1,4 @@
-//! The handle to the thread that evaluates.
+//! Handle to the evaluation thread.
 
 use super::blame::Question;
 use super::evaluator::Evaluator;
@@ -11,7 +11,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 use trochoid::{Picture, WorkingSpace};
 
-/// A handle to the thread, which ends with it.
+/// Handle to the evaluation thread, which ends when the handle is dropped.
 pub struct Worker {
     queue: Arc<Queue>,
     news: Receiver<News>,
@@ -19,10 +19,10 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Starts the thread; `wake` is called whenever there are news.
+    /// Starts the thread; `wake` is called whenever there is news.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// Fails if the system cannot start a thread.
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let queue = Arc::new(Queue::default());
         let (sender, news) = channel();
@@ -33,13 +33,13 @@ impl Worker {
         Ok(Self { queue, news, thread: Some(thread) })
     }
 
-    /// Lets each picture take so long besides.
+    /// Sets the extra time per picture.
     #[cfg(test)]
     pub(crate) fn slow_down(&self, by: Duration) {
         self.queue.slow_down(by);
     }
 
-    /// Asks for a picture, in place of all that was asked for before.
+    /// Requests a picture, replacing all earlier requests.
     pub fn evaluate(&self, job: Job) {
         self.queue.change(true, |requests| {
             requests.shown = None;
@@ -49,7 +49,7 @@ impl Worker {
         });
     }
 
-    /// Asks for pictures of further frames in their order, in place of those that were asked for and are not begun.
+    /// Requests further frames in this order, replacing those that have not started.
     pub fn ahead(&self, jobs: impl IntoIterator<Item = Job>) {
         self.queue.change(false, |requests| {
             let making = requests.making;
@@ -57,27 +57,27 @@ impl Worker {
         });
     }
 
-    /// Asks for a picture to be shown otherwise.
+    /// Requests a picture with other display settings.
     pub fn show(&self, generation: u64, picture: Arc<Picture>, space: WorkingSpace, display: Display) {
         self.queue.change(false, |requests| requests.shown = Some((generation, picture, space, display)));
     }
 
-    /// Asks for a picture that is held beside to be shown otherwise.
+    /// Requests the held picture with other display settings.
     pub fn show_held(&self, number: u64, picture: Arc<Picture>, space: WorkingSpace, display: Display) {
         self.queue.change(false, |requests| requests.held = Some((number, picture, space, display)));
     }
 
-    /// Asks what a pixel of a finished picture is made of, in place of what was asked before.
+    /// Requests the composition of a pixel in a finished picture, replacing an earlier request.
     pub fn blame(&self, question: Question) {
         self.queue.change(false, |requests| requests.question = Some(question));
     }
 
-    /// Asks for small pictures of all nodes of a document at a frame; which is looked at does not matter.
+    /// Requests thumbnails of all nodes of a document at a frame; the node and output of the subject are ignored.
     pub fn thumbnails(&self, subject: Subject, frame: i64) {
         self.queue.change(false, |requests| requests.thumbnails = Some((subject, frame)));
     }
 
-    /// Stops what is being done, and forgets what was to be done but for a picture that is held beside.
+    /// Cancels the running task and all requests except that for the held picture.
     pub fn stop(&self) {
         self.queue.change(true, |requests| {
             let (closed, making) = (requests.closed, requests.making);
@@ -85,12 +85,12 @@ impl Worker {
         });
     }
 
-    /// What has happened since.
+    /// Returns the messages since the last call.
     pub fn news(&self) -> impl Iterator<Item = News> {
         self.news.try_iter()
     }
 
-    /// What happens next, if anything does within a time.
+    /// Waits up to `time` for a message.
     pub fn wait(&self, time: Duration) -> Option<News> {
         self.news.recv_timeout(time).ok()
     }

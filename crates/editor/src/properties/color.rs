@@ -1,4 +1,4 @@
-//! Colors: swatches, the dropper, and a painting to take colors from.
+//! Color fields: swatch, text, dropper, and a reference painting to pick colors from.
 
 use super::place::{Place, Properties};
 use crate::actions::Action;
@@ -12,7 +12,7 @@ use egui_file_dialog::{DialogState, FileDialog, Filter};
 use serde_json::{Value, json};
 use trochoid::WorkingSpace;
 
-/// What a color of a document looks like: sRGB values, 0 to 1. Numbers are in the working space.
+/// Returns a document color as sRGB values from 0 to 1. Number triples are in the working space.
 pub(super) fn display(value: &Value, space: WorkingSpace) -> Option<[f32; 3]> {
     match value {
         Value::String(text) => rgb(text),
@@ -27,13 +27,13 @@ pub(super) fn display(value: &Value, space: WorkingSpace) -> Option<[f32; 3]> {
     }
 }
 
-/// The working space of a document.
+/// Returns the working space of the document.
 pub(super) fn space(state: &State) -> WorkingSpace {
     let name = state.sheet().value.get("working_space").and_then(Value::as_str).unwrap_or_default();
     WorkingSpace::from_name(name).unwrap_or_default()
 }
 
-/// A color: a swatch that opens a picker, its text, and the dropper.
+/// Draws a color field: a swatch that opens a picker, the color's text, and the dropper.
 pub(super) fn color_ui(ui: &mut Ui, value: &Value, place: &Place<'_>, actions: &mut Vec<Action>) -> Told<Value> {
     let shown = display(value, space(place.state)).unwrap_or_default();
     let swatch = field::swatch_ui(ui, shown).map(|color| json!(hex(color)));
@@ -47,18 +47,18 @@ pub(super) fn color_ui(ui: &mut Ui, value: &Value, place: &Place<'_>, actions: &
     });
     let mut taking = place.state.dropper.as_ref() == Some(&place.path);
     let dropper = ui.toggle_value(&mut taking, "Pick");
-    if dropper.on_hover_text("Takes the color that is clicked next in the picture or the reference.").clicked() {
+    if dropper.on_hover_text("Pick the next color clicked in the picture or the reference painting").clicked() {
         actions.push(Action::Dropper(taking.then(|| place.path.clone())));
     }
     Told { response: field::joined(swatch.response, text.response), given: swatch.given.or(text.given) }
 }
 
-/// What is expected where a text is no color.
+/// Error in a typed color: what was expected.
 #[derive(Debug, thiserror::Error)]
 #[error("a color as #rrggbb, or [r, g, b] in the working space")]
 struct NoColor;
 
-/// A typed color.
+/// Parses a typed color.
 fn read_color(text: &str) -> Result<Value, NoColor> {
     let text = text.trim();
     let bare = if text.starts_with('#') { text.into() } else { format!("#{text}") };
@@ -69,7 +69,7 @@ fn read_color(text: &str) -> Result<Value, NoColor> {
     numbers.map(|numbers| json!(numbers)).ok_or(NoColor)
 }
 
-/// The painting: opened from a file, and clicked for its colors.
+/// Draws the reference painting, which is opened from a file and clicked to pick colors.
 pub(super) fn reference_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     if let Some(dialog) = &mut panel.dialog {
         dialog.update(ui.ctx());
@@ -90,7 +90,7 @@ pub(super) fn reference_ui(panel: &mut Properties, ui: &mut Ui, state: &State, a
     let title = panel.reference.as_ref().map_or("Reference painting", |(name, _)| name);
     egui::CollapsingHeader::new(title).id_salt("reference").show(ui, |ui| {
         ui.horizontal(|ui| {
-            if ui.button("Open …").on_hover_text("A painting or print whose colors you want.").clicked() {
+            if ui.button("Open …").on_hover_text("Open a painting or print to pick colors from").clicked() {
                 let pictures = Filter::new(|path: &std::path::Path| {
                     let end = path.extension().map(|end| end.to_string_lossy().to_lowercase());
                     end.is_some_and(|end| ["png", "jpg", "jpeg", "tif", "tiff"].contains(&end.as_str()))
@@ -118,8 +118,8 @@ pub(super) fn reference_ui(panel: &mut Properties, ui: &mut Ui, state: &State, a
         let share = (at - response.rect.min) / response.rect.size();
         let color = picture_at(picture, share);
         response.clone().on_hover_text(match &state.dropper {
-            Some(place) => format!("{}: click to give it to {place}", hex(color)),
-            None => format!("{}: click to copy it", hex(color)),
+            Some(place) => format!("{}: click to set {place}", hex(color)),
+            None => format!("{}: click to copy", hex(color)),
         });
         if let Some(gesture) = Gesture::click(&response) {
             match &state.dropper {
@@ -139,7 +139,7 @@ fn picture_at(picture: &Screen, share: egui::Vec2) -> [f32; 3] {
     [0, 1, 2].map(|channel| f32::from(picture.pixels[at + channel]) / 255.0)
 }
 
-/// Most pixels of a painting that is shown; larger ones are made smaller.
+/// Maximum side length of the displayed painting, in pixels; larger ones are scaled down.
 const MOST: u32 = 2048;
 
 /// Why a painting cannot be shown.

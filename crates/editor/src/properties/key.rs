@@ -1,4 +1,4 @@
-//! Values keyed over frames: their keys, and the curve through them.
+//! Keyframed values: keys, interpolation, and the curve editor.
 
 use super::place::{Place, Properties};
 use crate::actions::Action;
@@ -9,7 +9,7 @@ use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Points, VLine};
 use serde_json::{Value, json};
 use trochoid::{Animated, Interpolation};
 
-/// A keyed value as documents write it.
+/// A keyframed value as written in documents.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct KeyedValue {
     pub(super) keys: Vec<(f64, Value)>,
@@ -17,7 +17,7 @@ pub(super) struct KeyedValue {
 }
 
 impl KeyedValue {
-    /// The keys of a value that has some.
+    /// Reads a keyframed value; `None` if the value has no keys.
     pub(super) fn read(value: &Value) -> Option<Self> {
         let keys = value.get("keys")?.as_array()?.iter().map(|key| {
             let [frame, value] = key.as_array()?.as_slice() else { return None };
@@ -27,7 +27,7 @@ impl KeyedValue {
         Some(Self { keys: keys.collect::<Option<Vec<_>>>()?, interpolation })
     }
 
-    /// As documents write it; a plain value where no keys are left.
+    /// Returns the value in the form documents store.
     pub(super) fn write(&self) -> Value {
         let keys: Vec<Value> = self.keys.iter().map(|(frame, value)| json!([frame, value])).collect();
         match self.interpolation.as_str() {
@@ -36,7 +36,7 @@ impl KeyedValue {
         }
     }
 
-    /// With a key at a frame.
+    /// Returns the value with a key set at a frame.
     pub(super) fn with(&self, frame: f64, value: &Value) -> Self {
         let mut keyed = self.clone();
         match keyed.keys.binary_search_by(|key| key.0.total_cmp(&frame)) {
@@ -46,7 +46,7 @@ impl KeyedValue {
         keyed
     }
 
-    /// Whether a key stands at a frame.
+    /// Returns whether there is a key at a frame.
     fn has(&self, frame: f64) -> bool {
         self.keys.iter().any(|key| key.0 == frame)
     }
@@ -66,7 +66,7 @@ impl KeyedValue {
         Animated::keyed(keys, Interpolation::from_name(&self.interpolation).unwrap_or_default())
     }
 
-    /// The value at a frame, of the kind that the keys have.
+    /// Returns the interpolated value at a frame, in the same JSON form as the keys.
     pub(super) fn at(&self, frame: f64) -> Value {
         let Some(first) = self.keys.first() else { return Value::Null };
         if let Some(key) = self.keys.iter().find(|key| key.0 == frame) {
@@ -83,8 +83,8 @@ impl KeyedValue {
     }
 }
 
-/// Draws what changes a value, which is that of the frame given to it, and gives what it returns with that frame: the
-/// present one, or that at which a text began to be typed, however long frames go on meanwhile.
+/// Draws a field for the value at a frame, and returns the result together with that frame: the current frame, or the
+/// frame at which typing began, however far playback has moved since.
 pub(super) fn typed_ui(
     ui: &mut Ui,
     place: &Place<'_>,
@@ -104,7 +104,7 @@ pub(super) fn typed_ui(
     (told, frame)
 }
 
-/// Asks for the value that a gesture has given: as a key at a frame where there are keys.
+/// Requests the edit of a given value: as a key at the frame if the value is keyframed.
 pub(super) fn tell(
     told: Told<Value>,
     keyed: Option<&KeyedValue>,
@@ -118,7 +118,7 @@ pub(super) fn tell(
     });
 }
 
-/// The button that sets and removes keys, and opens the curve.
+/// Draws the buttons that set or remove a key and show the curve.
 pub(super) fn button_ui(
     panel: &mut Properties,
     ui: &mut Ui,
@@ -129,9 +129,9 @@ pub(super) fn button_ui(
 ) {
     let frame = place.state.frame as f64;
     let help = match keyed {
-        Some(keyed) if keyed.has(frame) => "Removes the key at this frame.",
-        Some(_) => "Sets a key at this frame.",
-        None => "Keys the value over frames.",
+        Some(keyed) if keyed.has(frame) => "Remove the key at this frame",
+        Some(_) => "Set a key at this frame",
+        None => "Animate this value with keys",
     };
     let filled = keyed.is_some_and(|keyed| keyed.has(frame));
     let diamond = diamond_ui(ui, filled, keyed.is_some()).on_hover_text(help);
@@ -151,7 +151,7 @@ pub(super) fn button_ui(
     }
     if keyed.is_some() {
         let mut open = panel.curves.contains(&place.path);
-        if ui.toggle_value(&mut open, "Curve").on_hover_text("Shows the curve.").clicked() {
+        if ui.toggle_value(&mut open, "Curve").on_hover_text("Show the curve").clicked() {
             if open {
                 panel.curves.insert(place.path.clone())
             } else {
@@ -161,7 +161,7 @@ pub(super) fn button_ui(
     }
 }
 
-/// A diamond as timelines know it, filled where a key stands.
+/// Draws a keyframe diamond, filled if there is a key at the current frame.
 fn diamond_ui(ui: &mut Ui, filled: bool, keyed: bool) -> egui::Response {
     let (rect, response) = ui.allocate_exact_size(vec2(14.0, ui.spacing().interact_size.y), Sense::click());
     let color = match (response.hovered(), keyed) {
@@ -175,7 +175,7 @@ fn diamond_ui(ui: &mut Ui, filled: bool, keyed: bool) -> egui::Response {
     response
 }
 
-/// Colors of the components of vectors.
+/// Colors of vector components.
 const COMPONENTS: [Color32; 4] = [
     Color32::from_rgb(0xe0, 0x6a, 0x6a),
     Color32::from_rgb(0x6a, 0xc4, 0x7e),
@@ -183,23 +183,23 @@ const COMPONENTS: [Color32; 4] = [
     Color32::from_rgb(0xd0, 0xa0, 0x50),
 ];
 
-/// A key in the hand.
+/// The key being dragged.
 #[derive(Clone, Copy)]
 struct Held {
     key: usize,
     component: usize,
-    /// What the plot shows meanwhile.
+    /// Bounds of the plot during the drag.
     bounds: egui_plot::PlotBounds,
-    /// Whether it followed the curve before, across and up; `None` before it was drawn.
+    /// Whether the plot's bounds followed the curve before, in x and y; `None` until it is drawn.
     auto: Option<egui::Vec2b>,
 }
 
-/// Where the pointer was pressed since the frame before.
+/// Returns where the pointer was pressed since the last frame.
 fn pressed(input: &egui::InputState) -> Option<egui::Pos2> {
     input.pointer.press_origin().filter(|_| input.pointer.primary_pressed())
 }
 
-/// The curve, whose keys can be dragged; a double click sets a new one.
+/// Draws the curve editor: keys can be dragged, and a double-click sets a new key.
 pub(super) fn curve_ui(ui: &mut Ui, keyed: &KeyedValue, unit: &str, place: &Place<'_>, actions: &mut Vec<Action>) {
     let Some(animated) = keyed.animated() else { return };
     let (first, last) = (place.state.range.0 as f64, place.state.range.1 as f64);
@@ -214,7 +214,7 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &KeyedValue, unit: &str, place: &Plac
         .collect();
     let id = ui.id().with(("dragged key", place.path.to_string()));
     let mut held = ui.data_mut(|data| data.get_temp::<Option<Held>>(id)).flatten();
-    // A press takes what it meets where that was drawn last: how far the pointer moves before the next frame does not matter.
+    // A press is resolved against the plot as last drawn, so movement before the next frame does not matter.
     let before = ui.data(|data| data.get_temp::<egui_plot::PlotTransform>(id));
     if let (Some(before), Some(at)) = (before, ui.input(pressed)) {
         let near = |(key, component): &(usize, usize)| {
@@ -229,7 +229,7 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &KeyedValue, unit: &str, place: &Plac
     let plot = crate::plots::even(plot, "frame", unit).allow_drag(held.is_none()).allow_boxed_zoom(false);
     let shown = plot.show(ui, |plot| {
         if let Some(held) = &mut held {
-            // The plot stands still beneath the hand.
+            // The plot does not scroll during the drag.
             held.auto.get_or_insert(plot.auto_bounds());
             plot.set_plot_bounds(held.bounds);
         }
@@ -253,7 +253,7 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &KeyedValue, unit: &str, place: &Plac
         let mut moved = keyed.clone();
         let below = key.checked_sub(1).map_or(f64::NEG_INFINITY, |before| keyed.keys[before].0 + 1.0);
         let above = keyed.keys.get(key + 1).map_or(f64::INFINITY, |after| after.0 - 1.0);
-        // Between keys that are less than two frames apart, it stays at its frame.
+        // A key between keys less than two frames apart keeps its frame.
         if below <= above {
             moved.keys[key].0 = at.x.round().clamp(below, above);
         }

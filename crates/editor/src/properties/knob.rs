@@ -1,4 +1,4 @@
-//! A knob: a widget for what it takes.
+//! Knob fields: a widget for each type of value.
 
 use super::place::{Place, Properties, label_ui};
 use super::{color, key};
@@ -9,7 +9,7 @@ use egui::{ComboBox, TextEdit, Ui};
 use serde_json::{Value, json};
 use trochoid::{Knob, Takes, expected};
 
-/// Draws a knob, with its keys where it may have some.
+/// Draws a knob, with its keys if it can be animated.
 pub(super) fn knob_ui(
     panel: &mut Properties,
     ui: &mut Ui,
@@ -33,7 +33,7 @@ pub(super) fn knob_ui(
         key::tell(told, keyed.as_ref(), frame, place, actions);
         if matches!(knob.default, Some(trochoid::KnobDefault::Unset))
             && place.value.is_some()
-            && let Some(gesture) = Gesture::click(&ui.small_button("×").on_hover_text("Takes it away."))
+            && let Some(gesture) = Gesture::click(&ui.small_button("×").on_hover_text("Remove this value"))
         {
             place.reset(gesture, actions);
         }
@@ -46,7 +46,7 @@ pub(super) fn knob_ui(
     }
 }
 
-/// What is to be known of a knob: meaning, range, unit, default.
+/// Returns the tooltip of a knob: help, range, unit, and default.
 fn help(knob: &Knob, default: &Value) -> String {
     let default = match knob.default {
         None => "required".into(),
@@ -69,7 +69,7 @@ fn menu_ui(ui: &mut Ui, knob: &'static Knob, place: &Place<'_>, shown: &Value, a
     }
 }
 
-/// The widget of what a knob takes. What is written there but is nothing of the kind is shown as it is written.
+/// Draws the widget for a knob's type of value. A value of another type is shown as JSON.
 fn widget_ui(
     ui: &mut Ui,
     knob: &Knob,
@@ -80,7 +80,7 @@ fn widget_ui(
 ) -> Told<Value> {
     if unset {
         let button = ui.button(format!("Add {}", knob.name.replace('_', " ")));
-        let button = button.on_hover_text("Nothing is set here: the node does without, or finds a value itself.");
+        let button = button.on_hover_text("Not set: the node works without a value or determines one itself");
         let given = Gesture::click(&button).map(|gesture| (value.clone(), gesture));
         return Told { response: button, given };
     }
@@ -104,12 +104,12 @@ fn widget_ui(
     }
 }
 
-/// What is expected where a text is nothing that a knob takes.
+/// Error in a typed value: what the knob expects.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", expected(.0))]
 struct Unfit<'t>(&'t Takes);
 
-/// What was typed, as a value that a knob takes.
+/// Parses typed text as a value of a knob.
 fn read<'t>(text: &str, takes: &'t Takes) -> Result<Value, Unfit<'t>> {
     let wanted = || Unfit(takes);
     match takes {
@@ -129,7 +129,7 @@ fn read<'t>(text: &str, takes: &'t Takes) -> Result<Value, Unfit<'t>> {
     }
 }
 
-/// A whole number as documents write it.
+/// Returns a whole number in the form documents store.
 fn whole(number: f64) -> Value {
     if number.abs() < 9e15 { json!(number as i64) } else { json!(number) }
 }
@@ -152,7 +152,7 @@ fn choice_ui(ui: &mut Ui, words: &[&str], chosen: &str, place: &Place<'_>) -> To
 fn vector_ui(ui: &mut Ui, items: &[Value]) -> Told<Value> {
     let mut all: Option<Told<Value>> = None;
     for (index, item) in items.iter().enumerate() {
-        // By its own name, so that what comes and goes beside it is no matter for what is typed.
+        // Each component has its own id, so that widgets that come and go nearby do not disturb typing.
         let own = ui.push_id(("component", index), |ui| number_ui(ui, item, (f64::NEG_INFINITY, f64::INFINITY), ""));
         let own = own.inner.map(|component| {
             let mut items = items.to_vec();
@@ -167,7 +167,7 @@ fn vector_ui(ui: &mut Ui, items: &[Value]) -> Told<Value> {
     all.unwrap_or_else(|| Told::nothing(ui.weak("—")))
 }
 
-/// A unit as it stands behind a number.
+/// Returns a unit as the suffix of a number.
 fn unit(unit: &str) -> String {
     match unit {
         "" => String::new(),
@@ -177,10 +177,10 @@ fn unit(unit: &str) -> String {
     }
 }
 
-/// A number: a slider where its range is one that a hand can cover, else a field to drag. Shift drags finely.
+/// Draws a number field: with a slider if the range is small enough, otherwise without. Shift drags finely.
 pub(super) fn number_ui(ui: &mut Ui, value: &Value, (min, max): (f64, f64), suffix: &str) -> Told<Value> {
     let mut number = Number::new(value.as_f64().unwrap_or_default()).range(min, max).suffix(suffix);
-    // The number and the button for keys stand behind a slider.
+    // The number and the key button follow the slider.
     let room = ui.available_size_before_wrap().x - 84.0;
     let spans = min >= -1.0 && max <= 4.0 && max > min;
     if spans {

@@ -1,4 +1,4 @@
-//! Knobs and connections of the chosen node, from its declaration.
+//! The properties panel: knobs and connections of the selected node, generated from its declaration.
 
 mod color;
 mod key;
@@ -22,18 +22,18 @@ pub(crate) use place::Properties;
 use serde_json::Value;
 use trochoid::{Role, Severity};
 
-/// Draws the knobs of the chosen node, or of the document where none is chosen.
+/// Draws the properties of the selected node or output, or of the document if nothing is selected.
 pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     color::reference_ui(panel, ui, state, actions);
     if !state.session.meaning().readable {
-        // Nothing can be changed but the text.
+        // Only the text can be edited.
         ui.disable();
         if state.sheet().value.is_null() {
             return;
         }
     }
-    // Faults come and go while one works: they lie below, and what is above them scrolls as far with them as without, so
-    // that no knob is moved by them.
+    // Faults come and go during work: they are shown at the bottom, and the area above reserves their height, so that
+    // no knob moves when they appear.
     let height = FAULTS.min(0.4 * ui.available_height());
     let faulty = state.chosen().filter(|name| is_faulty(state, name));
     if let Some(name) = faulty {
@@ -50,7 +50,7 @@ pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, 
                 Some(name) => output::output_ui(ui, state, name, actions),
                 None => document_ui(ui, state, actions),
             },
-            None => drop(ui.weak(format!("{} chosen", edit::count(state.selection.len(), "node")))),
+            None => drop(ui.weak(format!("{} selected", edit::count(state.selection.len(), "node")))),
         }
         if state.chosen().is_some() && faulty.is_none() {
             ui.add_space(height - ui.spacing().item_spacing.y);
@@ -58,17 +58,17 @@ pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, 
     });
 }
 
-/// Whether there is something wrong with a node, or above it.
+/// Returns whether there is a fault in a node or above it.
 fn is_faulty(state: &State, name: &str) -> bool {
     let faults = &state.session.meaning().diagnostics;
     let above = || state.sheet().find(name).and_then(|node| state.fault_of(node));
     faults.iter().any(|fault| fault.node.as_deref() == Some(name)) || above().is_some()
 }
 
-/// Height of the room for what is wrong with a node, points.
+/// Height of the fault area, in points.
 const FAULTS: f32 = 72.0;
 
-/// What is wrong with a node, or above it.
+/// Draws the faults of a node, and one above it.
 fn faults_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
     let faults = &state.session.meaning().diagnostics;
@@ -87,7 +87,7 @@ fn faults_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) 
     if let Some((culprit, fault)) = above {
         let text = format!("Error above, in {culprit}: found {}; expected {}", fault.found, fault.expected);
         let link = ui.link(RichText::new(text).color(crate::theme::error(ui.visuals())));
-        if link.on_hover_text("Leads to that node.").clicked() {
+        if link.on_hover_text("Go to that node").clicked() {
             actions.push(Action::Visit(culprit.into()));
         }
     }
@@ -101,17 +101,17 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
         let named = field::draft_ui(ui, ("name", name), read, |text| {
             egui::TextEdit::singleline(text).desired_width(150.0).font(egui::TextStyle::Heading)
         });
-        named.response.on_hover_text("The node's name; everything that is connected to it follows.");
+        named.response.on_hover_text("Name of the node; references to it are updated when it changes");
         if let Some((typed, gesture)) = named.given {
             gesture.edit(edit::renamed(sheet, name, &typed), actions);
         }
         ui.label(RichText::new(&node.ty).strong());
         let mut on = field::switch_ui(ui, !node.disabled, "On");
-        on.response = on.response.on_hover_text("Off: what the node takes is handed on unchanged (D).");
+        on.response = on.response.on_hover_text("Turn off to bypass the node: its input passes through unchanged (D)");
         on.edit(actions, |_| edit::disabled(sheet, &[name.into()]));
     });
     let Some(declaration) = node.declaration else {
-        ui.label("No node has this type. It stays in the document as it is.");
+        ui.label("Unknown node type. The node stays in the document unchanged.");
         return;
     };
     let summary = prose(ui, declaration.summary, &egui::TextStyle::Body, true);
@@ -124,7 +124,7 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
     ui.separator();
     let path = Path::node(name);
     let body = sheet.get(&path);
-    // Whatever comes and goes above while a number is typed or dragged, the field stays in the hand.
+    // The field keeps the focus whatever widgets come and go above it.
     let own = egui::UiBuilder::new().id(ui.id().with(("knobs", name)));
     ui.scope_builder(own, |ui| {
         if ramp::is_ramp(declaration.items) {
@@ -139,7 +139,7 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
     });
 }
 
-/// What is expected in place of a name that a node cannot have.
+/// Returns what is expected instead of an invalid node name; `None` if the name is valid.
 #[derive(Debug, thiserror::Error)]
 enum WrongName {
     #[error("a name of a–z, A–Z, 0–9 and _ that does not start with a digit")]
@@ -157,11 +157,11 @@ fn wrong_name(name: &str, sheet: &crate::document::Sheet) -> Option<WrongName> {
     sheet.find(name).map(|_| WrongName::Taken)
 }
 
-/// What belongs to the whole document: its format, frames and working space.
+/// Draws the properties of the document: format, frames, and working space.
 fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
     ui.label(RichText::new("Document").heading());
-    ui.weak("Choose a node to see its knobs.");
+    ui.weak("Select a node to see its knobs.");
     ui.separator();
     let narrow = ui.available_width() < 280.0;
     let number = |ui: &mut Ui, label: &str, path: Path, number: Number<'_>, actions: &mut Vec<Action>| {
@@ -208,7 +208,7 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let shadings = trochoid::Shading::ALL.map(trochoid::Shading::name);
     choice(ui, "Shading", format.to("shading"), &shadings, "sample", actions);
     let samples = sheet.get(&format.to("samples")).and_then(Value::as_u64).unwrap_or(1);
-    egui::ComboBox::from_label("Samples a pixel").width(combo).selected_text(samples.to_string()).show_ui(ui, |ui| {
+    egui::ComboBox::from_label("Samples per pixel").width(combo).selected_text(samples.to_string()).show_ui(ui, |ui| {
         for count in [1_u64, 4, 16] {
             if let Some(gesture) = Gesture::click(&ui.selectable_label(count == samples, count.to_string())) {
                 gesture.edit(Edit::set(format.to("samples"), &count.into()), actions);

@@ -8,7 +8,7 @@ use crate::state::State;
 use egui::Ui;
 use serde_json::Value;
 
-/// What is noted at a place, and a field to change it.
+/// Draws the notes at a path, with a field to edit them.
 pub(super) fn notes_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec<Action>) {
     let place = Place { state, path: path.to("notes"), value: state.sheet().get(&path.to("notes")) };
     let text = place.value.and_then(Value::as_str).unwrap_or_default();

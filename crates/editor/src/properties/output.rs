@@ -1,4 +1,4 @@
-//! What is rendered: the document's outputs, and the settings of the chosen one.
+//! The outputs of the document, and the settings of the selected output.
 
 use crate::actions::Action;
 use crate::document::{Sheet, output};
@@ -8,20 +8,20 @@ use egui::{ComboBox, RichText, ScrollArea, TextEdit, TextWrapMode, Ui, WidgetInf
 use serde_json::{Value, json};
 use trochoid::{Guarantee, Precision};
 
-/// Draws the list of outputs: a click on a name leads to its settings.
+/// Draws the list of outputs; clicking a name shows its settings.
 pub(super) fn outputs_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
     ui.label(RichText::new("Outputs").strong());
     for output in &sheet.outputs {
         ui.horizontal_wrapped(|ui| {
-            if ui.link(&output.name).on_hover_text("Leads to its settings, and shows it.").clicked() {
+            if ui.link(&output.name).on_hover_text("Show its settings, and view it").clicked() {
                 actions.push(Action::Output(Some(output.name.clone())));
                 look(sheet, &output.source, actions);
             }
             ui.weak(format!("from {}", output.source));
-            let remove = ui.small_button("×").on_hover_text("Removes the output; its node stays.");
+            let remove = ui.small_button("×").on_hover_text("Remove the output and keep its node");
             remove.widget_info(|| {
-                WidgetInfo::labeled(WidgetType::Button, true, format!("Remove the output {}", output.name))
+                WidgetInfo::labeled(WidgetType::Button, true, format!("Remove output {}", output.name))
             });
             if let Some(gesture) = Gesture::click(&remove) {
                 gesture.edit(output::removed(&output.name), actions);
@@ -62,10 +62,11 @@ pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Ve
             actions.push(Action::Seal);
         }
         ui.label(RichText::new("Output").strong());
-        if ui.button("Look").clicked() {
+        if ui.button("View").clicked() {
             look(sheet, &known.source, actions);
         }
-        if let Some(gesture) = Gesture::click(&ui.button("Remove").on_hover_text("Its node stays.")) {
+        if let Some(gesture) = Gesture::click(&ui.button("Remove").on_hover_text("Remove the output and keep its node"))
+        {
             gesture.edit(output::removed(name), actions);
             actions.extend([Action::Seal, Action::Output(None)]);
         }
@@ -88,9 +89,9 @@ pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Ve
             }
         });
         ui.end_row();
-        let help = "Path ending .exr or .png, relative to the document; #### is the frame, {output} the output's name.";
+        let help = "Path ending in .exr or .png, relative to the document; #### is the frame, {output} the name.";
         text_ui(ui, sheet, (name, "file", "File"), help, actions);
-        let help = "Layer within the EXR; by default the output's name. Outputs that name one file share it.";
+        let help = "Layer in the EXR file; by default the output's name. Outputs with the same file share it.";
         text_ui(ui, sheet, (name, "layer", "Layer"), help, actions);
         let body = sheet.get(&output::path(name));
         let precision = body.and_then(|body| body.get("precision")).and_then(Value::as_str);
@@ -103,7 +104,7 @@ pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Ve
         if let Some(chosen) = choice_ui(ui, ("Precision", "default"), &Precision::NAMES, precision) {
             set(chosen, "precision", |word| word.into(), actions);
         }
-        // Only colors have a palette to keep to.
+        // Only color outputs have a palette guarantee.
         if body.is_some_and(|body| body.get("color").is_some()) {
             let required = body.and_then(|body| body.get("require")?.get("guarantee")?.as_str());
             let words = [Guarantee::Hull, Guarantee::Box].map(Guarantee::name);
@@ -116,7 +117,7 @@ pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Ve
     super::notes::notes_ui(ui, state, &output::path(name), actions);
 }
 
-/// All that can be rendered.
+/// Returns all results that can be rendered.
 fn sources(sheet: &Sheet) -> impl Iterator<Item = (usize, usize)> {
     (0..sheet.nodes.len())
         .flat_map(|node| (0..sheet.nodes[node].makes.len()).map(move |output| (node, output)))
@@ -129,7 +130,7 @@ fn look(sheet: &Sheet, source: &str, actions: &mut Vec<Action>) {
     }
 }
 
-/// A text; none where the field is empty.
+/// Draws a text setting; an empty field removes it.
 fn text_ui(ui: &mut Ui, sheet: &Sheet, (name, key, label): (&str, &str, &str), help: &str, actions: &mut Vec<Action>) {
     ui.label(label).on_hover_text(help);
     let path = output::path(name).to(key);
@@ -150,7 +151,7 @@ fn text_ui(ui: &mut Ui, sheet: &Sheet, (name, key, label): (&str, &str, &str), h
     ui.end_row();
 }
 
-/// One of some words, or none of them, for which there is a word as well.
+/// Draws a choice between some words and a default.
 fn choice_ui<'w>(
     ui: &mut Ui,
     (label, none): (&str, &str),

@@ -1,4 +1,4 @@
-//! Where a widget stands, and what the panel holds for all of them.
+//! Context shared by the widgets of the properties panel.
 
 use crate::actions::Action;
 use crate::document::{Edit, Path};
@@ -10,32 +10,32 @@ use egui::{RichText, Ui};
 use serde_json::Value;
 use std::collections::HashSet;
 
-/// What the panel holds besides what all see.
+/// State of the panel that no other panel shares.
 #[derive(Default)]
 pub(crate) struct Properties {
-    /// Places whose curves are open.
+    /// Paths whose curves are shown.
     pub(super) curves: HashSet<Path>,
-    /// A painting to take colors from.
+    /// Reference painting to pick colors from.
     pub(crate) reference: Option<(String, Screen)>,
     pub(super) texture: Option<egui::TextureHandle>,
     pub(super) dialog: Option<egui_file_dialog::FileDialog>,
 }
 
-/// What a widget needs to know of where it stands.
+/// Path and value that a widget edits.
 pub(super) struct Place<'p> {
     pub(super) state: &'p State,
     pub(super) path: Path,
-    /// What the document writes there.
+    /// Value in the document.
     pub(super) value: Option<&'p Value>,
 }
 
 impl Place<'_> {
-    /// This value at this place; changes during one gesture are one step of undo.
+    /// Creates an edit that sets the value; edits during one gesture merge into one undo step.
     pub(super) fn set(&self, value: &Value) -> Edit {
         Edit::set(self.path.clone(), value).merging(self.path.to_string())
     }
 
-    /// Asks for the default.
+    /// Requests a reset to the default.
     pub(super) fn reset(&self, gesture: Gesture, actions: &mut Vec<Action>) {
         if self.value.is_some() {
             gesture.edit(Edit::reset(self.path.clone()), actions);
@@ -43,11 +43,11 @@ impl Place<'_> {
     }
 }
 
-/// A label with what it means.
+/// Draws a label with a tooltip.
 pub(super) fn label_ui(ui: &mut Ui, name: &str, help: &str, set: bool) -> egui::Response {
     let text = name.replace('_', " ");
     let text = if set { RichText::new(text).strong() } else { RichText::new(text) };
-    // In a narrow panel, what is set needs the room more.
+    // In a narrow panel, the value gets more of the width.
     let width = (0.4 * ui.available_size_before_wrap().x).clamp(56.0, 96.0);
     let size = egui::vec2(width, ui.spacing().interact_size.y);
     let label = ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {

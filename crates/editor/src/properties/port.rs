@@ -1,4 +1,4 @@
-//! A port: what is connected to it, or the constant that stands in its place.
+//! Port fields: the connection, or the constant used in its place.
 
 use super::place::{Place, Properties, label_ui};
 use super::{color, key, knob};
@@ -9,7 +9,7 @@ use egui::{Button, RichText, Ui};
 use serde_json::{Value, json};
 use trochoid::{Arity, Port};
 
-/// Draws a port: every connection of it.
+/// Draws a port with all of its connections.
 pub(super) fn port_ui(
     panel: &mut Properties,
     ui: &mut Ui,
@@ -49,7 +49,7 @@ fn source_ui(
     let connected = place.value.and_then(Value::as_str).filter(|text| !text.starts_with('#'));
     let mut curve = None;
     ui.horizontal_wrapped(|ui| {
-        let label = label_ui(ui, name, &format!("{}\n\nTakes a {}.", port.help, port.accepts), place.value.is_some());
+        let label = label_ui(ui, name, &format!("{}\n\nAccepts a {}.", port.help, port.accepts), place.value.is_some());
         label.context_menu(|ui| {
             if let Some(gesture) = Gesture::click(&ui.add_enabled(place.value.is_some(), Button::new("Remove"))) {
                 place.reset(gesture, actions);
@@ -65,11 +65,11 @@ fn source_ui(
                 };
                 let link = ui.link(RichText::new(format!("• {text}")).color(color));
                 if let Some((node, _)) = known
-                    && link.on_hover_text("Chooses that node.").clicked()
+                    && link.on_hover_text("Select that node").clicked()
                 {
                     actions.push(Action::Select([sheet.nodes[node].name.clone()].into()));
                 }
-                if let Some(gesture) = Gesture::click(&ui.small_button("×").on_hover_text("Disconnects.")) {
+                if let Some(gesture) = Gesture::click(&ui.small_button("×").on_hover_text("Disconnect")) {
                     disconnect(gesture, place, actions);
                 }
             }
@@ -108,7 +108,7 @@ fn source_ui(
     }
 }
 
-/// Disconnects a pin as the canvas does.
+/// Disconnects a pin in the same way as the canvas.
 fn disconnect(gesture: Gesture, place: &Place<'_>, actions: &mut Vec<Action>) {
     let sheet = place.state.sheet();
     let [_, crate::document::Step::Key(name), steps @ ..] = place.path.0.as_slice() else { return };

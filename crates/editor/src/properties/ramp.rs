@@ -1,4 +1,4 @@
-//! The ramp editor: a gradient whose stops are dragged.
+//! The ramp editor: a gradient with draggable stops.
 
 use super::color;
 use crate::actions::Action;
@@ -12,7 +12,7 @@ use trochoid::Item;
 /// Radius of a stop's handle.
 const HANDLE: f32 = 6.0;
 
-/// Whether items hold stops of a color ramp.
+/// Returns whether items describe the stops of a color ramp.
 pub(super) fn is_ramp(items: &[Item]) -> bool {
     items.iter().any(|item| {
         matches!(item, Item::List(list) if list.name == "stops"
@@ -21,7 +21,7 @@ pub(super) fn is_ramp(items: &[Item]) -> bool {
     })
 }
 
-/// Draws the gradient and its stops: dragged, added by a double click, removed by a right click.
+/// Draws the gradient and its stops: drag to move, double-click to add, right-click to remove.
 pub(super) fn ramp_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
     let stops_path = path.to("stops");
@@ -29,7 +29,7 @@ pub(super) fn ramp_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec
     let space = color::space(state);
     let read = |stop: &Value| {
         let at = stop.get("at")?.as_f64()?;
-        // A picture that is a stop has no color of its own here.
+        // A stop connected to a picture has no single color to show.
         let color = stop.get("color").and_then(|value| color::display(value, space));
         Some((at as f32, color))
     };
@@ -87,7 +87,7 @@ pub(super) fn ramp_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec
     let dragged = dragged.filter(|index| *index < known.len());
     let drag = Gesture::drag(&response).zip(response.interact_pointer_pos());
     if let (Some(index), Some((gesture, pointer))) = (dragged, drag) {
-        // Stops stay in their order, where they have one.
+        // Stops keep their order, if they have one.
         let below = index.checked_sub(1).map_or(f32::NEG_INFINITY, |before| known[before].0);
         let above = known.get(index + 1).map_or(f32::INFINITY, |after| after.0);
         let value = json!(field::rounded(f64::from(at(pointer.x).min(above).max(below))));
@@ -115,5 +115,5 @@ pub(super) fn ramp_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec
     {
         gesture.edit(Edit::new("Remove a stop", vec![Op::Remove(stops_path.to(index))]), actions);
     }
-    response.on_hover_text("Drag a stop; double-click to add one; right-click to remove it.");
+    response.on_hover_text("Drag to move a stop. Double-click to add one. Right-click to remove one.");
 }

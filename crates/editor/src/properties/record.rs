@@ -1,4 +1,5 @@
-//! The items of a node, and of the records of its lists, such as a ramp's stops or the waves of a sea.
+//! Widgets for the items of a node, including the records of its lists, such as the stops of a ramp or the waves of a
+//! sea.
 
 use super::place::{Place, Properties};
 use super::{knob, port};
@@ -10,7 +11,7 @@ use egui::{CollapsingHeader, RichText, Ui};
 use serde_json::Value;
 use trochoid::{Item, List};
 
-/// Draws a list: its records, each to be opened, removed and duplicated.
+/// Draws a list; each record can be opened, removed, and duplicated.
 pub(super) fn list_ui(
     panel: &mut Properties,
     ui: &mut Ui,
@@ -56,7 +57,7 @@ pub(super) fn list_ui(
     crate::prose::explained(shown.header_response, list.help);
 }
 
-/// The widgets of some items, in the order of their declaration.
+/// Draws the widgets of some items, in the order of their declaration.
 pub(super) fn items_ui(
     panel: &mut Properties,
     ui: &mut Ui,

@@ -1,4 +1,4 @@
-//! The patch editor: corner and Bézier colors on the sheet that they span.
+//! The patch editor: corner or Bézier colors on the surface that they span.
 
 use super::color;
 use crate::actions::Action;
@@ -8,10 +8,10 @@ use crate::state::State;
 use egui::{Color32, Mesh, Rect, Sense, Stroke, Ui, pos2, vec2};
 use serde_json::{Value, json};
 
-/// Pieces along each side in which the sheet is drawn.
+/// Number of mesh cells along each side.
 const PIECES: usize = 24;
 
-/// Draws the sheet that a patch's colors span, u to the right and v down, with a swatch for each color at its place.
+/// Draws the surface spanned by a patch's colors, u to the right and v down, with a swatch for each color.
 pub(super) fn patch_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec<Action>) {
     let space = color::space(state);
     let place = path.to("colors");
@@ -21,7 +21,7 @@ pub(super) fn patch_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Ve
         16 => 4,
         _ => return,
     };
-    // Where a picture is connected, nobody knows its color here.
+    // The color of a connected picture is unknown here; gray stands in.
     let colors: Vec<[f32; 3]> = values.iter().map(|value| color::display(value, space).unwrap_or([0.5; 3])).collect();
     let width = ui.available_width().min(260.0);
     let (rect, _) = ui.allocate_exact_size(vec2(width, width * 0.75), Sense::hover());

@@ -65,9 +65,9 @@ fn the_palette_takes_the_place_of_a_chooser() {
     finished(&mut window);
     window.key_press(Key::Tab);
     window.run_steps(3);
-    window.get_by_label("Name of a type of node");
+    window.get_by_label("Node type");
     command(&mut window, "selall");
-    assert!(window.query_by_label("Name of a type of node").is_none());
+    assert!(window.query_by_label("Node type").is_none());
     assert_eq!(editor(&window).state().selection.len(), 3);
 }
 

@@ -1,4 +1,4 @@
-//! What stays: pictures after an error, what was looked at, texts as they were written.
+//! Tests that pictures survive errors, that the viewed node is kept, and that texts stay as written.
 
 use super::{DUSK, dusk};
 use crate::actions::{Action, Pane};

@@ -1,4 +1,4 @@
-//! What is typed, armed, running or changed elsewhere when something else is turned to.
+//! Tests of leaving a document while text is typed, a tool is armed, rendering runs, or the file changes on disk.
 
 use super::{DUSK, dusk};
 use crate::actions::{Action, Pane};
@@ -24,7 +24,7 @@ fn click(window: &mut Window, pos: Pos2) {
     window.run_steps(4);
 }
 
-/// A wide window in which the weight of `dusk` is being typed.
+/// Opens a wide window in which the weight of `dusk` is being typed.
 fn typing(text: &str) -> Window {
     let mut window = unseen_in(dusk(), [1280.0, 1200.0]);
     select(&mut window, "dusk");
@@ -35,7 +35,7 @@ fn typing(text: &str) -> Window {
     window
 }
 
-/// The middle of a node on the canvas.
+/// Returns the middle of a node on the canvas.
 fn place(window: &Window, node: &str) -> Pos2 {
     let editor = editor(window);
     let sheet = editor.state().sheet();
@@ -133,7 +133,7 @@ fn a_run_is_not_ended_by_closing_the_window_unasked() {
     act(&mut window, Action::Render);
     assert_eq!(editor(&window).notices.texts(), Vec::<&str>::new());
     act(&mut window, Action::Quit);
-    window.get_by_label("Go on rendering").click();
+    window.get_by_label("Keep rendering").click();
     window.run_steps(3);
     assert!(!editor(&window).is_closing() && editor(&window).state().render.is_some());
     act(&mut window, Action::Quit);
@@ -162,7 +162,7 @@ fn saving_asks_where_another_program_has_changed_the_file() {
     ask(&mut window, Action::Save);
     assert_eq!(std::fs::read_to_string(&file).unwrap(), theirs);
     window.run_steps(3);
-    window.get_by_label("Write over it").click();
+    window.get_by_label("Overwrite").click();
     window.run_steps(3);
     assert_eq!(std::fs::read_to_string(&file).unwrap(), editor(&window).state().session.text());
 }
@@ -231,6 +231,6 @@ fn a_change_is_not_made_of_what_the_typed_text_has_changed() {
     window.run_steps(2);
     act(&mut window, Action::Edit(Edit::set(Path::node("dusk").to("weight"), &json!(0.1))));
     assert_eq!(editor(&window).state().session.text(), typed);
-    assert!(editor(&window).notices.texts().iter().any(|text| text.contains("once more")));
+    assert!(editor(&window).notices.texts().iter().any(|text| text.contains("repeat your edit")));
     until(&mut window, "nothing typed", |editor| editor.panels.source.pending().is_none());
 }

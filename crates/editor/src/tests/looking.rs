@@ -1,4 +1,4 @@
-//! Looking changes nothing: whatever is chosen, unfolded or shown, the text stays as it is byte by byte.
+//! Tests that viewing changes nothing: the text stays the same byte for byte, whatever is selected, opened, or shown.
 
 use crate::actions::{Action, Pane};
 use crate::document::Session;
@@ -6,7 +6,7 @@ use crate::editor::Editor;
 use crate::testing::{Window, act, editor, unseen};
 use std::path::{Path, PathBuf};
 
-/// Every document of a folder of the repository.
+/// Returns every document in a folder of the repository.
 fn documents(folder: &str) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
     let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
@@ -18,14 +18,14 @@ fn documents(folder: &str) -> Vec<PathBuf> {
     files
 }
 
-/// What of a document was changed, if anything was.
+/// Returns a description of a change to the document, if any.
 fn change(editor: &Editor, text: &str, revision: u64) -> Option<String> {
     let session = &editor.state().session;
     let done = session.history().undoes().map(String::from);
     done.or_else(|| (session.text() != text || session.revision() != revision).then(|| "the text".into()))
 }
 
-/// Chooses every node and output of a document and shows every panel; gives what was changed by that.
+/// Selects every node and output of a document and shows every panel; returns the changes made by that.
 fn look_at(session: Session) -> Vec<String> {
     let text = session.text().to_string();
     let mut window = unseen(session);

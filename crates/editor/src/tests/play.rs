@@ -1,4 +1,4 @@
-//! Frames that are played, over a worker that takes longer for one than a frame lasts.
+//! Tests of playback with a worker that is slower than the frame rate.
 
 use super::{DUSK, dusk};
 use crate::actions::Action;

@@ -1,4 +1,4 @@
-//! Files outside of what a document may reach: asked for, allowed, remembered.
+//! Tests of permissions for files outside a document's folder: requested, given, stored, and revoked.
 
 use super::DUSK;
 use crate::actions::Action;
@@ -7,7 +7,7 @@ use crate::testing::{Window, act, editor, finished, until, window};
 use egui_kittest::kittest::Queryable;
 use std::path::{Path, PathBuf};
 
-/// A folder with a picture, and a document in another that reads it.
+/// A folder with a picture, and another with a document that reads it.
 struct Shot {
     root: tempfile::TempDir,
     /// The picture's folder, as it is shown.
@@ -23,7 +23,7 @@ impl Shot {
         Self { root, plates }
     }
 
-    /// Writes a document that reads the picture, into a folder of its own.
+    /// Writes a document that reads the picture into a folder of its own.
     fn document(&self, name: &str) -> PathBuf {
         let folder = self.root.path().join(name);
         std::fs::create_dir_all(&folder).unwrap();

@@ -1,5 +1,5 @@
-//! No work is lost, and none that is saved comes back: copies in case that the editor ends unexpectedly, and text that is
-//! typed and not applied.
+//! Tests that no work is lost and no saved work is offered for recovery: backups of editors that end unexpectedly, and
+//! text that is typed but not applied.
 
 use super::DUSK;
 use crate::actions::{Action, Pane};
@@ -116,7 +116,7 @@ fn what_is_kept_against_the_file_is_kept_for_good() {
     std::fs::write(&desk.file, DUSK.replace("0.25", "0.75")).unwrap();
     until(&mut desk.window, "the question", |editor| editor.prompts.is_open());
     desk.window.run_steps(2);
-    desk.window.get_by_label("Keep what is here").click();
+    desk.window.get_by_label("Keep my version").click();
     desk.window.run_steps(3);
     assert!(desk.dot());
     desk.keeps("the copy", Some(DUSK));

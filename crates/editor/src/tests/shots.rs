@@ -1,4 +1,4 @@
-//! Pictures of the window, drawn by wgpu, to be looked at: they need a graphics driver, so they are made on request.
+//! Screenshots of the window, drawn by wgpu; they need a graphics driver, so they run only on request.
 
 use crate::actions::{Action, Pane};
 use crate::document::Session;

@@ -1,4 +1,4 @@
-//! What the window tells: notices, questions, and what evaluation alone shows.
+//! Tests of what the window reports: notices, prompts, and faults that appear only in evaluation.
 
 use super::DUSK;
 use crate::actions::Action;

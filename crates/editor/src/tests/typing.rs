@@ -1,4 +1,4 @@
-//! Numbers, colors and names as they are typed: entered, refused in words, or left alone.
+//! Tests of typed numbers, colors, and names: accepted, refused with a message, or left unchanged.
 
 use super::DUSK;
 use crate::actions::{Action, After};

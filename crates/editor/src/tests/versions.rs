@@ -29,16 +29,16 @@ fn a_newer_document_is_shown_and_never_written_unasked() {
     let on_disk = || std::fs::read_to_string(&file).unwrap();
     let mut window = window(Session::open(&file).unwrap(), None);
     finished(&mut window);
-    window.get_by_label_contains("of version 2 of the format, and this editor knows version 1");
+    window.get_by_label_contains("uses format version 2; this editor supports version 1");
     for name in ["Node haze, Haze", "Node sky, Ramp", "Node dusk, Mix"] {
         window.get_by_label(name);
     }
-    assert!(window.query_by_label("Write the version").is_none(), "another number would not make it known");
+    assert!(window.query_by_label("Set the format version").is_none(), "another number would not make it known");
     save(&mut window);
     assert_eq!(on_disk(), newer(), "nothing was changed");
     act(&mut window, set(0.5));
     save(&mut window);
-    window.get_by_label("Write over a newer document?");
+    window.get_by_label("Overwrite a newer document?");
     window.get_by_label("Cancel").click();
     window.run_steps(3);
     assert_eq!(on_disk(), newer());
@@ -46,10 +46,10 @@ fn a_newer_document_is_shown_and_never_written_unasked() {
     act(&mut window, Action::Quit);
     window.get_by_label("Save").click();
     window.run_steps(3);
-    window.get_by_label("Write over a newer document?");
+    window.get_by_label("Overwrite a newer document?");
     assert!(!editor(&window).is_closing());
     assert_eq!(on_disk(), newer());
-    window.get_by_label("Write over it").click();
+    window.get_by_label("Overwrite").click();
     window.run_steps(3);
     assert!(editor(&window).is_closing());
     assert_eq!(on_disk(), newer().replace("0.25", "0.5"), "what is not known stays as it was");
@@ -70,18 +70,18 @@ fn a_document_without_a_known_version_says_so_and_can_be_given_one() {
     for (text, found) in [
         (DUSK.replace("\"trochoid\": 1", "\"trochoid\": 0"), "Found \"trochoid\": 0; expected 1"),
         (DUSK.replace("\"trochoid\": 1", "\"trochoid\": \"1\""), "Found \"trochoid\": \"1\"; expected 1"),
-        (DUSK.replace("  \"trochoid\": 1,\n", ""), "Found no \"trochoid\" at the top"),
+        (DUSK.replace("  \"trochoid\": 1,\n", ""), "Found no \"trochoid\" entry at the top level"),
     ] {
         let mut window = window(Session::new(text.clone(), None), None);
         finished(&mut window);
         window.get_by_label_contains(found);
         act(&mut window, Action::Panel(Pane::Text));
         window.get_by_label_contains("trochoid: found");
-        window.get_by_label("Write the version").click();
+        window.get_by_label("Set the format version").click();
         window.run_steps(3);
         let state = editor(&window).state();
         assert!(state.session.meaning().graph.is_some(), "{:?}", state.session.meaning().diagnostics);
-        assert!(window.query_by_label("Write the version").is_none());
+        assert!(window.query_by_label("Set the format version").is_none());
         act(&mut window, Action::Undo);
         assert_eq!(editor(&window).state().session.text(), text);
     }
@@ -104,7 +104,7 @@ fn a_text_that_is_no_json_leaves_in_sight_what_was_there() {
     finished(&mut window);
     let look = editor(&window).state().look.clone();
     act(&mut window, Action::Rewrite(DUSK.replace("\"nodes\": {", "\"nodes\": ")));
-    window.get_by_label_contains("What is shown here is as it was before");
+    window.get_by_label_contains("The panels show the previous state");
     assert_eq!(editor(&window).state().sheet().nodes.len(), 3);
     // What is asked for meanwhile changes nothing.
     let broken = editor(&window).state().session.text().to_string();
@@ -123,6 +123,6 @@ fn a_text_that_is_no_json_leaves_in_sight_what_was_there() {
 #[test]
 fn a_file_that_is_no_json_opens_with_its_fault() {
     let window = window(Session::new("{\n  \"trochoid\": 1,\n".into(), None), None);
-    window.get_by_label_contains("Nothing else can be shown until the text is mended");
+    window.get_by_label_contains("Nothing else can be shown until the text is corrected");
     assert!(window.query_by_label("Width").is_none());
 }

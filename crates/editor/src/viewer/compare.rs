@@ -1,4 +1,4 @@
-//! Two pictures against each other: one that was held, and the present one.
+//! Comparison of the current picture with a held one.
 
 use super::picture::{Image, Stage, part, place};
 use crate::evaluate::{Display, Result, Screen, shown};
@@ -6,45 +6,45 @@ use egui::{Align2, Color32, CursorIcon, FontId, Rect, Sense, Stroke, Ui, WidgetI
 use std::sync::Arc;
 use trochoid::{Kind, Picture, WorkingSpace};
 
-/// How the held picture is shown with the present one.
+/// Way to compare with the held picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mode {
-    /// At the left of a line.
+    /// The held picture to the left of a movable line.
     Wipe,
-    /// What differs.
+    /// The difference of both pictures.
     Difference,
 }
 
-/// The held picture, and how it is shown.
+/// The held picture and the comparison.
 #[derive(Default)]
 pub(super) struct Compare {
     pub(super) held: Option<Held>,
     pub(super) gain: f32,
     image: Image,
     difference: Option<Difference>,
-    /// How many pictures were held so far.
+    /// Number of pictures held so far.
     count: u64,
-    /// The range of the values of the present picture, found once.
+    /// Value range of the current picture, computed once.
     range: Option<(Arc<Picture>, Display, [f32; 2])>,
 }
 
-/// A picture that was held.
+/// The held picture.
 pub(super) struct Held {
     pub(super) name: String,
     pub(super) mode: Mode,
     number: u64,
     picture: Arc<Picture>,
     space: WorkingSpace,
-    /// The picture as it is shown, and how that is.
+    /// The picture converted for the screen, with these display settings.
     screen: Arc<Screen>,
     display: Display,
-    /// The part of the document's picture that it shows.
+    /// Part of the document's picture that it covers.
     part: Rect,
-    /// Where the line is, as a share of the picture.
+    /// Position of the line, as a fraction of the picture's width.
     wipe: f32,
 }
 
-/// The difference of two pictures.
+/// A cached difference.
 struct Difference {
     of: [Arc<Screen>; 2],
     gain: f32,
@@ -52,7 +52,7 @@ struct Difference {
 }
 
 impl Held {
-    /// Whether it is shown so, but for the range of its values.
+    /// Returns whether the picture is shown with these display settings, ignoring the value range.
     pub(super) fn is_shown(&self, display: Display) -> bool {
         Display { range: self.display.range, ..display } == self.display
     }
@@ -78,7 +78,8 @@ impl Compare {
         }
     }
 
-    /// How the held picture is to be shown beside a result: as that is, from the same value to the same value.
+    /// Returns the display settings for the held picture beside a result: those of the result, with the same value
+    /// range.
     fn display(&mut self, result: &Result) -> Display {
         let display = result.display;
         if display.range.is_some() || !matches!(result.picture.kind, Kind::Field(_)) {
@@ -87,12 +88,12 @@ impl Compare {
         let known = self.range.as_ref().filter(|known| Arc::ptr_eq(&known.0, &result.picture) && known.1 == display);
         let range = known.map_or_else(|| shown::range(&result.picture, &display), |known| known.2);
         self.range = Some((result.picture.clone(), display, range));
-        // Values of another kind are of another measure.
+        // A value range is meaningful only for the same kind.
         let is_alike = self.held.as_ref().is_none_or(|held| held.picture.kind == result.picture.kind);
         if is_alike { Display { range: Some(range), ..display } } else { display }
     }
 
-    /// The held picture, where it is to be shown otherwise than it is: its number, and how.
+    /// Returns the request for the held picture, if it needs other display settings.
     pub(super) fn wanted(&mut self, result: &Result) -> Option<(u64, Arc<Picture>, WorkingSpace, Display)> {
         self.held.as_ref()?;
         let display = self.display(result);
@@ -100,20 +101,20 @@ impl Compare {
         Some((held.number, held.picture.clone(), held.space, display))
     }
 
-    /// Takes the held picture as it was asked for.
+    /// Receives the requested held picture.
     pub(super) fn take(&mut self, number: u64, display: Display, screen: Arc<Screen>) {
         if let Some(held) = self.held.as_mut().filter(|held| held.number == number) {
             (held.display, held.screen) = (display, screen);
         }
     }
 
-    /// What is shown of the present picture: itself, or how it differs.
+    /// Returns the screen pixels to draw: the current picture, or the difference.
     pub(super) fn shown(&mut self, result: &Result) -> Arc<Screen> {
         let Some(held) = self.held.as_ref().filter(|held| held.mode == Mode::Difference) else {
             self.difference = None;
             return result.screen.clone();
         };
-        // Until both are shown alike, what differed before.
+        // Keep the previous difference until both pictures have the same display settings.
         if let Some(known) = self.difference.as_ref().filter(|_| !held.is_shown(result.display)) {
             return known.screen.clone();
         }
@@ -129,7 +130,7 @@ impl Compare {
         screen
     }
 
-    /// Draws the held picture at the left of the line, and lets the line be moved.
+    /// Draws the held picture to the left of the wipe line, and handles the line's input.
     pub(super) fn wipe_ui(&mut self, ui: &mut Ui, stage: &Stage, rect: Rect, zoom: f32) {
         let Some(held) = self.held.as_mut().filter(|held| held.mode == Mode::Wipe) else { return };
         let x = rect.left() + held.wipe * rect.width();
@@ -160,7 +161,8 @@ impl Compare {
     }
 }
 
-/// By how much two pictures differ, as they are shown. Of the size of the second; what the first has not is black there.
+/// Returns the absolute difference of two pictures as displayed, at the size of the second; pixels that the first does
+/// not cover are black.
 fn difference(a: &Screen, part_a: Rect, b: &Screen, part_b: Rect, gain: f32) -> Screen {
     let mut pixels = vec![255_u8; b.pixels.len()];
     let nearest = |index: usize, axis: usize| {

@@ -1,4 +1,4 @@
-//! Paths of bursts, guides and bodies of a sea in the picture, to be moved by hand.
+//! Handles in the picture for the Bézier paths of a sea: bursts, guides, and bodies.
 
 use super::picture::{place, share};
 use crate::actions::Action;
@@ -13,14 +13,14 @@ use egui::{
 use serde_json::{Value, json};
 use trochoid::{CheckedNode, Dynamics, NodeId, Paths, Role, Source};
 
-/// Paths of a list that are drawn, at most.
+/// Maximum number of paths drawn per list.
 const PATHS: usize = 64;
-/// Pieces of a curve as it is drawn.
+/// Number of segments of a drawn curve.
 const PIECES: usize = 48;
 
 type Vector = [f64; 3];
 
-/// A camera fitted to a picture whose width and height are 1.
+/// Projection of a camera onto a picture of width and height 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Eye {
     position: Vector,
@@ -28,9 +28,9 @@ pub(super) struct Eye {
     up: Vector,
     forward: Vector,
     orthographic: bool,
-    /// Widths of the picture for a tangent of 1, or for one meter.
+    /// Picture widths per unit tangent, or per meter if orthographic.
     scale: f64,
-    /// Width by height.
+    /// Aspect ratio: width divided by height.
     aspect: f64,
 }
 
@@ -52,7 +52,7 @@ fn unit(a: Vector) -> Option<Vector> {
 }
 
 impl Eye {
-    /// The camera of a picture: by its knobs at the frame.
+    /// Creates the projection of a camera from its knobs at the frame.
     pub(super) fn new(result: &Result, camera: NodeId) -> Self {
         let graph = &result.lens.graph;
         let knobs = graph.settle(camera, result.frame);
@@ -81,7 +81,7 @@ impl Eye {
         }
     }
 
-    /// Where a point of the world stands in the picture, in shares; `None` behind the camera.
+    /// Projects a world-space point, in fractions of the picture; `None` behind the camera.
     pub(super) fn project(&self, point: Vector) -> Option<Pos2> {
         let offset = sum(point, -1.0, self.position);
         let depth = dot(offset, self.forward);
@@ -94,7 +94,7 @@ impl Eye {
         Some(pos2(0.5 + x as f32, 0.5 - y as f32))
     }
 
-    /// The point of a level plane that is seen at a place of the picture; `None` above the horizon.
+    /// Returns the point of a horizontal plane seen at a place in the picture; `None` above the horizon.
     pub(super) fn on_level(&self, at: Pos2, level: f64) -> Option<Vector> {
         let across = (f64::from(at.x) - 0.5) / self.scale;
         let upward = (0.5 - f64::from(at.y)) / (self.scale * self.aspect);
@@ -112,7 +112,7 @@ fn has_role(node: &CheckedNode, role: Role) -> bool {
     node.ty.declaration().role == Some(role)
 }
 
-/// The camera through which a sea is seen in a picture.
+/// Returns the camera that a picture shows a sea through.
 fn camera(result: &Result, sea: NodeId) -> Option<NodeId> {
     let graph = &result.lens.graph;
     graph.nodes().iter().enumerate().find_map(|(index, node)| {
@@ -125,7 +125,7 @@ fn camera(result: &Result, sea: NodeId) -> Option<NodeId> {
     })
 }
 
-/// A path: its place in the document and its control points x, z, … from the sea's first cell on.
+/// A path: its place in the document, and its control points as x, z pairs relative to the sea's origin.
 struct Way {
     name: String,
     path: Path,
@@ -149,7 +149,7 @@ fn ways(state: &State, sea: &str, paths: &Paths) -> Vec<Way> {
     ways
 }
 
-/// Draws the paths of the chosen sea over its picture, and lets their points be moved on the plane of the sea at rest.
+/// Draws the paths of the selected sea over its picture; control points can be dragged in the plane of the sea at rest.
 pub(super) fn handles_ui(
     ui: &mut Ui,
     area: Rect,
@@ -208,7 +208,7 @@ pub(super) fn handles_ui(
     }
 }
 
-/// The curve of a path, and the lines to the points that bend it.
+/// Draws a path's curve, and lines to its inner control points.
 fn curve(painter: &Painter, points: [[f64; 2]; 4], at: &dyn Fn([f64; 2]) -> Option<Pos2>) {
     let along = |t: f64| {
         let s = 1.0 - t;

@@ -1,4 +1,4 @@
-//! The colors of a picture as points in space, within the hull of its control colors.
+//! The colors of a picture as points in color space, inside the convex hull of the control colors.
 
 use super::inspector::swatch;
 use crate::evaluate::Result;
@@ -10,17 +10,17 @@ use egui::{
 use std::sync::Arc;
 use trochoid::Picture;
 
-/// Points that are drawn, at most.
+/// Maximum number of points drawn.
 const POINTS: usize = 20_000;
-/// Edges and corners of the hull that are drawn, at most: those of a photograph are too many to tell apart.
+/// Maximum number of drawn edges and vertices of the hull: a photograph has more than can be told apart.
 const EDGES: usize = 4_000;
 
 type Point = [f32; 3];
 
-/// The space, as it was turned last.
+/// The color space view and its rotation.
 pub(super) struct Space {
     pub(super) shown: bool,
-    /// Projection about the vertical, and raised, in radians.
+    /// Rotation about the vertical axis, and elevation, in radians.
     turn: [f32; 2],
     zoom: f32,
     cloud: Option<Cloud>,
@@ -32,15 +32,15 @@ impl Default for Space {
     }
 }
 
-/// What is drawn of a picture.
+/// Geometry of a picture's colors.
 struct Cloud {
     of: Arc<Picture>,
     points: Vec<(Point, Color32)>,
     corners: Vec<(Point, Color32)>,
     edges: Vec<[Point; 2]>,
-    /// Corners and edges of the whole hull.
+    /// Number of vertices and edges of the whole hull.
     count: [usize; 2],
-    /// The middle of the hull, and its radius.
+    /// Center of the hull, and its radius.
     center: Point,
     radius: f32,
 }
@@ -54,7 +54,7 @@ impl Cloud {
         let seen = |color: Point| (color, swatch(space, color.map(f64::from)));
         let count = r.samples().len();
         let step = count.div_ceil(POINTS).max(1);
-        // No divisor of the picture's width, so that points do not stand in columns.
+        // Not a divisor of the picture's width, which would sample whole columns.
         let step = if step > 1 && r.window().width() % step == 0 { step + 1 } else { step };
         let points = (0..count).step_by(step).map(|at| [r, g, b].map(|plane| plane.samples()[at]));
         let points = points.filter(|color| color.iter().all(|value| value.is_finite())).map(seen).collect();
@@ -67,7 +67,7 @@ impl Cloud {
         let center = ends.map(|[low, high]| if low <= high { 0.5 * (low + high) } else { 0.5 });
         let reach = |v: &Point| (0..3).map(|axis| (v[axis] - center[axis]).powi(2)).sum::<f32>().sqrt();
         let radius = vertices.iter().map(reach).fold(0.0, f32::max).max(1e-3);
-        // That of a single point has no length.
+        // The hull of a single point has one edge of length zero.
         let real = edges.iter().filter(|[a, b]| a != b);
         Some(Self {
             of: picture.clone(),
@@ -81,7 +81,7 @@ impl Cloud {
     }
 }
 
-/// How points of the space come to the screen: parallel, turned about the middle of the hull.
+/// Parallel projection, rotated about the center of the hull.
 struct Projection {
     center: Point,
     turn: [f32; 2],
@@ -90,7 +90,7 @@ struct Projection {
 }
 
 impl Projection {
-    /// Where a point is drawn, and how near it is.
+    /// Returns where a point is drawn, and its depth (larger is nearer).
     fn place(&self, point: Point) -> (Pos2, f32) {
         let [x, y, z] = [0, 1, 2].map(|axis| point[axis] - self.center[axis]);
         let ((sin, cos), (rise, flat)) = (self.turn[0].sin_cos(), self.turn[1].sin_cos());
@@ -101,7 +101,7 @@ impl Projection {
 }
 
 impl Space {
-    /// Draws the space of a picture's colors; they can be turned and come nearer.
+    /// Draws the color space and handles rotation and zoom.
     pub(super) fn ui(&mut self, ui: &mut Ui, area: Rect, result: &Result) -> Response {
         let response = ui.allocate_rect(area, Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, "Hull of the palette"));
@@ -112,7 +112,7 @@ impl Space {
             self.cloud = Cloud::new(result);
         }
         let Some(cloud) = &self.cloud else {
-            let text = "Only colors have a palette: look at a Color.";
+            let text = "Only colors have a palette: view a Color output.";
             painter.text(
                 area.center(),
                 Align2::CENTER_CENTER,
@@ -148,7 +148,7 @@ impl Space {
     }
 }
 
-/// The axes of the working space, from black to where each channel is 1.
+/// Draws the axes of the working space, from black to 1 in each channel.
 fn axes(painter: &Painter, turned: &Projection) {
     let ends = [
         ([1.0, 0.0, 0.0], "R", Color32::from_rgb(0xd0, 0x60, 0x60)),
@@ -170,7 +170,7 @@ fn draw(painter: &Painter, cloud: &Cloud, turned: &Projection) {
         let (at, near) = turned.place(*point);
         points.push((at, near, *color));
     }
-    // What is near covers what is far.
+    // Near points cover far ones.
     points.sort_by(|a, b| a.1.total_cmp(&b.1));
     let mut mesh = Mesh::default();
     for (at, _, color) in points {

@@ -1,4 +1,4 @@
-//! A pixel in detail: its value, and the control colors that it is mixed of.
+//! The pixel inspector: the value of a pixel, and the control colors it is mixed from.
 
 use super::origin::origin;
 use crate::actions::Action;
@@ -8,18 +8,18 @@ use crate::state::State;
 use egui::{Align, Button, Color32, Layout, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
 use trochoid::{Kind, WorkingSpace};
 
-/// Width of the strip over the picture, where there is room.
+/// Width of the inspector beside the picture, if there is room.
 pub(super) const WIDTH: f32 = 208.0;
-/// Shares that are listed one by one; the rest, small as they are, as one.
+/// Number of weights listed individually; the remaining small ones are summed.
 const ROWS: usize = 24;
 
-/// What a color of the working space looks like.
+/// Converts a color of the working space for display.
 pub(super) fn swatch(space: WorkingSpace, color: [f64; 3]) -> Color32 {
     let [r, g, b] = space.to_display(color).map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8);
     Color32::from_rgb(r, g, b)
 }
 
-/// The pixel of a result at a place in shares of the picture; `None` outside of what it shows.
+/// Returns the pixel of a result at a place in fractions of the picture; `None` outside the evaluated part.
 pub(super) fn pixel(result: &Result, at: Pos2) -> Option<[i64; 2]> {
     if !(0.0..1.0).contains(&at.x) || !(0.0..1.0).contains(&at.y) {
         return None;
@@ -29,18 +29,18 @@ pub(super) fn pixel(result: &Result, at: Pos2) -> Option<[i64; 2]> {
     ((window.x0..window.x1).contains(&x) && (window.y0..window.y1).contains(&y)).then_some([x, y])
 }
 
-/// The pixel of the document's picture there, whatever is evaluated of it.
+/// Returns the pixel coordinates in the document's full-resolution picture.
 pub(super) fn named(result: &Result, at: Pos2) -> [i64; 2] {
     let format = result.lens.graph.format();
     blame::pixel([at.x, at.y], [format.width(), format.height()])
 }
 
-/// A pixel's value by channel.
+/// Returns the channel values of a pixel.
 pub(super) fn values(result: &Result, [x, y]: [i64; 2]) -> Vec<f64> {
     result.picture.planes.iter().map(|plane| f64::from(plane.nearest(x, y))).collect()
 }
 
-/// What a pixel looks like as it is shown.
+/// Returns the color of a pixel as displayed.
 pub(super) fn displayed(result: &Result, [x, y]: [i64; 2]) -> Option<Color32> {
     let window = result.picture.planes.first()?.window();
     let index = (y - window.y0) as usize * result.screen.size[0] + (x - window.x0) as usize;
@@ -48,7 +48,7 @@ pub(super) fn displayed(result: &Result, [x, y]: [i64; 2]) -> Option<Color32> {
     Some(Color32::from_rgb(pixel[0], pixel[1], pixel[2]))
 }
 
-/// Values as they are read: up to so many, with as many digits as say something.
+/// Formats up to `most` values with their significant digits.
 pub(super) fn written(values: &[f64], most: usize) -> String {
     let mut text: Vec<String> = values.iter().take(most).map(|value| number(*value)).collect();
     if values.len() > most {
@@ -57,7 +57,7 @@ pub(super) fn written(values: &[f64], most: usize) -> String {
     text.join("  ")
 }
 
-/// A square of a color.
+/// Draws a color square.
 pub(super) fn swatch_ui(ui: &mut Ui, color: Color32, side: f32) {
     let (rect, _) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
     ui.painter().rect_filled(rect, 2.0, color);
@@ -65,7 +65,7 @@ pub(super) fn swatch_ui(ui: &mut Ui, color: Color32, side: f32) {
     ui.painter().rect_stroke(rect, 2.0, rim, StrokeKind::Inside);
 }
 
-/// Draws what is known of the pixel that is inspected.
+/// Draws the inspector for a pixel.
 pub(super) fn inspector_ui(ui: &mut Ui, state: &State, result: &Result, at: Pos2, actions: &mut Vec<Action>) {
     let picture = &result.picture;
     let found = pixel(result, at);
@@ -73,13 +73,13 @@ pub(super) fn inspector_ui(ui: &mut Ui, state: &State, result: &Result, at: Pos2
         let place = named(result, at);
         ui.strong(format!("Pixel {}, {}", place[0], place[1]));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if ui.add(Button::new("×").small().frame(false)).on_hover_text("Inspects no pixel (Esc).").clicked() {
+            if ui.add(Button::new("×").small().frame(false)).on_hover_text("Close the inspector (Esc)").clicked() {
                 actions.push(Action::Pick(None));
             }
         });
     });
     let Some(place) = found else {
-        ui.weak("Outside of what is evaluated.");
+        ui.weak("Outside the evaluated region.");
         return;
     };
     let values = values(result, place);
@@ -95,7 +95,7 @@ pub(super) fn inspector_ui(ui: &mut Ui, state: &State, result: &Result, at: Pos2
         let text = format!("Guarantee: {}\n{} of {} outside", guarantee.name(), thousands(exits), thousands(pixels));
         let color = if exits > 0 { crate::theme::error(ui.visuals()) } else { ui.visuals().weak_text_color() };
         ui.label(RichText::new(text).color(color))
-            .on_hover_text("Pixels of this picture that are no convex mix of its control colors.");
+            .on_hover_text("Pixels of this picture that are not a convex combination of its control colors");
     }
     if picture.kind != Kind::Color {
         return;
@@ -103,7 +103,7 @@ pub(super) fn inspector_ui(ui: &mut Ui, state: &State, result: &Result, at: Pos2
     ui.separator();
     match &state.seen.blame {
         Some(blamed) => {
-            // The answer for another pixel stays until there is one for this.
+            // The previous pixel's answer stays, dimmed, until the new one arrives.
             let is_old = blamed.generation != result.generation || blamed.at != [at.x, at.y];
             ui.scope(|ui| {
                 if is_old {
@@ -112,22 +112,22 @@ pub(super) fn inspector_ui(ui: &mut Ui, state: &State, result: &Result, at: Pos2
                 blame_ui(ui, state, result, blamed, actions);
             });
         }
-        None if state.seen.progress.is_some() => drop(ui.weak("Its colors are found when the picture is finished.")),
-        None => drop(ui.weak("Finding its colors …")),
+        None if state.seen.progress.is_some() => drop(ui.weak("Composition available when the picture is finished.")),
+        None => drop(ui.weak("Finding the control colors …")),
     }
 }
 
 fn kind(result: &Result) -> String {
     match (result.lens.clay, result.picture.kind) {
-        (true, _) => "Lit like clay".into(),
+        (true, _) => "Clay shading".into(),
         (false, Kind::Color) => format!("Color in {}", result.lens.graph.space()),
         (false, kind) => kind.to_string(),
     }
 }
 
-/// The control colors, the greatest share first.
+/// Draws the control colors, largest weight first.
 fn blame_ui(ui: &mut Ui, state: &State, result: &Result, blamed: &Blamed, actions: &mut Vec<Action>) {
-    ui.weak("Mixed of").on_hover_text("The control colors of this pixel and their shares, which sum to 1.");
+    ui.weak("Mixed of").on_hover_text("Control colors of this pixel and their weights, which sum to 1");
     ScrollArea::vertical().id_salt("blame").auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 1.0;
         ui.spacing_mut().interact_size.y = 15.0;
@@ -159,21 +159,21 @@ fn share_ui(ui: &mut Ui, state: &State, result: &Result, share: &Share, actions:
                 let name = RichText::new(&called);
                 let name = if is_chosen { name.strong() } else { name };
                 let label = ui.add(egui::Label::new(name).truncate().sense(Sense::click()));
-                let help = format!("{called}: {}\nClick to choose the node.", written(&share.color, 3));
+                let help = format!("{called}: {}\nClick to select the node.", written(&share.color, 3));
                 if label.on_hover_text(help).clicked() {
                     actions.extend([Action::Select([share.node.clone()].into()), Action::Frames]);
                 }
             });
         });
     });
-    // The share as a line below the row.
+    // The weight as a bar below the row.
     let (line, _) = ui.allocate_exact_size(vec2(row.response.rect.width(), 2.0), Sense::hover());
     ui.painter().rect_filled(line, 1.0, ui.visuals().faint_bg_color);
     let filled = Rect::from_min_size(line.min, vec2(line.width() * share.weight.clamp(0.0, 1.0) as f32, line.height()));
     ui.painter().rect_filled(filled, 1.0, ui.visuals().selection.bg_fill);
 }
 
-/// A share in percent.
+/// Formats a fraction as a percentage.
 pub(super) fn percent(share: f64) -> String {
     match 100.0 * share {
         percent if percent > 0.0 && percent < 0.05 => "< 0.1 %".into(),

@@ -1,4 +1,4 @@
-//! The picture: how it is shown, what it is made of, and what is moved in it by hand.
+//! The viewer: display of the picture, inspection of pixels, and handles in the picture.
 
 mod compare;
 mod handles;
@@ -30,7 +30,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use trochoid::{Kind, Picture, WorkingSpace};
 
-/// What the viewer holds besides what all see.
+/// State of the viewer that no other panel shares.
 #[derive(Default)]
 pub(crate) struct Viewer {
     view: View,
@@ -40,51 +40,51 @@ pub(crate) struct Viewer {
     near: Near,
     /// Whether handles of seas are hidden.
     no_handles: bool,
-    /// Whether the next drag in the picture frames the region.
+    /// Whether the next drag in the picture draws the region.
     frames_region: bool,
     drag: Option<Drag>,
-    /// How wide parts of the line above the picture were when they were drawn last.
+    /// Widths of the toolbar's groups when last drawn.
     widths: HashMap<(toolbar::Group, u8), f32>,
-    /// What was inspected before the last click, which may turn out to be the first of two.
+    /// The inspected pixel before the last click, restored if that click turns out to begin a double-click.
     before: Option<[f32; 2]>,
-    /// Whether there is room beside the picture for what is known of the inspected pixel.
+    /// Whether the inspector is shown beside the picture.
     has_strip: bool,
 }
 
 impl Viewer {
-    /// The held picture, where it is to be shown otherwise than it is: its number, and how.
+    /// Returns the request for the held picture, if it needs other display settings.
     pub(crate) fn held_wanted(&mut self, result: &Result) -> Option<(u64, Arc<Picture>, WorkingSpace, Display)> {
         self.compare.wanted(result)
     }
 
-    /// Forgets what is of a document that was left.
+    /// Clears everything that belongs to the document being left.
     pub(crate) fn forget(&mut self) {
         self.compare.held = None;
         (self.before, self.drag, self.frames_region) = (None, None, false);
         self.view.fit();
     }
 
-    /// Takes the held picture as it was asked for.
+    /// Receives the requested held picture.
     pub(crate) fn take_held(&mut self, number: u64, display: Display, screen: Arc<Screen>) {
         self.compare.take(number, display, screen);
     }
 }
 
-/// What a drag in the picture does.
+/// Effect of a drag in the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Drag {
     Pan,
-    /// From a corner, in shares.
+    /// Draws a region from this corner, in fractions of the picture.
     Region(Pos2),
     Pick,
 }
 
-/// Height of the line below the picture.
+/// Height of the status bar below the picture.
 const BAR: f32 = 20.0;
-/// Panels narrower than this have no room for a strip beside the picture.
+/// Minimum width of the panel for the inspector.
 const NARROW: f32 = 300.0;
 
-/// Draws the picture.
+/// Draws the viewer.
 pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let whole = ui.available_rect_before_wrap();
     toolbar::toolbar_ui(viewer, ui, state, actions);
@@ -127,14 +127,13 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
 }
 
 impl Viewer {
-    /// Where the strip lies that tells of the inspected pixel, where there is one: beside the picture, which gets what is
-    /// left.
+    /// Returns the area of the inspector beside the picture, if it is shown, and adapts the view to the remaining area.
     fn strip(&mut self, ui: &Ui, stage: &Stage, state: &State) -> Option<Rect> {
         let area = stage.area;
         let wanted = state.look.pick.is_some() && area.width() > NARROW && !self.space.shown;
         let mut rest = *stage;
         rest.area.max.x -= inspector::WIDTH.min(0.45 * area.width());
-        // While the pointer holds something, the picture stays where it is.
+        // The picture does not move while a pointer button is pressed.
         if wanted != self.has_strip && !ui.input(|input| input.pointer.any_down()) {
             self.has_strip = wanted;
             let (from, to) = if wanted { (stage, &rest) } else { (&rest, stage) };
@@ -156,7 +155,7 @@ fn strip_ui(ui: &mut Ui, strip: Rect, content: impl FnOnce(&mut Ui)) {
     });
 }
 
-/// Keys that count where the pointer is over the viewer.
+/// Handles keys that work while the pointer is over the viewer.
 fn keys(viewer: &mut Viewer, ui: &Ui, state: &State, actions: &mut Vec<Action>) {
     let pressed = |key: Key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
     let display = state.look.display;
@@ -192,7 +191,7 @@ fn keys(viewer: &mut Viewer, ui: &Ui, state: &State, actions: &mut Vec<Action>) 
             actions.push(Action::Pick(None));
         }
     }
-    // The same key shows all of the graph where the pointer is over that.
+    // F frames the graph if the pointer is over the graph panel.
     let count = actions.len();
     actions.retain(|action| *action != Action::Frames);
     if actions.len() < count || pressed(Key::F) {
@@ -200,7 +199,7 @@ fn keys(viewer: &mut Viewer, ui: &Ui, state: &State, actions: &mut Vec<Action>) 
     }
 }
 
-/// Draws the picture and what lies over it; gives the place that the pointer is at, in shares.
+/// Draws the picture and its overlays; returns the pointer's place in fractions of the picture.
 fn picture_ui(
     viewer: &mut Viewer,
     ui: &mut Ui,
@@ -246,7 +245,7 @@ fn picture_ui(
     response.hover_pos().map(|at| share(rect, at))
 }
 
-/// Draws the picture that was there before there was none, darker, with what it is compared with.
+/// Draws the last picture, darkened, together with the comparison.
 fn last_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, (response, last): (&Response, &Result)) {
     move_view(viewer, ui, stage, response);
     let (rect, zoom) = (viewer.view.rect(stage), viewer.view.zoom(stage));
@@ -258,7 +257,7 @@ fn last_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, (response, last): (&
     painter.rect_filled(stage.area, 0.0, Color32::from_black_alpha(140));
 }
 
-/// Goes in and out, and moves the picture.
+/// Zooms and pans the picture.
 fn move_view(viewer: &mut Viewer, ui: &Ui, stage: &Stage, response: &Response) {
     if let Some(at) = response.hover_pos() {
         let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
@@ -275,7 +274,7 @@ fn move_view(viewer: &mut Viewer, ui: &Ui, stage: &Stage, response: &Response) {
     }
 }
 
-/// What clicks and drags in the picture do.
+/// Handles clicks and drags in the picture.
 fn point(
     viewer: &mut Viewer,
     ui: &Ui,
@@ -316,7 +315,7 @@ fn point(
         if let (Some(Drag::Region(from)), Some(to)) = (viewer.drag, at) {
             let framed = Rect::from_two_pos(from, within(to));
             let [w, h] = [framed.width() * rect.width(), framed.height() * rect.height()];
-            // What is as small was no drag.
+            // Smaller rectangles do not count as a drag.
             if w > 3.0 && h > 3.0 {
                 actions.push(Action::Region(Some([framed.min.x, framed.min.y, framed.max.x, framed.max.y])));
                 viewer.frames_region = false;
@@ -334,7 +333,7 @@ fn point(
     }
 }
 
-/// Draws the pixel that is inspected, and the region.
+/// Draws the marks of the inspected pixel and of the region.
 fn marks(viewer: &Viewer, ui: &Ui, stage: &Stage, rect: Rect, state: &State) {
     let painter = ui.painter().with_clip_rect(stage.area);
     let frame = |framed: Rect| {
@@ -360,17 +359,17 @@ fn marks(viewer: &Viewer, ui: &Ui, stage: &Stage, rect: Rect, state: &State) {
     }
 }
 
-/// Why there is no picture, and where the node is that is to blame.
+/// Draws the message why there is no picture, with a button that goes to the node at fault.
 fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut Vec<Action>) {
     let (text, color) = match (&state.seen.failed, &state.look.node) {
         (Some(why), _) => (why.clone(), Color32::from_rgb(0xf0, 0x90, 0x80)),
-        (None, None) => ("Choose a node in the graph and press 1 to see it.".into(), Color32::from_gray(190)),
+        (None, None) => ("Select a node in the graph and press 1 to view it.".into(), Color32::from_gray(190)),
         (None, Some(_)) => ("Evaluating …".into(), Color32::from_gray(150)),
     };
     let room =
         Rect::from_center_size(area.center(), vec2((area.width() - 32.0).clamp(40.0, 520.0), area.height() - 24.0));
     let galley = ui.painter().layout(text.clone(), FontId::proportional(14.0), color, room.width());
-    // Above the last picture, if there is one.
+    // At the top if the last picture is visible below.
     let align = if state.seen.last.is_some() { Align2::CENTER_TOP } else { Align2::CENTER_CENTER };
     let place = align.align_size_within_rect(galley.size(), room);
     if state.seen.last.is_some() {
@@ -394,21 +393,21 @@ fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut Vec<Action>)
     let culprit = looked.and_then(|node| state.fault_of(node)).map(|(name, _)| name);
     if let Some(culprit) = culprit.or_else(|| state.broken()?.0) {
         ui.scope_builder(UiBuilder::new().max_rect(below).id_salt("culprit"), |ui| {
-            if ui.button(format!("Show {culprit}")).on_hover_text("Chooses the node that is to blame.").clicked() {
+            if ui.button(format!("Show {culprit}")).on_hover_text("Select the node at fault").clicked() {
                 actions.push(Action::Visit(culprit.into()));
             }
         });
     }
 }
 
-/// What is seen where the node is no picture.
+/// Returns the note for a node that is not a picture itself.
 fn clay(state: &State) -> String {
     let kind = state.look.node.as_ref().and_then(|(name, output)| state.sheet().node(name)?.makes.get(*output)?.1);
     let kind = kind.map_or_else(|| "node".into(), |kind| kind.to_string());
-    format!("Lit like clay: a {kind} is no picture")
+    format!("Clay shading: a {kind} is not a picture")
 }
 
-/// A note in the picture's upper left corner.
+/// Draws a note in the picture's upper left corner.
 fn note(ui: &mut Ui, area: Rect, text: &str) {
     let galley = ui.painter().layout_no_wrap(text.into(), FontId::proportional(12.0), Color32::WHITE);
     let back = Rect::from_min_size(area.min + vec2(8.0, 8.0), galley.size() + vec2(12.0, 6.0));
@@ -418,7 +417,7 @@ fn note(ui: &mut Ui, area: Rect, text: &str) {
     });
 }
 
-/// The line below: what is under the pointer, and how large the picture is.
+/// Draws the status bar: values under the pointer, and the size of the picture.
 fn bar_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, state: &State, hover: Option<Pos2>) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let result = state.seen.result.as_deref();
@@ -431,10 +430,10 @@ fn bar_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, state: &State, hover:
         }
         if !viewer.space.shown {
             ui.weak(format!("{:.0} %", 100.0 * viewer.view.zoom(stage)));
-            if ui.small_button("1:1").on_hover_text("A pixel of the document as one of the screen.").clicked() {
+            if ui.small_button("1:1").on_hover_text("Show one pixel of the document per screen pixel").clicked() {
                 viewer.view.one_to_one(stage);
             }
-            if ui.small_button("Fit").on_hover_text("All of the picture (F, or a double click).").clicked() {
+            if ui.small_button("Fit").on_hover_text("Fit the picture to the panel (F, or double-click)").clicked() {
                 viewer.view.fit();
             }
         }
@@ -443,7 +442,7 @@ fn bar_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, state: &State, hover:
                 let text = format!("Click a color for {}", crate::document::spoken(place));
                 ui.add(egui::Label::new(RichText::new(text).strong()).truncate());
             } else if viewer.space.shown {
-                ui.add(egui::Label::new(RichText::new("Drag to turn, scroll to come nearer").weak()).truncate());
+                ui.add(egui::Label::new(RichText::new("Drag to rotate, scroll to zoom").weak()).truncate());
             } else if let (Some(at), Some(result)) = (hover, result)
                 && let Some(pixel) = inspector::pixel(result, at)
             {

@@ -1,4 +1,4 @@
-//! Which pixels lie near the faces of their palette's hull: there is little color left beyond them.
+//! Overlay that marks pixels near the faces of their palette's hull, which have little room left toward the outside.
 
 use super::picture::{part, place};
 use crate::evaluate::Result;
@@ -7,23 +7,23 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use trochoid::{Hull, Picture};
 
-/// Marks pixels near a face.
+/// The overlay of marks.
 #[derive(Default)]
 pub(super) struct Near {
     pub(super) shown: bool,
-    /// How near, in units of the working space.
+    /// Maximum distance to a face, in units of the working space.
     pub(super) distance: f32,
     made: Option<(Arc<Picture>, f32, Option<TextureHandle>)>,
 }
 
-/// Samples of the picture that are measured, at most, and products of those with faces: what takes a tenth of a second.
+/// Maximum number of measured samples, and of samples times faces: about a tenth of a second.
 const SAMPLES: usize = 1 << 18;
 const PRODUCTS: usize = 1 << 26;
-/// The color of the mark.
+/// Color of the marks.
 const MARK: [u8; 3] = [255, 64, 160];
 
 impl Near {
-    /// Turns it on or off.
+    /// Turns the overlay on or off.
     pub(super) fn toggle(&mut self) {
         self.shown = !self.shown;
         if self.distance <= 0.0 {
@@ -52,7 +52,7 @@ impl Near {
     }
 }
 
-/// Why nothing can be marked, in a sentence.
+/// Returns the message why nothing can be marked.
 pub(super) fn objection(result: &Result) -> Option<&'static str> {
     match result.picture.hull.as_deref().map(Hull::dimension) {
         None => Some("Only colors have a palette."),
@@ -61,7 +61,7 @@ pub(super) fn objection(result: &Result) -> Option<&'static str> {
     }
 }
 
-/// A picture of marks: the nearer to a face, the stronger.
+/// Returns the image of marks, stronger near a face.
 fn marks(picture: &Picture, distance: f64) -> Option<ColorImage> {
     let hull = picture.hull.as_deref().filter(|hull| hull.dimension() == Some(3))?;
     let [r, g, b] = picture.planes.as_slice() else { return None };

@@ -1,14 +1,14 @@
-//! Where in a node a control color is written.
+//! Finds the place in a node where a control color is written.
 
 use crate::document::color::rgb;
 use crate::document::{Path, Sheet, edit};
 use serde_json::Value;
 use trochoid::{Item, Takes, WorkingSpace, srgb_decode};
 
-/// How near two colors are that are the same but for rounding.
+/// Tolerance for equal colors: rounding errors only.
 const SAME: f64 = 1e-6;
 
-/// The knob, port or record of a node that holds a control color, as people call it; `None` where none does, or several.
+/// Returns the readable name of the knob, port, or record that holds a control color; `None` if none or several match.
 pub(super) fn origin(sheet: &Sheet, node: &str, color: [f64; 3], space: WorkingSpace) -> Option<String> {
     let body = sheet.get(&Path::node(node))?;
     let mut all = Vec::new();
@@ -19,7 +19,7 @@ pub(super) fn origin(sheet: &Sheet, node: &str, color: [f64; 3], space: WorkingS
     found.next().is_none().then_some(name)
 }
 
-/// The colors that items write, and what each is called.
+/// Collects the colors written in items, with their names.
 fn gather(items: &[Item], body: &Value, before: &str, space: WorkingSpace, all: &mut Vec<(String, [f64; 3])>) {
     let counts = |item: &&Item| match item {
         Item::Knob(knob) => matches!(knob.takes, Takes::Color),
@@ -29,7 +29,7 @@ fn gather(items: &[Item], body: &Value, before: &str, space: WorkingSpace, all: 
     let colored: Vec<&Item> = items.iter().filter(counts).collect();
     for item in &colored {
         let name = item.name().replace('_', " ");
-        // A record's only color is the record's.
+        // A record's only color is named after the record.
         let own = match before {
             "" => name.clone(),
             _ if colored.len() == 1 => before.into(),
@@ -60,7 +60,7 @@ fn gather(items: &[Item], body: &Value, before: &str, space: WorkingSpace, all: 
     }
 }
 
-/// A color as it is written, in the working space; `None` for anything else.
+/// Returns a literal color in the working space; `None` for any other value.
 fn literal(value: &Value, space: WorkingSpace) -> Option<[f64; 3]> {
     match value {
         Value::String(text) => {

@@ -1,4 +1,4 @@
-//! The picture on the screen: its textures, and where it lies.
+//! The picture on the screen: its textures, pan, and zoom.
 
 use crate::evaluate::{Result, Screen};
 use egui::{
@@ -6,20 +6,20 @@ use egui::{
 };
 use std::sync::Arc;
 
-/// What surrounds the picture: a gray that makes no color look different.
+/// Neutral gray around the picture.
 pub(super) const SURROUND: Color32 = Color32::from_gray(0x2e);
 
-/// How far in and out one can go: pixels of the screen for one of the document.
+/// Minimum and maximum zoom, in screen pixels per document pixel.
 const ZOOMS: [f32; 2] = [0.02, 64.0];
-/// What is left around a picture that is fitted, points.
+/// Margin around a fitted picture, in points.
 const MARGIN: f32 = 4.0;
 
-/// Where the picture lies.
+/// Pan and zoom of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct View {
-    /// Pixels of the screen for one of the document; fitted to the panel if `None`.
+    /// Screen pixels per document pixel; `None` fits the picture to the panel.
     zoom: Option<f32>,
-    /// What stands in the middle of the panel, in shares of the picture.
+    /// Place in the middle of the panel, in fractions of the picture.
     center: Pos2,
 }
 
@@ -29,17 +29,17 @@ impl Default for View {
     }
 }
 
-/// The panel, and the size of the document's picture in pixels.
+/// The area of the panel, and the size of the document's picture in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stage {
     pub(super) area: Rect,
     pub(super) size: Vec2,
-    /// Pixels of the screen for one point.
+    /// Screen pixels per point.
     pub(super) density: f32,
 }
 
 impl View {
-    /// Pixels of the screen for one of the document.
+    /// Returns the zoom, in screen pixels per document pixel.
     pub(super) fn zoom(&self, stage: &Stage) -> f32 {
         self.zoom.unwrap_or_else(|| {
             let room = (stage.area.size() - Vec2::splat(2.0 * MARGIN)).max(Vec2::splat(8.0)) * stage.density;
@@ -47,28 +47,28 @@ impl View {
         })
     }
 
-    /// Where the picture lies on the screen.
+    /// Returns the area of the picture on the screen.
     pub(super) fn rect(&self, stage: &Stage) -> Rect {
         let size = stage.size * (self.zoom(stage) / stage.density);
         let center = if self.zoom.is_some() { self.center } else { pos2(0.5, 0.5) };
         let corner = stage.area.center() - size * center.to_vec2();
-        // On whole pixels of the screen, so that those of the picture stay sharp.
+        // Aligned to whole screen pixels, to keep the picture sharp.
         let corner = (corner.to_vec2() * stage.density).round() / stage.density;
         Rect::from_min_size(corner.to_pos2(), size)
     }
 
-    /// Shows all of it.
+    /// Fits the picture to the panel.
     pub(super) fn fit(&mut self) {
         *self = Self::default();
     }
 
-    /// Shows a pixel of the document as one of the screen.
+    /// Shows one document pixel per screen pixel.
     pub(super) fn one_to_one(&mut self, stage: &Stage) {
         let factor = 1.0 / self.zoom(stage);
         self.zoom_at(stage, stage.area.center(), factor);
     }
 
-    /// Goes in or out; what is at `at` stays there.
+    /// Zooms around `at`, which stays fixed.
     pub(super) fn zoom_at(&mut self, stage: &Stage, at: Pos2, factor: f32) {
         let share = share(self.rect(stage), at);
         let zoom = (self.zoom(stage) * factor).clamp(ZOOMS[0], ZOOMS[1]);
@@ -76,14 +76,14 @@ impl View {
         *self = Self { zoom: Some(zoom), center: share + (stage.area.center() - at) / size };
     }
 
-    /// Leaves a picture where it is, unless it is fitted, while the panel gets larger or smaller.
+    /// Keeps the picture in place while the panel changes its size, unless the picture is fitted.
     pub(super) fn keep(&mut self, from: &Stage, to: &Stage) {
         if self.zoom.is_some() {
             self.center += (to.area.center() - from.area.center()) / self.rect(from).size();
         }
     }
 
-    /// Brings a place of the picture into the panel by the shortest way.
+    /// Pans by the shortest way to bring a place of the picture into the panel.
     pub(super) fn show(&mut self, stage: &Stage, at: Pos2) {
         let (rect, room) = (self.rect(stage), stage.area.shrink(14.0_f32.min(0.5 * stage.area.size().min_elem())));
         if self.zoom.is_some() {
@@ -92,7 +92,7 @@ impl View {
         }
     }
 
-    /// Moves the picture by so many points.
+    /// Pans by an offset in points.
     pub(super) fn pan(&mut self, stage: &Stage, by: Vec2) {
         let (rect, zoom) = (self.rect(stage), self.zoom(stage));
         let center = share(rect, stage.area.center()) - by / rect.size();
@@ -100,17 +100,17 @@ impl View {
     }
 }
 
-/// A place on the screen in shares of a rectangle.
+/// Converts a place on the screen to fractions of a rectangle.
 pub(super) fn share(rect: Rect, at: Pos2) -> Pos2 {
     ((at - rect.min) / rect.size()).to_pos2()
 }
 
-/// A place in shares of a rectangle on the screen.
+/// Converts fractions of a rectangle to a place on the screen.
 pub(super) fn place(rect: Rect, share: Pos2) -> Pos2 {
     rect.min + share.to_vec2() * rect.size()
 }
 
-/// The part of the document's picture that a result shows, in shares.
+/// Returns the part of the document's picture that a result covers, in fractions.
 pub(super) fn part(result: &Result) -> Rect {
     let whole = vec2(result.format.width() as f32, result.format.height() as f32);
     let Some(window) = result.picture.planes.first().map(trochoid::Plane::window) else { return Rect::NOTHING };
@@ -121,15 +121,15 @@ pub(super) fn part(result: &Result) -> Rect {
 /// Textures of a picture.
 #[derive(Default)]
 pub(super) struct Image {
-    /// What they show, and by how much smaller.
+    /// The uploaded picture, and its reduction factor.
     shown: Option<(Arc<Screen>, usize)>,
-    /// With the place of each in shares of the picture.
+    /// Tiles, each with its area in fractions of the picture.
     tiles: Vec<(TextureHandle, Rect)>,
 }
 
 impl Image {
-    /// Brings a picture to the graphics card unless it is there. `scale` is how many pixels of the screen one of its own
-    /// takes: where that is little, fewer are brought, each the mean of some.
+    /// Uploads a picture to the graphics card, unless it is there already. `scale` is the number of screen pixels per
+    /// picture pixel; if it is small, the picture is reduced by averaging.
     pub(super) fn upload(&mut self, context: &Context, screen: &Arc<Screen>, scale: f32) {
         let factor = if scale > 0.0 { (1.0 / scale).floor().clamp(1.0, 64.0) as usize } else { 1 };
         if self.shown.as_ref().is_some_and(|(known, by)| Arc::ptr_eq(known, screen) && *by == factor) {
@@ -163,9 +163,9 @@ impl Image {
         self.shown = Some((screen.clone(), factor));
     }
 
-    /// Draws it into a rectangle.
+    /// Draws the picture into a rectangle.
     pub(super) fn paint(&self, painter: &Painter, rect: Rect) {
-        // Means of the last rows and columns may be of fewer pixels, and reach beyond.
+        // Averages in the last row and column may cover fewer pixels and extend beyond the edge.
         let painter = painter.with_clip_rect(painter.clip_rect().intersect(rect));
         for (handle, part) in &self.tiles {
             let part = Rect::from_min_max(place(rect, part.min), place(rect, part.max));
@@ -175,7 +175,7 @@ impl Image {
     }
 }
 
-/// A part of a picture that is so many times smaller: means of squares, as they are encoded.
+/// Reduces a tile of a picture by averaging squares of encoded values.
 fn reduced(screen: &Screen, factor: usize, at: [usize; 2], size: [usize; 2]) -> ColorImage {
     let [width, height] = screen.size;
     let color = |x: usize, y: usize| {
@@ -225,7 +225,7 @@ mod tests {
         let before = share(view.rect(&STAGE), at);
         for factor in [2.0, 1.5, 0.3, 4.0] {
             view.zoom_at(&STAGE, at, factor);
-            // The picture lies on whole pixels.
+            // The picture is aligned to whole pixels.
             assert!((share(view.rect(&STAGE), at) - before).length() < 2e-3, "{factor}");
         }
         view.pan(&STAGE, vec2(20.0, 0.0));
@@ -247,7 +247,7 @@ mod tests {
         let before = view.rect(&STAGE);
         view.keep(&STAGE, &smaller);
         assert!((view.rect(&smaller).min - before.min).length() < 1.0);
-        // What lies below the part that is gone comes into the rest.
+        // A place below the removed part moves into the remaining one.
         let at = share(before, pos2(450.0, 210.0));
         view.show(&smaller, at);
         assert!(smaller.area.contains(place(view.rect(&smaller), at)));

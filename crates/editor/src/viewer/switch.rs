@@ -1,4 +1,4 @@
-//! What commands do in the viewer; its own line above the picture has the same.
+//! Viewer commands; the viewer's toolbar offers the same functions.
 
 use super::Viewer;
 use super::compare::Mode;
@@ -6,7 +6,7 @@ use crate::actions::Switch;
 use crate::state::State;
 
 impl Viewer {
-    /// Changes what a command says.
+    /// Performs a viewer command.
     pub(crate) fn switch(&mut self, switch: Switch, state: &State) {
         match switch {
             Switch::Hold => self.hold(state),
@@ -19,7 +19,7 @@ impl Viewer {
         }
     }
 
-    /// Holds the present picture, if there is one.
+    /// Holds the current picture, if there is one.
     pub(super) fn hold(&mut self, state: &State) {
         if let Some(result) = &state.seen.result {
             let name = state.look.node.as_ref().map_or("picture", |(name, _)| name.as_str());
@@ -27,7 +27,7 @@ impl Viewer {
         }
     }
 
-    /// Compares with what is held, or else with the present picture, which is held from now on.
+    /// Sets the comparison mode; if no picture is held, holds the current one.
     fn compare_by(&mut self, mode: Mode, state: &State) {
         if self.compare.held.is_none() {
             self.hold(state);

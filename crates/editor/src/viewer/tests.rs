@@ -1,4 +1,4 @@
-//! The viewer as it is used: clicks and keys, and what comes of them.
+//! Tests of the viewer, driven by simulated clicks and keys.
 
 use super::handles::Eye;
 use crate::actions::Action;
@@ -250,7 +250,7 @@ fn two_pictures_are_compared() {
     window.get_by_label("Diff").click();
     settle(&mut window);
     assert!(window.query_by_label("Wipe line").is_none());
-    window.get_by_label("Let go of A").click();
+    window.get_by_label("Release A").click();
     settle(&mut window);
     assert!(window.query_by_label("Diff").is_none());
 }
@@ -309,11 +309,11 @@ fn a_flat_palette_has_no_inside() {
 fn what_is_no_picture_says_so() {
     let mut window = open(SEA, WINDOW);
     act(&mut window, Action::Look("waves".into(), 0));
-    assert!(window.query_by_label("Lit like clay: a Surface is no picture").is_some());
+    assert!(window.query_by_label("Clay shading: a Surface is not a picture").is_some());
     act(&mut window, Action::Look("camera".into(), 0));
     assert!(window.query_by_label_contains("a Camera is no picture").is_some());
     act(&mut window, Action::Look("view".into(), 1));
-    assert!(window.query_by_label_contains("Lit like clay").is_none());
+    assert!(window.query_by_label_contains("Clay shading").is_none());
 }
 
 #[test]
@@ -420,7 +420,7 @@ fn screenshots_of_the_viewer() {
     window.get_by_label("Diff").click();
     settle(&mut window);
     shot(&mut window, "difference");
-    window.get_by_label("Let go of A").click();
+    window.get_by_label("Release A").click();
     settle(&mut window);
     act(&mut window, Action::Look("beauty".into(), 0));
     let center = picture(&window).center();
@@ -474,11 +474,11 @@ fn every_switch_of_the_viewer_is_a_command() {
         crate::testing::act(window, action);
     };
     run(&mut window, "Difference");
-    assert!(window.query_by_label("Let go of A").is_some(), "what is seen is held, where nothing was");
+    assert!(window.query_by_label("Release A").is_some(), "what is seen is held, where nothing was");
     run(&mut window, "Wipe");
-    assert!(window.query_by_label("Let go of A").is_some());
-    run(&mut window, "Let go of A");
-    assert!(window.query_by_label("Let go of A").is_none());
+    assert!(window.query_by_label("Release A").is_some());
+    run(&mut window, "Release A");
+    assert!(window.query_by_label("Release A").is_none());
     run(&mut window, "Hull");
     assert!(window.query_by_label("Hull of the palette").is_some());
     run(&mut window, "Hull");

@@ -1,4 +1,4 @@
-//! The line above the picture: what is shown, and how.
+//! The toolbar above the picture: subject and display settings.
 
 use super::Viewer;
 use super::compare::Mode;
@@ -10,12 +10,12 @@ use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, ComboBox, PopupCloseBehavior, Ui, WidgetInfo, WidgetType};
 use trochoid::Kind;
 
-/// The kind of what is shown.
+/// Returns the kind of the viewed result.
 fn kind(state: &State) -> Option<Kind> {
     state.seen.result.as_ref().map(|result| result.picture.kind)
 }
 
-/// Draws the line.
+/// Draws the toolbar.
 pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
@@ -25,10 +25,10 @@ pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, action
         let mut next = *display;
         channels_ui(ui, kind(state), &mut next);
         let exposure = shown_as(next.exposure).fixed(1).speed(0.02).range(-16.0, 16.0).suffix(" EV");
-        number_ui(ui, exposure, &mut next.exposure, 0.0, "Exposure in stops. Double-click for 0.");
+        number_ui(ui, exposure, &mut next.exposure, 0.0, "Exposure in stops. Double-click to reset to 0.");
         let gamma = shown_as(next.gamma).fixed(2).speed(0.005).range(0.1, 8.0).prefix("γ ");
-        number_ui(ui, gamma, &mut next.gamma, 1.0, "Gamma. Double-click for 1.");
-        // Whatever is shown as gray.
+        number_ui(ui, gamma, &mut next.gamma, 1.0, "Gamma. Double-click to reset to 1.");
+        // Settings for anything shown as gray.
         if !matches!(kind(state), Some(Kind::Color) | None) || next.channel != Channel::All {
             field_ui(ui, state, &mut next);
         }
@@ -39,7 +39,7 @@ pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, action
     });
 }
 
-/// What goes into a menu where the line is too short, the last first.
+/// Groups that move into a menu, last first, if the toolbar is too narrow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Group {
     Part,
@@ -50,7 +50,7 @@ pub(super) enum Group {
 impl Group {
     const ALL: [Self; 3] = [Self::Part, Self::Compare, Self::Space];
 
-    /// How many widgets of it there are: what its width depends on.
+    /// Returns an index for the group's set of widgets, which determines its width.
     fn stage(self, viewer: &Viewer) -> u8 {
         match (self, &viewer.compare.held) {
             (Self::Part, _) | (Self::Compare, None) => 0,
@@ -77,12 +77,12 @@ impl Group {
     }
 }
 
-/// Width of the menu's button and the line before it.
+/// Width of the menu button and the separator before it.
 const MORE: f32 = 58.0;
-/// About how wide a group is that has not been drawn yet.
+/// Estimated width of a group that has not been drawn yet.
 const GROUP: f32 = 110.0;
 
-/// As many groups as there is room for, the others in a menu.
+/// Draws as many groups as there is room for, and the rest in a menu.
 fn groups_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let widths = Group::ALL.map(|group| {
         let known = viewer.widths.get(&(group, group.stage(viewer)));
@@ -110,13 +110,13 @@ fn groups_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<
             ui.horizontal(|ui| group.ui(viewer, ui, state, actions));
         }
     });
-    button.on_hover_text("What the line has no room for.");
+    button.on_hover_text("More tools");
 }
 
 fn region_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let mut region = viewer.frames_region || state.look.region.is_some();
     let toggle = ui.toggle_value(&mut region, "Region");
-    let help = "Evaluates a part: drag a rectangle in the picture, also with Shift at any time. Shift+W for all of it.";
+    let help = "Evaluate only a region: drag a rectangle in the picture (or Shift+drag). Shift+W clears it.";
     if toggle.on_hover_text(help).clicked() {
         viewer.frames_region = region;
         if state.look.region.is_some() {
@@ -127,30 +127,36 @@ fn region_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<
 
 fn space_ui(viewer: &mut Viewer, ui: &mut Ui) {
     ui.toggle_value(&mut viewer.space.shown, "Hull")
-        .on_hover_text("The colors of the picture within the hull of its control colors (H).");
+        .on_hover_text("Show the picture's colors inside the convex hull of the controls (H)");
     let mut shown = viewer.near.shown;
-    let near = ui.toggle_value(&mut shown, "Near").on_hover_text("Marks pixels near the hull's faces (N).");
+    let near = ui.toggle_value(&mut shown, "Near").on_hover_text("Mark pixels near the hull's faces (N)");
     if near.clicked() {
         viewer.near.toggle();
     }
     if viewer.near.shown {
         let distance = &mut viewer.near.distance;
         let number = shown_as(*distance).speed(0.0005).range(0.0005, 1.0);
-        number_ui(ui, number, distance, 0.02, "How near: a distance in the working space. Double-click for 0.02.");
+        number_ui(
+            ui,
+            number,
+            distance,
+            0.02,
+            "Maximum distance to a face, in the working space. Double-click to reset to 0.02.",
+        );
     }
 }
 
-/// A number as it is written: 0.1 is no 0.10000000149.
+/// Creates a number field from an `f32`, converted by its decimal text: 0.1 becomes 0.1, not 0.10000000149.
 fn shown_as(value: f32) -> Number<'static> {
     Number::new(value.to_string().parse().unwrap_or(f64::from(value)))
 }
 
-/// Lets a number be changed; a double click brings it back to `usual`.
+/// Draws a number field; a double-click resets the value to `usual`.
 fn number_ui(ui: &mut Ui, number: Number<'_>, value: &mut f32, usual: f32, help: &str) {
     let told = number.ui(ui);
     let response = told.response.clone().on_hover_text(help);
     if response.double_clicked() {
-        // The first of the clicks has begun to ask for a number.
+        // The first of the two clicks has started text editing.
         response.surrender_focus();
         *value = usual;
     } else if let Some(given) = told.value() {
@@ -158,7 +164,7 @@ fn number_ui(ui: &mut Ui, number: Number<'_>, value: &mut f32, usual: f32, help:
     }
 }
 
-/// What is looked at: outputs of the node, and of the document.
+/// Draws the menu of results to view: outputs of the node, and of the document.
 fn subject_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
     let named = |node: usize, output: usize| sheet.reference(node, output);
@@ -184,13 +190,13 @@ fn subject_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
             }
         }
     });
-    response.response.on_hover_text("What is shown: double-click a node in the graph, or press 1 to 9.");
+    response.response.on_hover_text("Viewed result. Double-click a node in the graph or press 1 to 9 to change it.");
     if let Some((node, output)) = chosen {
         actions.push(Action::Look(sheet.nodes[node].name.clone(), output));
     }
 }
 
-/// What the channels of a kind are called, where there are several.
+/// Returns the names of a kind's channels, if it has several.
 fn components(kind: Option<Kind>) -> Vec<String> {
     match kind {
         Some(Kind::Color) | None => ["R", "G", "B"].map(String::from).into(),
@@ -210,46 +216,47 @@ fn channels_ui(ui: &mut Ui, kind: Option<Kind>, display: &mut Display) {
         }
     };
     if is_color {
-        choice(ui, "RGB", Channel::All, "All channels.");
+        choice(ui, "RGB", Channel::All, "All channels");
         for (index, name) in names.iter().enumerate() {
-            choice(ui, name, Channel::One(index), &format!("This channel alone ({name})."));
+            choice(ui, name, Channel::One(index), &format!("Only this channel ({name})"));
         }
-        choice(ui, "Y", Channel::Luminance, "Luminance (Y).");
+        choice(ui, "Y", Channel::Luminance, "Luminance (Y)");
     } else if names.len() <= 4 {
         for (index, name) in names.iter().enumerate() {
             let is_first = index == 0 && shown == Channel::All;
             let channel = if is_first { Channel::All } else { Channel::One(index) };
-            choice(ui, name, channel, "This component alone.");
+            choice(ui, name, channel, "Only this component");
         }
     } else {
         let index = if let Channel::One(index) = shown { index } else { 0 };
         let text = names.get(index).cloned().unwrap_or_default();
         ComboBox::from_id_salt("component").selected_text(text).width(40.0).show_ui(ui, |ui| {
             for (index, name) in names.iter().enumerate() {
-                choice(ui, name, Channel::One(index), "This component alone.");
+                choice(ui, name, Channel::One(index), "Only this component");
             }
         });
     }
 }
 
-/// How numbers become gray: from where to where, and in which colors.
+/// Draws the settings that map numbers to gray: value range, and false colors.
 fn field_ui(ui: &mut Ui, state: &State, display: &mut Display) {
-    ui.toggle_value(&mut display.false_color, "Colors").on_hover_text("False colors in place of gray.");
+    ui.toggle_value(&mut display.false_color, "Colors").on_hover_text("Show false colors instead of gray");
     if matches!(kind(state), Some(Kind::Color) | None) {
-        // A channel of a color is light, as the color is: it has an exposure, and no range.
+        // A single color channel is light, like the color: it has an exposure, but no range.
         return;
     }
     let mut fixed = display.range.is_some();
     let result = state.seen.result.as_deref();
-    let toggle =
-        ui.toggle_value(&mut fixed, "Range").on_hover_text("What is black and what is white; of all values otherwise.");
+    let toggle = ui
+        .toggle_value(&mut fixed, "Range")
+        .on_hover_text("Set the values shown as black and white; otherwise the range of all values");
     if toggle.clicked() {
         display.range =
             fixed.then(|| result.map_or([0.0, 1.0], |result: &Result| shown::range(&result.picture, display)));
     }
     if let Some([low, high]) = &mut display.range {
         let speed = f64::from((*high - *low).abs().max(1e-3)) * 0.01;
-        for (end, help) in [(low, "What is black."), (high, "What is white.")] {
+        for (end, help) in [(low, "Value shown as black"), (high, "Value shown as white")] {
             let told = shown_as(*end).decimals(3).speed(speed).ui(ui);
             told.response.clone().on_hover_text(help);
             *end = told.value().map_or(*end, |value| value as f32);
@@ -268,14 +275,14 @@ fn proxy_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
             }
         }
     });
-    response.response.on_hover_text("By how much the picture that is evaluated is smaller than the document's.");
+    response.response.on_hover_text("Resolution of the evaluated picture relative to the document's");
 }
 
 fn compare_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State) {
     let hold = ui.add_enabled(state.seen.result.is_some(), Button::new("Hold A"));
     let help = match &viewer.compare.held {
-        Some(held) => format!("Holds the present picture in place of {}.", held.name),
-        None => "Holds the present picture to compare others with it.".into(),
+        Some(held) => format!("Hold the current picture instead of {}", held.name),
+        None => "Hold the current picture, to compare others with it".into(),
     };
     if hold.on_hover_text(help).clicked() {
         viewer.hold(state);
@@ -283,18 +290,18 @@ fn compare_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State) {
     let compare = &mut viewer.compare;
     let Some(held) = &mut compare.held else { return };
     for (mode, text, help) in [
-        (Mode::Wipe, "Wipe", "A at the left of the line, the present picture at its right."),
-        (Mode::Difference, "Diff", "By how much the present picture differs from A."),
+        (Mode::Wipe, "Wipe", "A to the left of the line, the current picture to the right"),
+        (Mode::Difference, "Diff", "Difference between the current picture and A"),
     ] {
         ui.selectable_value(&mut held.mode, mode, text).on_hover_text(help);
     }
     if held.mode == Mode::Difference {
         let gain = shown_as(compare.gain).fixed(0).speed(0.1).range(1.0, 256.0).prefix("× ");
-        number_ui(ui, gain, &mut compare.gain, 4.0, "By how much differences are multiplied. Double-click for 4.");
+        number_ui(ui, gain, &mut compare.gain, 4.0, "Gain of the difference. Double-click to reset to 4.");
     }
     let drop = ui.button("×");
-    drop.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, "Let go of A"));
-    if drop.on_hover_text("Lets go of A.").clicked() {
+    drop.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, "Release A"));
+    if drop.on_hover_text("Release A").clicked() {
         compare.held = None;
     }
 }

@@ -1,4 +1,4 @@
-//! What documents were allowed.
+//! The dialog of permissions given to documents.
 
 use super::modal::titled;
 use crate::actions::{Action, Grant};
@@ -6,7 +6,7 @@ use crate::editor::Editor;
 use crate::reach::{read, whole};
 use egui::{Context, Modal, ScrollArea, Ui, WidgetInfo, WidgetType};
 
-/// Shows which folders documents were allowed, and takes them back; whether it stays open.
+/// Draws the permissions of all documents and revokes them on request; returns whether the dialog stays open.
 pub(super) fn allowed_ui(editor: &mut Editor, context: &Context) -> bool {
     let state = editor.state();
     let own = state.session.file().map(whole);
@@ -16,7 +16,7 @@ pub(super) fn allowed_ui(editor: &mut Editor, context: &Context) -> bool {
     let mut closes = false;
     let modal = Modal::new("allowed".into()).show(context, |ui| {
         titled(ui, "Allowed folders");
-        ui.label("Where documents may read and write besides their own folders, because it was allowed here.");
+        ui.label("Folders outside their own that documents were allowed to read or write in.");
         ui.add_space(4.0);
         ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
             ui.strong(format!("{} (open)", state.session.title()));
@@ -37,15 +37,15 @@ pub(super) fn allowed_ui(editor: &mut Editor, context: &Context) -> bool {
     !closes && !modal.should_close()
 }
 
-/// A row for each folder, with what is allowed there; gives what is taken back.
+/// Draws a row for each permission; returns the one to revoke.
 fn grants_ui(ui: &mut Ui, grants: &[Grant]) -> Option<Grant> {
     let mut taken = None;
     if grants.is_empty() {
-        ui.weak("No folder besides its own.");
+        ui.weak("No folders outside its own.");
     }
     for grant in grants {
         ui.horizontal(|ui| {
-            let remove = ui.button("Remove").on_hover_text("It is asked again when the document needs it next.");
+            let remove = ui.button("Remove").on_hover_text("Revoke this permission");
             remove.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, format!("Remove {grant}")));
             if remove.clicked() {
                 taken = Some(grant.clone());

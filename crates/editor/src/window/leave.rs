@@ -1,4 +1,4 @@
-//! Questions before a document is left or written over: what becomes of unsaved work, of another program's changes, of a run.
+//! Prompts before a document is left or overwritten: about unsaved work, changes by another program, and rendering.
 
 use super::modal::{answer_ui, titled};
 use crate::actions::{Action, After};
@@ -11,7 +11,7 @@ pub(super) fn unsaved_ui(editor: &mut Editor, context: &Context, after: After) -
     let mut answer = None;
     let modal = Modal::new("unsaved".into()).show(context, |ui| {
         titled(ui, "Save changes?");
-        let text = format!("“{}” has changes that are not saved.", editor.state().session.title());
+        let text = format!("“{}” has unsaved changes.", editor.state().session.title());
         ui.add(egui::Label::new(&text).truncate()).on_hover_text(&text);
         ui.add_space(8.0);
         answer = answer_ui(ui, &["Save", "Discard", "Cancel"]);
@@ -34,22 +34,19 @@ pub(super) fn unsaved_ui(editor: &mut Editor, context: &Context, after: After) -
 pub(super) fn newer_ui(editor: &mut Editor, context: &Context, after: Option<After>) -> Option<Prompt> {
     let mut answer = None;
     let modal = Modal::new("newer".into()).show(context, |ui| {
-        titled(ui, "Write over a newer document?");
+        titled(ui, "Overwrite a newer document?");
         let session = &editor.state().session;
-        ui.label(format!(
-            "“{}” is of a version of the document format that this editor does not know.",
-            session.title()
-        ));
-        ui.label("What it does not know stays as it is, but may not fit what was changed here.");
+        ui.label(format!("“{}” uses a format version that this editor does not support.", session.title()));
+        ui.label("Unsupported entries stay unchanged, but may be inconsistent with your changes.");
         ui.add_space(8.0);
-        answer = answer_ui(ui, &["Save a copy …", "Write over it", "Cancel"]);
+        answer = answer_ui(ui, &["Save a copy …", "Overwrite", "Cancel"]);
     });
     match answer {
         Some("Save a copy …") => {
             let Editor { prompts, state, .. } = editor;
             prompts.ask_save(&state.session, after);
         }
-        Some("Write over it") => {
+        Some("Overwrite") => {
             if let Some(file) = editor.state().session.file().map(Path::to_path_buf) {
                 editor.save(&file, after, context);
             }
@@ -65,12 +62,12 @@ pub(super) fn external_ui(editor: &mut Editor, context: &Context, saving: Option
     let mut answer = None;
     let changed = editor.is_unsaved();
     let words: &[&str] =
-        if saving.is_some() { &["Reload", "Write over it", "Cancel"] } else { &["Reload", "Keep what is here"] };
+        if saving.is_some() { &["Reload", "Overwrite", "Cancel"] } else { &["Reload", "Keep my version"] };
     Modal::new("external".into()).show(context, |ui| {
         titled(ui, "The file has changed");
-        ui.label(format!("Another program has changed “{}”.", editor.state().session.title()));
+        ui.label(format!("Another program changed “{}”.", editor.state().session.title()));
         if changed {
-            ui.label("Changes made here are not saved. Reloading can be undone.");
+            ui.label("You have unsaved changes. Reloading can be undone.");
         }
         ui.add_space(8.0);
         answer = answer_ui(ui, words);
@@ -90,15 +87,15 @@ pub(super) fn external_ui(editor: &mut Editor, context: &Context, saving: Option
 }
 
 pub(super) fn rendering_ui(editor: &mut Editor, context: &Context, after: After) -> Option<Prompt> {
-    // Once it has ended there is nothing to ask, and nothing was answered: the window stays, with how it ended.
+    // If rendering has ended in the meantime, there is nothing to ask; the window stays open and shows the outcome.
     let render = editor.state().render.clone()?;
     let mut answer = None;
     let modal = Modal::new("rendering".into()).show(context, |ui| {
         titled(ui, "Stop rendering?");
         let (done, total) = render.done;
-        ui.label(format!("{done} of {total} frames are written, and stay."));
+        ui.label(format!("{done} of {total} frames are written and will be kept."));
         ui.add_space(8.0);
-        answer = answer_ui(ui, &["Stop", "Go on rendering"]);
+        answer = answer_ui(ui, &["Stop", "Keep rendering"]);
     });
     match answer {
         Some("Stop") => {

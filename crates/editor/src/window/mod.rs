@@ -1,4 +1,5 @@
-//! The window: menus above, panels, the timeline and what is to be known below, and over them the question that is open.
+//! The window: menus at the top, panels in the middle, timeline and status bar at the bottom, and the open prompt over
+//! all of them.
 
 mod allowed;
 mod leave;
@@ -16,7 +17,7 @@ use egui::{Align, Layout, MenuBar, Panel, RichText, Ui, WidgetText};
 use egui_tiles::{SimplificationOptions, TileId, UiResponse};
 
 impl Editor {
-    /// Draws everything, and does what was asked for.
+    /// Draws the window and performs the requested actions.
     pub fn ui(&mut self, ui: &mut Ui) {
         let context = ui.ctx().clone();
         let mut actions = self.before(&context);
@@ -45,7 +46,7 @@ fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
     editor.notices.show(&context);
 }
 
-/// Draws panels where they lie.
+/// Draws the contents of the panels.
 struct Panes<'e> {
     state: &'e State,
     panels: &'e mut Panels,
@@ -108,7 +109,7 @@ fn menus_ui(editor: &Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
     });
 }
 
-/// What is wrong with a text that is no JSON, as long as nothing else of it can be said.
+/// Shows the parse error of a text that is not JSON, above the panels.
 fn unreadable_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
     let meaning = state.session.meaning();
     let Some(fault) = meaning.errors().next().filter(|_| !meaning.readable) else { return };
@@ -117,9 +118,9 @@ fn unreadable_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
             let place =
                 if fault.line > 0 { format!("Line {}, column {}: ", fault.line, fault.column) } else { String::new() };
             let stays = if state.sheet().value.is_null() {
-                "Nothing else can be shown until the text is mended."
+                "Nothing else can be shown until the text is corrected."
             } else {
-                "What is shown here is as it was before, and cannot be changed until the text is mended."
+                "The panels show the previous state, and cannot be edited until the text is corrected."
             };
             let text = format!("{place}found {}; expected {}. {stays}", fault.found, fault.expected);
             ui.label(RichText::new(text).color(crate::theme::error(ui.visuals())));
@@ -134,7 +135,7 @@ fn unreadable_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
     });
 }
 
-/// What is to be known of a document of another version, as long as it is one.
+/// Shows the message about an unsupported format version.
 fn version_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
     let standing = Standing::of(&state.sheet().value);
     let Some(notice) = standing.notice() else { return };
@@ -142,7 +143,7 @@ fn version_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new(notice).color(ui.visuals().warn_fg_color));
             if let Some(edit) = standing.remedy()
-                && ui.button("Write the version").on_hover_text("Changes nothing else; undo takes it back.").clicked()
+                && ui.button("Set the format version").on_hover_text("Changes nothing else; can be undone").clicked()
             {
                 actions.push(Action::Edit(edit));
             }
@@ -166,7 +167,7 @@ fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
             if let Some((_, failed)) = broken {
                 label = label.on_hover_text(failed);
             }
-            // The culprit is what one wants to see.
+            // Clicking goes to the node at fault.
             let culprit = meaning.errors().find_map(|fault| fault.node.clone());
             let culprit = culprit.or_else(|| broken.and_then(|(node, _)| node.map(String::from)));
             if label.clicked() {
@@ -191,7 +192,7 @@ fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
             label.on_hover_text(texts.join("\n\n"));
         }
         if !state.selection.is_empty() {
-            ui.weak(format!("{} chosen", crate::document::edit::count(state.selection.len(), "node")));
+            ui.weak(format!("{} selected", crate::document::edit::count(state.selection.len(), "node")));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if let Some(render) = &state.render {
@@ -207,13 +208,14 @@ fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
                 ui.add(egui::ProgressBar::new(share).desired_width(100.0));
                 ui.weak("Evaluating");
             } else if let Some(result) = state.seen.result.as_deref().filter(|result| result.finished) {
-                // Of the picture that is shown, and of no other.
+                // Only the time of the picture shown.
                 ui.weak(crate::format::seconds(result.seconds.1));
                 if result.picture.guarantee.is_some() {
                     let exits = result.picture.audit.hull_exits;
                     let text = format!("{} outside the palette", crate::format::thousands(exits));
-                    ui.weak(text)
-                        .on_hover_text("Pixels that are no convex mix of the control colors, on the finished picture.");
+                    ui.weak(text).on_hover_text(
+                        "Pixels of the finished picture that are not a convex mix of the control colors",
+                    );
                 }
             }
         });

@@ -7,7 +7,7 @@ use crate::editor::Editor;
 use crate::prompts::Prompt;
 use egui::{Context, Key, Modal, ScrollArea};
 
-/// Asks for a command by its name.
+/// Draws the command palette and runs the chosen command.
 pub(super) fn palette_ui(
     editor: &mut Editor,
     context: &Context,
@@ -43,7 +43,7 @@ pub(super) fn palette_ui(
                 }
             }
             if found.is_empty() {
-                ui.weak("No command has this name.");
+                ui.weak("No command matches.");
             }
         });
         if ui.input(|input| input.key_pressed(Key::Enter)) {

@@ -1,4 +1,4 @@
-//! The question that is open: drawn, and its answer done.
+//! Draws the open prompt and performs the answer.
 
 use super::modal::titled;
 use super::{allowed, leave, palette, recover};
@@ -9,7 +9,7 @@ use egui::{Context, Modal, ScrollArea};
 use std::path::{Path, PathBuf};
 use trochoid::Refused;
 
-/// Asks what there is to ask, and does what is answered.
+/// Draws the open prompt, if any, and performs the answer.
 pub(super) fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut Vec<Action>) {
     files_ui(editor, context);
     let Some(prompt) = editor.prompts.open.take() else { return };
@@ -24,7 +24,7 @@ pub(super) fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut V
         Prompt::Allowed => allowed::allowed_ui(editor, context).then_some(Prompt::Allowed),
         Prompt::Palette { text, chosen } => palette::palette_ui(editor, context, text, chosen, actions),
     };
-    // An answer may have led to another question.
+    // An answer may have opened another prompt.
     editor.prompts.open = next.or(editor.prompts.open.take());
 }
 
@@ -37,7 +37,7 @@ fn files_ui(editor: &mut Editor, context: &Context) {
             FileQuestion::Open => editor.go(After::Open(file), context),
             FileQuestion::Save(after) => {
                 let whole = meant(&file, editor.prompts.dialog.selected_entry().map(|entry| entry.to_path_buf()));
-                // The dialog has asked about the file that it named, and about no other.
+                // The dialog asked about overwriting only for the name it returned.
                 if whole != file && whole.exists() {
                     editor.prompts.open = Some(Prompt::Replace(whole, after));
                 } else {
@@ -50,8 +50,7 @@ fn files_ui(editor: &mut Editor, context: &Context) {
     }
 }
 
-/// The file that is meant by one that the dialog names: in the folder that is highlighted there, and with the ending that
-/// the dialog shows.
+/// Returns the file to save to: in the folder highlighted in the dialog, if any, and with the extension `.json`.
 fn meant(file: &Path, highlighted: Option<PathBuf>) -> PathBuf {
     let folder = highlighted.filter(|entry| entry.is_dir() && entry.parent() == file.parent());
     let name = file.file_name().unwrap_or_default();
@@ -66,7 +65,7 @@ fn replace_ui(editor: &mut Editor, context: &Context, file: PathBuf, after: Opti
     let (mut replace, mut cancel) = (false, false);
     let modal = Modal::new("replace".into()).show(context, |ui| {
         titled(ui, "Replace the file?");
-        let text = format!("{} is there already.", file.display());
+        let text = format!("{} already exists.", file.display());
         ui.add(egui::Label::new(&text).truncate()).on_hover_text(&text);
         ui.add_space(8.0);
         ui.horizontal(|ui| {
@@ -84,8 +83,8 @@ fn replace_ui(editor: &mut Editor, context: &Context, file: PathBuf, after: Opti
 fn reach_ui(editor: &mut Editor, context: &Context, refused: Vec<Refused>) -> Option<Prompt> {
     let (mut allowed, mut cancel) = (None, false);
     let modal = Modal::new("reach".into()).show(context, |ui| {
-        titled(ui, "Let the document reach further?");
-        ui.label("It cannot be rendered without files outside of what it may reach:");
+        titled(ui, "Allow access to more folders?");
+        ui.label("Rendering needs files that the document may not access:");
         ui.add_space(4.0);
         ScrollArea::vertical().max_height(240.0).show(ui, |ui| {
             for refused in &refused {

@@ -1,4 +1,4 @@
-//! Work that was kept of editors that ended unexpectedly.
+//! The prompt that offers backups of editors that ended unexpectedly.
 
 use super::modal::titled;
 use crate::document::keep::{Kept, discard};
@@ -7,12 +7,12 @@ use crate::prompts::Prompt;
 use egui::{Context, Modal, RichText, ScrollArea};
 use std::time::SystemTime;
 
-/// Asks what of it is to be recovered.
+/// Draws the prompt; each backup can be recovered or discarded.
 pub(super) fn recover_ui(editor: &mut Editor, context: &Context, mut kept: Vec<Kept>) -> Option<Prompt> {
     let (mut chosen, mut dropped, mut later) = (None, None, false);
     Modal::new("recover".into()).show(context, |ui| {
         titled(ui, "Recover unsaved work?");
-        ui.label("The editor ended unexpectedly. These changes were kept:");
+        ui.label("The editor ended unexpectedly. These unsaved changes can be recovered:");
         ui.add_space(4.0);
         ScrollArea::vertical().max_height(240.0).show(ui, |ui| {
             for (index, kept) in kept.iter().enumerate() {
@@ -29,14 +29,14 @@ pub(super) fn recover_ui(editor: &mut Editor, context: &Context, mut kept: Vec<K
                     ui.label(ago(kept.when));
                     if kept.overtaken {
                         let help =
-                            "Another program has changed it since. Recovering does not touch the file; saving asks.";
+                            "Another program has changed the file since. Recovering does not touch it; saving asks first.";
                         let text = RichText::new("the file is newer").color(ui.visuals().warn_fg_color);
                         ui.label(text).on_hover_text(help);
                     }
                     if ui.button("Recover").clicked() {
                         chosen = Some(index);
                     }
-                    if ui.button("Discard").on_hover_text("For good: this cannot be undone.").clicked() {
+                    if ui.button("Discard").on_hover_text("Delete this backup; this cannot be undone").clicked() {
                         dropped = Some(index);
                     }
                 });
@@ -44,7 +44,7 @@ pub(super) fn recover_ui(editor: &mut Editor, context: &Context, mut kept: Vec<K
         });
         ui.add_space(8.0);
         let again = if kept.iter().all(|kept| kept.file.is_none()) { "editor starts" } else { "document is opened" };
-        later = ui.button("Later").on_hover_text(format!("Asks again when the {again} next.")).clicked();
+        later = ui.button("Later").on_hover_text(format!("Ask again the next time the {again}")).clicked();
     });
     if let Some(index) = dropped {
         discard(&kept.remove(index));

@@ -1,4 +1,4 @@
-//! The canvas, driven as by hand: what is asked for is found by what it is called.
+//! Tests of the canvas, driven by simulated input; widgets are found by their labels.
 
 mod nodes;
 mod outputs;

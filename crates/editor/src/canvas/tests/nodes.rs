@@ -131,7 +131,7 @@ fn the_menu_aligns_replaces_and_disables() {
     assert_eq!(harness.state().chosen(), ["sky"]);
     harness.get_by_label("Replace with …").click();
     harness.run_ok();
-    harness.get_by_label("Name of a type of node").type_text("Mix");
+    harness.get_by_label("Node type").type_text("Mix");
     harness.run_ok();
     harness.key_press(Key::Enter);
     harness.run_ok();

@@ -22,7 +22,7 @@ fn a_wire_that_is_dropped_on_a_mark_leads_the_output_there() {
     let sky = place(&harness, "Node sky, Ramp").center();
     drag(&mut harness, mark, sky);
     assert_eq!(beauty(&harness), r#"{ "color": "sky", "file": "beauty.####.exr" }"#);
-    for label in ["Lead sky to the output beauty", "Lead twice to the output beauty"] {
+    for label in ["Connect sky to output beauty", "Connect twice to output beauty"] {
         assert_eq!(harness.state_mut().state.session.undo().as_deref(), Some(label));
     }
     assert_eq!(harness.state().state.session.text(), GRAPH);
@@ -40,7 +40,7 @@ fn what_no_file_holds_is_refused_with_the_reason() {
         Action::Notice(why) => Some(why.clone()),
         _ => None,
     });
-    assert!(why.unwrap().contains("which no file holds"));
+    assert!(why.unwrap().contains("which no file can hold"));
     assert_eq!(harness.state().state.session.text(), text);
 }
 
@@ -77,7 +77,7 @@ fn nodes_that_no_output_needs_are_known() {
 fn add(harness: &mut Harness<'_, Driver>, ty: &str) {
     harness.state_mut().canvas.search();
     harness.run_ok();
-    harness.get_by_label("Name of a type of node").type_text(ty);
+    harness.get_by_label("Node type").type_text(ty);
     harness.run_ok();
     harness.key_press(Key::Enter);
     harness.run_ok();
@@ -124,13 +124,13 @@ fn a_very_fast_click_opens_a_chooser() {
         harness.input_mut().events.push(event);
     }
     harness.run_ok();
-    harness.get_by_label("Name of a type of node");
+    harness.get_by_label("Node type");
     // A click elsewhere closes it, one frame or two.
     let empty = place(&harness, "Node down, ScreenY").left_bottom() + egui::vec2(-15.0, 60.0);
     press(&harness, empty, true, PointerButton::Primary, Modifiers::NONE);
     press(&harness, empty, false, PointerButton::Primary, Modifiers::NONE);
     harness.run_ok();
-    assert!(harness.query_by_label("Name of a type of node").is_none());
+    assert!(harness.query_by_label("Node type").is_none());
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn each_menu_is_as_large_as_it_needs() {
     harness.key_press(Key::Escape);
     harness.run_ok();
     click(&mut harness, node, PointerButton::Secondary, Modifiers::NONE);
-    for label in ["Look with key", "Replace with …", "Copy"] {
+    for label in ["Assign to viewer key", "Replace with …", "Copy"] {
         let entry = harness.get_by_label_contains(label).rect();
         assert!(entry.height() <= first + 1.0, "{label} stands on one line: {entry:?}");
     }

@@ -1,4 +1,4 @@
-//! Pictures of the canvas, drawn by wgpu: they need a graphics driver, so they are asked for by name.
+//! Screenshots of the canvas, drawn by wgpu; they need a graphics driver, so they run only on request.
 
 use super::{Driver, GRAPH, click, drag, nowhere, place, press};
 use crate::actions::Action;
@@ -97,7 +97,7 @@ fn screenshots_of_what_appears() {
     harness.run_steps(3);
     let empty = nowhere(&harness);
     drag(&mut harness, from.center(), empty);
-    harness.get_by_label("Name of a type of node").type_text("m");
+    harness.get_by_label("Node type").type_text("m");
     shoot(&mut harness, "search");
     harness.key_press(Key::Escape);
     harness.run_steps(3);
