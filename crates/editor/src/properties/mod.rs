@@ -144,7 +144,7 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
 enum WrongName {
     #[error("a name of a–z, A–Z, 0–9 and _ that does not start with a digit")]
     Illegal,
-    #[error("another name: there is such a node already")]
+    #[error("another name: a node with this name already exists")]
     Taken,
 }
 

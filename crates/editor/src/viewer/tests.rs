@@ -311,7 +311,7 @@ fn what_is_no_picture_says_so() {
     act(&mut window, Action::Look("waves".into(), 0));
     assert!(window.query_by_label("Clay shading: a Surface is not a picture").is_some());
     act(&mut window, Action::Look("camera".into(), 0));
-    assert!(window.query_by_label_contains("a Camera is no picture").is_some());
+    assert!(window.query_by_label_contains("a Camera is not a picture").is_some());
     act(&mut window, Action::Look("view".into(), 1));
     assert!(window.query_by_label_contains("Clay shading").is_none());
 }

@@ -68,7 +68,7 @@ fn every_kind_of_node_is_seen_and_faults_elsewhere_do_not_matter() {
         let clay = look(solid).unwrap();
         assert!(clay.clay, "{solid} is lit like clay");
     }
-    assert!(look("eye").unwrap_err().to_string().contains("a Camera is no picture"));
+    assert!(look("eye").unwrap_err().to_string().contains("a Camera is not a picture"));
     let fault = look("broken").unwrap_err().to_string();
     assert!(fault.starts_with("broken: found") && fault.contains("nothing"), "{fault}");
 }
