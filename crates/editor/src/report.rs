@@ -30,7 +30,7 @@ enum Unmeasured {
     Format(#[from] FormatError),
     #[error(transparent)]
     Climb(#[from] TargetError),
-    #[error("no error of this picture can be certified: something that it depends on knows no bound")]
+    #[error("no error of this picture can be certified: a pass that it depends on has no error bound")]
     NoBound,
 }
 

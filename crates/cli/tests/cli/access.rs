@@ -143,7 +143,7 @@ fn a_file_that_only_a_late_frame_reads_is_refused_before_the_first() {
         scene.write_picture(&format!("shot/000{frame}/in.exr"), 0.5);
     }
     link(&scene.path("shared"), &scene.path("shot/0003"));
-    run_in(&scene, "shot", &["render", "a.json"]).fails(2, &["0003/in.exr, which is ", "shared/in.exr"]);
+    run_in(&scene, "shot", &["render", "a.json"]).fails(2, &["0003/in.exr, which leads to ", "shared/in.exr"]);
     assert!(!scene.path("shot/out.1.exr").exists());
     run_in(&scene, "shot", &["render", "a.json", "--frames", "1-2"]).code(0);
 }
@@ -163,7 +163,7 @@ fn links_count_by_where_they_lead() {
     let scene = beside();
     link(&scene.path("shared"), &scene.path("shot/within"));
     fs::write(scene.path("shot/a.json"), READS.replace("in.exr", "within/in.exr")).unwrap();
-    run_in(&scene, "shot", &["render", "a.json"]).fails(2, &["within/in.exr, which is ", "shared/in.exr"]);
+    run_in(&scene, "shot", &["render", "a.json"]).fails(2, &["within/in.exr, which leads to ", "shared/in.exr"]);
     fs::write(scene.path("shot/a.json"), SCENE.replace("out/mask", "within/new/mask")).unwrap();
     run_in(&scene, "shot", &["render", "a.json"]).fails(2, &["output \"mask\"", "shared/new/mask"]);
     assert!(!scene.path("shared/new").exists());

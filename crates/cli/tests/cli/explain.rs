@@ -72,7 +72,7 @@ fn what_cannot_be_told_is_said() {
     let scene = Scene::new(READS);
     // The file is missing: the results of planning are printed, with the reason that the rest is unknown.
     let run = scene.run(&["check", "a.json", "--explain", "--measure"]).code(0);
-    run.says(&["Evaluated: 1 of 1 nodes", "is not known", "Not measured", "in.exr"]);
+    run.says(&["Evaluated: 1 of 1 nodes", "is unknown", "Not measured", "in.exr"]);
     let json = scene.run(&["check", "a.json", "--explain", "--measure", "--json"]).code(0).json();
     assert!(json["explained"][0]["not_prepared"].as_str().unwrap().contains("in.exr"));
     assert!(json["explained"][0]["measured"]["error"].as_str().unwrap().contains("in.exr"));

@@ -41,8 +41,8 @@ pub enum Uncertain {
     /// Nowhere is it certain what is seen.
     #[error("what is seen is certain nowhere")]
     Unseen,
-    /// A pass knows no bound.
-    #[error("\"{node}\" ({ty}) knows no bound: {why}")]
+    /// A pass has no error bound.
+    #[error("\"{node}\" ({ty}) has no error bound: {why}")]
     NoBound {
         /// The pass.
         node: String,
