@@ -175,10 +175,10 @@ impl Plan<'_> {
             return Ok(());
         }
         Err(EvalError::TooMuchMemory {
-            place: match account.takers.first() {
+            place: Box::new(match account.takers.first() {
                 Some((Taker::Node(id) | Taker::Preparing(id), ..)) => self.graph.place_of(*id, None),
                 _ => self.graph.place_of_format(),
-            },
+            }),
             found: self.named(account),
             total: account.total(),
             limit,
