@@ -206,11 +206,12 @@ pub(crate) fn count(severity: Severity, number: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trochoid::DocumentPlace;
 
     #[test]
     fn what_takes_too_much_memory_says_how_much_would_do() {
         let error = EvalError::TooMuchMemory {
-            place: "a.json:1:2".into(),
+            place: Box::new(DocumentPlace { document: "a.json".into(), line: 1, column: 2 }),
             found: "pictures 2.5 GB".into(),
             total: 2_500_000_000,
             limit: 1_000_000_000,

@@ -1,5 +1,5 @@
-//! Options of the command line as remedies. The library's errors name none; they carry what could be allowed, chosen or set,
-//! and every option that is told of them comes from here.
+//! Options of the command line as remedies of the library's errors, which name no options themselves: they carry what can
+//! be allowed, chosen or set.
 
 use serde_json::Value;
 use trochoid::{
@@ -8,10 +8,10 @@ use trochoid::{
 };
 use trochoid_terminal::enough_memory;
 
-/// Remedy of a file of somebody else that stands where one is to be written.
+/// Remedy of an existing file that is not Trochoid's.
 pub(crate) const REPLACE: &str = "give another name, or replace it with --overwrite";
 
-/// The options that allow some files.
+/// Returns the options that allow some files.
 pub(crate) fn allow<'o>(files: impl IntoIterator<Item = &'o Outside>) -> String {
     let folders = folders_to_allow(files);
     folders.iter().map(|folder| format!("--allow {}", quoted_path(folder))).collect::<Vec<_>>().join(" ")
@@ -22,7 +22,7 @@ fn trusted(files: &[Outside]) -> String {
     format!("if you trust the document with {what}: {}", allow(files))
 }
 
-/// A remedy with the option that it takes.
+/// Returns a remedy with its option.
 fn with_option(remedy: &str, means: &Means) -> String {
     match means {
         Means::Allow(files) => trusted(files),
@@ -33,7 +33,7 @@ fn with_option(remedy: &str, means: &Means) -> String {
     }
 }
 
-/// A diagnostic with the options that it is about, and those that remedy it.
+/// Returns a diagnostic with the options that contain the fault and remedy it.
 pub(crate) fn diagnostic(fault: &Diagnostic) -> Diagnostic {
     let mut fault = fault.clone();
     if std::mem::take(&mut fault.is_assigned) {
@@ -45,17 +45,17 @@ pub(crate) fn diagnostic(fault: &Diagnostic) -> Diagnostic {
     fault
 }
 
-/// Diagnostics as lines of text.
+/// Returns diagnostics as texts.
 pub(crate) fn texts(faults: &[Diagnostic]) -> Vec<String> {
     faults.iter().map(|fault| diagnostic(fault).to_string()).collect()
 }
 
-/// Diagnostics as JSON.
+/// Returns diagnostics as JSON.
 pub(crate) fn values(faults: &[Diagnostic]) -> Vec<Value> {
     faults.iter().map(|fault| diagnostic(fault).to_json()).collect()
 }
 
-/// What is wrong with a name of files, whose pattern an option gives, and what to do.
+/// Returns the description of a fault in the names of files and its remedy; `option` gives their pattern.
 pub(crate) fn name(fault: &NameFault, option: &str) -> (String, String) {
     let place = match &fault.place {
         NamePlace::Pattern(pattern) => format!("{option} {}", quoted(pattern)),
@@ -65,7 +65,7 @@ pub(crate) fn name(fault: &NameFault, option: &str) -> (String, String) {
     (format!("{place}: {}", fault.found), remedy)
 }
 
-/// Why an evaluation failed, and what to do, in one sentence.
+/// Returns the message of an evaluation that failed, with its remedy in the same line.
 pub(crate) fn evaluation(failed: &EvalError) -> String {
     match failed {
         EvalError::Node { node, error: NodeError::Missing { knob, .. }, .. } => {
@@ -86,7 +86,7 @@ pub(crate) fn evaluation(failed: &EvalError) -> String {
     }
 }
 
-/// Why costs cannot be measured, in the same way.
+/// Returns the message of a measurement that failed, in the same way.
 pub(crate) fn measuring(failed: &MeasureError) -> String {
     match failed {
         MeasureError::Evaluate(error) => evaluation(error),
@@ -94,7 +94,7 @@ pub(crate) fn measuring(failed: &MeasureError) -> String {
     }
 }
 
-/// Why a file was not written, in the same way.
+/// Returns the message of a file that was not written, in the same way.
 pub(crate) fn written(failed: &io::Error) -> String {
     match failed {
         io::Error::Foreign { path } => {

@@ -2,7 +2,7 @@
 //! evaluation.
 
 use crate::Tolerance;
-use crate::{Access, FrameContext, Item, Kind, NodeId, NodeType, Record, Setting, Settled, Takes, Work};
+use crate::{Access, DocumentPlace, FrameContext, Item, Kind, NodeId, NodeType, Record, Setting, Settled, Takes, Work};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use trochoid_image::{Format, WorkingSpace};
@@ -221,16 +221,16 @@ impl CheckedGraph {
     }
 
     /// Returns the place of a node, or of one of its items: document, line and column.
-    pub fn place_of(&self, id: NodeId, item: Option<&str>) -> String {
+    pub fn place_of(&self, id: NodeId, item: Option<&str>) -> DocumentPlace {
         let node = self.node(id);
         let [line, column] = item.map_or(node.place, |item| node.place_of(item));
-        format!("{}:{line}:{column}", self.name)
+        DocumentPlace { document: self.name.clone(), line, column }
     }
 
     /// Returns the place of the format: document, line and column.
-    pub fn place_of_format(&self) -> String {
+    pub fn place_of_format(&self) -> DocumentPlace {
         let [line, column] = self.format_place;
-        format!("{}:{line}:{column}", self.name)
+        DocumentPlace { document: self.name.clone(), line, column }
     }
 
     /// Returns the node with a name.

@@ -4,6 +4,23 @@
 use crate::Outside;
 use std::fmt;
 
+/// Place in a document.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DocumentPlace {
+    /// Name of the document.
+    pub document: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+}
+
+impl fmt::Display for DocumentPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}", self.document, self.line, self.column)
+    }
+}
+
 /// Whether a diagnostic stops the document from being evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {

@@ -59,7 +59,7 @@ pub use build::{Builder, Mask, Value, Weights, load};
 pub use check::{FORMAT_VERSION, check, expected};
 pub use checked::{CheckedGraph, CheckedNode, FileState, Guarantee, OutputSpec, Precision, file_states};
 pub use declare::{Arity, Declaration, Default, End, Files, Item, Knob, List, Offer, Output, Port, Role, Takes};
-pub use diagnostic::{Diagnostic, Means, Severity, Statement, nearest};
+pub use diagnostic::{Diagnostic, DocumentPlace, Means, Severity, Statement, nearest};
 pub use document::{Document, MAX_BYTES, MAX_NODES};
 pub use faults::{Around, Check, Fault, Upstream, User, one_of};
 pub use fields::{

@@ -111,12 +111,12 @@ pub use trochoid_engine::{
 };
 pub use trochoid_graph::{
     Accepts, Access, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, DataPlace, Declaration,
-    Default as KnobDefault, Diagnostic, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files, Guarantee, Harmonic,
-    Interpolation, Item, Key, Kind, Knob, List, Means, MemoryUse, NodeError, NodeId, NodeType, Offer, Omission,
-    OutputSpec, Outside, Paths, Port, Precision, REFUSALS, Refusal, Refused, Registry, Relation, Right, Role, Severity,
-    Source, Spectrum, Stability, StabilityMap, Takes, Term, Tolerance, Verdict, Work, counted, escape_frame,
-    expand_frame, expected, folders_to_allow, in_bytes, nearest, quoted, quoted_path, refusal, refusals, resolved,
-    schema,
+    Default as KnobDefault, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files,
+    Guarantee, Harmonic, Interpolation, Item, Key, Kind, Knob, List, Means, MemoryUse, NodeError, NodeId, NodeType,
+    Offer, Omission, OutputSpec, Outside, Paths, Port, Precision, REFUSALS, Refusal, Refused, Registry, Relation,
+    Right, Role, Severity, Source, Spectrum, Stability, StabilityMap, Takes, Term, Tolerance, Verdict, Work, counted,
+    escape_frame, expand_frame, expected, folders_to_allow, in_bytes, nearest, quoted, quoted_path, refusal, refusals,
+    resolved, schema,
 };
 pub use trochoid_image::{Format, FormatError, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]

@@ -15,7 +15,7 @@ impl Faults {
         self.push(NameFault { place: place.clone(), found: found.into(), remedy: remedy.into(), means: None });
     }
 
-    /// One name for several outputs or files.
+    /// Adds the fault of one name for several outputs or files.
     fn add_shared(&mut self, place: &NamePlace, found: String) {
         let remedy = "add {output} to it, or choose one output".into();
         self.push(NameFault { place: place.clone(), found, remedy, means: Some(Means::ChooseOutput) });

@@ -7,8 +7,8 @@ use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use std::path;
 use trochoid::{
-    CheckedGraph, Diagnostic, EvalError, Format, FormatError, Kind, LoadError, NodeId, Refused, Role, Severity, parse,
-    registry,
+    CheckedGraph, Diagnostic, DocumentPlace, EvalError, Format, FormatError, Kind, LoadError, NodeId, Refused, Role,
+    Severity, parse, registry,
 };
 
 /// Name of the lens's output.
@@ -59,13 +59,13 @@ impl Lens {
         if let EvalError::Node { place, .. } | EvalError::TooMuchMemory { place, .. } = &mut error
             && let Some(there) = self.place_in_document(place, subject)
         {
-            *place = there;
+            **place = there;
         }
         error
     }
 
     /// Returns the place in the user's document for a place in the lens.
-    fn place_in_document(&self, sought: &str, subject: &Subject) -> Option<String> {
+    fn place_in_document(&self, sought: &DocumentPlace, subject: &Subject) -> Option<DocumentPlace> {
         let graph = &self.graph;
         let sheet = &subject.sheet;
         let mut places = vec![(graph.place_of_format(), Path::default().to("format"))];
@@ -79,7 +79,7 @@ impl Lens {
         }
         let (_, path) = places.into_iter().find(|(place, _)| place == sought)?;
         let [line, column] = text::place(&sheet.text, &path)?;
-        Some(format!("{}:{line}:{column}", subject.name))
+        Some(DocumentPlace { document: subject.name.clone(), line, column })
     }
 }
 

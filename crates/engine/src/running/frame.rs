@@ -4,7 +4,7 @@ use super::buffers::BufferFault;
 use super::foreign::ForeignError;
 use crate::LeftOut;
 use std::sync::Arc;
-use trochoid_graph::{CheckedGraph, Guarantee, Kind, NodeError, NodeId, in_bytes};
+use trochoid_graph::{CheckedGraph, DocumentPlace, Guarantee, Kind, NodeError, NodeId, in_bytes};
 use trochoid_image::{Plane, Rgb, Window};
 use trochoid_weights::{Audit, Hull};
 
@@ -15,7 +15,7 @@ pub enum EvalError {
     #[error("{place}: node \"{node}\" ({ty}): {error}")]
     Node {
         /// Document, line and column: those of the file's name if the node reads a file.
-        place: String,
+        place: Box<DocumentPlace>,
         /// The node's name.
         node: String,
         /// The node's type.
@@ -39,7 +39,7 @@ pub enum EvalError {
     )]
     TooMuchMemory {
         /// Document, line and column of the largest taker.
-        place: String,
+        place: Box<DocumentPlace>,
         /// Largest takers, in words.
         found: String,
         /// Bytes needed.
@@ -71,7 +71,7 @@ impl EvalError {
     pub(crate) fn of(graph: &CheckedGraph, id: NodeId, error: NodeError) -> Self {
         let node = graph.node(id);
         Self::Node {
-            place: graph.place_of(id, node.file_item()),
+            place: graph.place_of(id, node.file_item()).into(),
             node: node.name.clone(),
             ty: node.ty.declaration().name.into(),
             error,

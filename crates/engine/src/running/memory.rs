@@ -178,10 +178,10 @@ impl Plan<'_> {
             return Ok(());
         }
         Err(EvalError::TooMuchMemory {
-            place: match account.consumers.first() {
+            place: Box::new(match account.consumers.first() {
                 Some((MemoryConsumer::Node(id) | MemoryConsumer::Preparing(id), ..)) => self.graph.place_of(*id, None),
                 _ => self.graph.place_of_format(),
-            },
+            }),
             found: self.named(account),
             total: account.total(),
             limit,
