@@ -205,7 +205,7 @@ impl Findings {
         match Plan::new(graph, &[], frame, &[], &Settings::default()) {
             Ok(plan) => {
                 let account = plan.memory(pictures(graph));
-                let faults = plan.examine().into_iter().chain(plan.check_memory(&account).err());
+                let faults = plan.check_headers().into_iter().chain(plan.check_memory(&account).err());
                 // Here a document that cannot be rendered is invalid, whatever exit code a run would have.
                 let place = format!("frame {frame}: ");
                 let invalid = |error| Failure { code: INVALID, ..Failure::evaluated(&place, &error) };

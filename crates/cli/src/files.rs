@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Once;
 use trochoid::io::Target;
 use trochoid::{
-    Access, CheckedGraph, Diagnostic, Form, InputFiles, LoadError, Loaded, Refused, allow_options, check_destination,
-    check_replaced_by, quoted_path, refusals, refused_files,
+    Access, CheckedGraph, Diagnostic, Form, InputFiles, LoadError, Loaded, RefusedFile, allow_options,
+    check_destination, check_replaced_by, quoted_path, refusals, refused_files,
 };
 
 /// Options for the files that a document may access.
@@ -46,11 +46,11 @@ impl Reach {
     }
 
     /// Returns the faults of files that a document may not access, each with a remedy that covers all of them.
-    pub(crate) fn faults(&self, graph: &CheckedGraph, refused: &[Refused]) -> Vec<Diagnostic> {
+    pub(crate) fn faults(&self, graph: &CheckedGraph, refused: &[RefusedFile]) -> Vec<Diagnostic> {
         let mut faults = refusals(refused);
         if self.strict {
             let usual = Self { strict: false, ..self.clone() }.access(graph.folder());
-            let is_usual = |refused: &Refused| usual.check(&refused.outside.leads_to).is_ok();
+            let is_usual = |refused: &RefusedFile| usual.check(&refused.outside.leads_to).is_ok();
             let without = if refused.iter().all(is_usual) {
                 "; or omit --strict, which allows everything under the current folder"
             } else {
@@ -70,7 +70,7 @@ impl Reach {
         graph: &CheckedGraph,
         outputs: &[usize],
         frames: &[i64],
-        more: Vec<Refused>,
+        more: Vec<RefusedFile>,
     ) -> Option<Failure> {
         let refused = [refused_files(graph, outputs, frames), more].concat();
         (!refused.is_empty()).then(|| LoadError::Invalid(once(self.faults(graph, &refused))).into())

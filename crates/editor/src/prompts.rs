@@ -5,7 +5,7 @@ use crate::document::Session;
 use crate::document::keep::Kept;
 use egui_file_dialog::{FileDialog, Filter};
 use std::path::{Path, PathBuf};
-use trochoid::Refused;
+use trochoid::RefusedFile;
 
 /// What is being asked.
 pub(crate) struct Prompts {
@@ -34,7 +34,7 @@ pub(crate) enum Prompt {
     /// Whether to end a run, and what comes after it.
     Rendering(After),
     /// Whether the document may reach further, so that it can be rendered.
-    Reach(Vec<Refused>),
+    Reach(Vec<RefusedFile>),
     Recover(Vec<Kept>),
     /// Whether to write over this file, and what comes after it.
     Replace(PathBuf, Option<After>),
@@ -92,7 +92,7 @@ impl Prompts {
     }
 
     /// Asks whether the document may reach files that it needs to be rendered.
-    pub(crate) fn reach(&mut self, refused: Vec<Refused>) {
+    pub(crate) fn reach(&mut self, refused: Vec<RefusedFile>) {
         self.open = Some(Prompt::Reach(refused));
     }
 

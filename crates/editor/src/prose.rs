@@ -61,11 +61,11 @@ pub(crate) fn here(message: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trochoid::{OutputError, Outside};
+    use trochoid::{AccessViolation, OutputError};
 
     #[test]
     fn messages_name_no_options_of_the_command_line() {
-        let outside = Outside { leads_to: "/plates/a.png".into(), allowed: vec!["/shots".into()] };
+        let outside = AccessViolation { leads_to: "/plates/a.png".into(), allowed: vec!["/shots".into()] };
         let told = here(&outside.to_string());
         assert!(told.ends_with("/shots; allow it here if you trust the document"), "{told}");
         let told = here(&OutputError::Foreign { path: "/plates/a.png".into() }.to_string());

@@ -4,7 +4,7 @@
 use crate::actions::Grant;
 use egui::Ui;
 use std::path::{Path, PathBuf};
-use trochoid::{Access, Refused};
+use trochoid::{Access, RefusedFile};
 
 /// How many documents are remembered.
 const MOST: usize = 200;
@@ -77,7 +77,7 @@ pub(crate) fn access(folder: &Path, run: &[PathBuf], grants: &[Grant]) -> Access
 }
 
 /// A button for each folder that files were refused of; gives what is allowed.
-pub(crate) fn buttons_ui(ui: &mut Ui, refused: &[Refused], has_file: bool) -> Option<Grant> {
+pub(crate) fn buttons_ui(ui: &mut Ui, refused: &[RefusedFile], has_file: bool) -> Option<Grant> {
     let mut allowed = None;
     let mut asked: Vec<Grant> = Vec::new();
     for one in refused {
@@ -95,7 +95,7 @@ pub(crate) fn buttons_ui(ui: &mut Ui, refused: &[Refused], has_file: bool) -> Op
 }
 
 /// What is asked for, where it leads, and what follows from an answer.
-fn help(refused: &Refused, grant: &Grant, has_file: bool) -> String {
+fn help(refused: &RefusedFile, grant: &Grant, has_file: bool) -> String {
     let (asks, may) = match &refused.node {
         Some(node) => (format!("The node “{node}” asks to read"), "read"),
         None => ("An output asks to write".into(), "write"),

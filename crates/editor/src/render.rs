@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use trochoid::{
-    Buffers, Cache, CheckedGraph, EvalError, InputFiles, Miss, Monitor, OutputError, Plan, PlanError, Refused,
+    Buffers, Cache, CheckedGraph, EvalError, InputFiles, Miss, Monitor, OutputError, Plan, PlanError, RefusedFile,
     Settings, check_destinations, check_replaced, misses, output_files, refused_files, write_output,
 };
 
@@ -23,7 +23,7 @@ pub(crate) struct Renderer {
 #[derive(Debug)]
 pub(crate) enum Obstacle {
     /// Files that the document may not reach, to be read or to be written.
-    Refused(Vec<Refused>),
+    Refused(Vec<RefusedFile>),
     /// Anything else.
     Because(Hindrance),
 }

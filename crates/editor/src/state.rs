@@ -4,7 +4,7 @@ use crate::document::{Path, Session, Sheet};
 use crate::evaluate::{Blamed, Display, Result, Screen};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
-use trochoid::{NodeReport, Refused};
+use trochoid::{NodeReport, RefusedFile};
 
 /// All that panels draw. They change nothing in it but ask for it by [`Action`](crate::actions::Action)s.
 #[derive(Debug)]
@@ -68,7 +68,7 @@ pub struct Seen {
     /// Whether it failed in evaluation, and not because there is nothing to be looked at.
     pub broken: bool,
     /// Files that it failed for because the document may not read them.
-    pub refused: Vec<Refused>,
+    pub refused: Vec<RefusedFile>,
     /// How much of the picture is done; `None` where nothing is being evaluated.
     pub progress: Option<f32>,
     /// What nodes did when they were last evaluated, by name.

@@ -10,7 +10,7 @@ use egui_plot::{Line, Plot, PlotPoints, Points, Polygon};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use trochoid::{CheckedGraph, Item, Knob, KnobDefault, Role, Spectrum, Stability, Takes, stability_of};
+use trochoid::{CheckedGraph, Item, Knob, KnobDefault, KnobType, Role, Spectrum, Stability, stability_of};
 
 /// What the panel holds besides what all see.
 #[derive(Default)]
@@ -98,7 +98,7 @@ fn knobs_ui(ui: &mut Ui, state: &State, sea: &Node, actions: &mut Vec<Action>) {
                 let Some(knob) = knob(name) else { continue };
                 // What is named like a word of a choice counts only where that is chosen.
                 let mut choices = declaration.items.iter().filter_map(|item| match item {
-                    Item::Knob(Knob { name: choice, takes: Takes::Choice(words), .. }) if words.contains(&name) => {
+                    Item::Knob(Knob { name: choice, takes: KnobType::Choice(words), .. }) if words.contains(&name) => {
                         Some(choice)
                     }
                     _ => None,
@@ -147,13 +147,13 @@ fn slider_ui(ui: &mut Ui, state: &State, path: &Path, knob: &Knob, actions: &mut
         "frequency" => (0.0, 20.0),
         _ => (0.0, 1.0),
     };
-    let whole = matches!(knob.takes, Takes::Integer { .. });
+    let whole = matches!(knob.takes, KnobType::Integer { .. });
     ui.horizontal(|ui| {
         let logarithmic = matches!(knob.name, "wavelength" | "count");
         let unit = if knob.unit == "degrees" { "°".into() } else { format!(" {}", knob.unit) };
         let (min, max) = match knob.takes {
-            Takes::Number { min, max } => (min, max),
-            Takes::Integer { min, max } => (min as f64, max as f64),
+            KnobType::Number { min, max } => (min, max),
+            KnobType::Integer { min, max } => (min as f64, max as f64),
             _ => (f64::NEG_INFINITY, f64::INFINITY),
         };
         let number = Number::new(value).range(min, max).decimals(3);

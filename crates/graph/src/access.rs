@@ -1,6 +1,6 @@
 //! Access control: the files that a document may make a program read and write.
 
-use crate::{CheckedGraph, Diagnostic, FrameContext, Item, NodeId, OutputSpec, Severity, Takes, quoted_path};
+use crate::{CheckedGraph, Diagnostic, FrameContext, Item, KnobType, NodeId, OutputSpec, Severity, quoted_path};
 use std::path::{Component, Path, PathBuf};
 
 /// The files that a document may make a program read and write: whole folder trees, and single files.
@@ -60,14 +60,14 @@ impl Root {
 
 /// A path that leads outside of what a document may reach.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Outside {
+pub struct AccessViolation {
     /// Target of the path: absolute, with links followed.
     pub leads_to: PathBuf,
     /// Allowed folders and files.
     pub allowed: Vec<PathBuf>,
 }
 
-impl Outside {
+impl AccessViolation {
     /// Returns the folder that has to be allowed.
     pub fn folder(&self) -> &Path {
         self.leads_to.parent().unwrap_or(&self.leads_to)
@@ -83,22 +83,22 @@ impl Outside {
     }
 }
 
-fn remedy<'o>(paths: impl IntoIterator<Item = &'o Outside, IntoIter: ExactSizeIterator>) -> String {
+fn remedy<'o>(paths: impl IntoIterator<Item = &'o AccessViolation, IntoIter: ExactSizeIterator>) -> String {
     let paths = paths.into_iter();
     let what = if paths.len() == 1 { "this file" } else { "these files" };
     format!("if you trust the document with {what}: {}", allow_options(paths))
 }
 
 /// Returns the faults of files that a document may not reach; the remedy of each allows all of them.
-pub fn refusals(refused: &[Refused]) -> Vec<Diagnostic> {
+pub fn refusals(refused: &[RefusedFile]) -> Vec<Diagnostic> {
     let remedy = remedy(refused.iter().map(|refused| &refused.outside));
     refused.iter().map(|refused| Diagnostic { remedy: remedy.clone(), ..refused.diagnostic() }).collect()
 }
 
 /// Returns the command-line options that allow some paths, quoted for a shell: one per folder, without folders
 /// beneath others.
-pub fn allow_options<'o>(paths: impl IntoIterator<Item = &'o Outside>) -> String {
-    let folders: Vec<&Path> = paths.into_iter().map(Outside::folder).collect();
+pub fn allow_options<'o>(paths: impl IntoIterator<Item = &'o AccessViolation>) -> String {
+    let folders: Vec<&Path> = paths.into_iter().map(AccessViolation::folder).collect();
     let mut named: Vec<&Path> = Vec::new();
     for folder in &folders {
         let is_beneath = |other: &&Path| folder.starts_with(other) && folder != other;
@@ -109,7 +109,7 @@ pub fn allow_options<'o>(paths: impl IntoIterator<Item = &'o Outside>) -> String
     named.iter().map(|folder| format!("--allow {}", quoted_path(folder))).collect::<Vec<_>>().join(" ")
 }
 
-impl std::fmt::Display for Outside {
+impl std::fmt::Display for AccessViolation {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "found the file {}; expected {}; {}", self.leads_to.display(), self.expected(), self.remedy())
     }
@@ -171,7 +171,7 @@ impl Access {
     ///
     /// # Errors
     /// The path leads outside.
-    pub fn check(&self, path: &Path) -> Result<(), Outside> {
+    pub fn check(&self, path: &Path) -> Result<(), AccessViolation> {
         self.check_for(path, Right::Read)
     }
 
@@ -179,7 +179,7 @@ impl Access {
     ///
     /// # Errors
     /// The path leads outside.
-    pub fn check_for(&self, path: &Path, right: Right) -> Result<(), Outside> {
+    pub fn check_for(&self, path: &Path, right: Right) -> Result<(), AccessViolation> {
         let Some(roots) = &self.roots else { return Ok(()) };
         let leads_to = resolved(path);
         let roots: Vec<&PathBuf> =
@@ -187,7 +187,7 @@ impl Access {
         if roots.iter().any(|root| leads_to.starts_with(root)) {
             return Ok(());
         }
-        Err(Outside { leads_to, allowed: roots.into_iter().cloned().collect() })
+        Err(AccessViolation { leads_to, allowed: roots.into_iter().cloned().collect() })
     }
 }
 
@@ -245,7 +245,7 @@ fn follow(mut at: PathBuf, path: &Path, links: &mut usize) -> PathBuf {
 
 /// A file that a document names but may not reach.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused {
+pub struct RefusedFile {
     /// Name of the document.
     pub document: String,
     /// Node that would read the file; `None` for the file of an output.
@@ -257,12 +257,12 @@ pub struct Refused {
     /// Path as written, with the frame filled in.
     pub path: PathBuf,
     /// Target of the path, and the allowed paths.
-    pub outside: Outside,
+    pub outside: AccessViolation,
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for RefusedFile {}
 
-impl Refused {
+impl RefusedFile {
     /// Returns the fault, with its place in the document and the remedy.
     pub fn diagnostic(&self) -> Diagnostic {
         let [line, column] = self.place;
@@ -292,7 +292,7 @@ impl Refused {
 }
 
 /// Formats what was found, what was expected and what to do, like messages of nodes.
-impl std::fmt::Display for Refused {
+impl std::fmt::Display for RefusedFile {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "found {}; expected {}; {}", self.found(), self.outside.expected(), self.outside.remedy())
     }
@@ -314,14 +314,14 @@ impl CheckedGraph {
 
     /// Returns the first file that a node would read at a frame but may not; engines check this before the node
     /// prepares.
-    pub fn refused(&self, id: NodeId, context: &FrameContext) -> Option<Refused> {
+    pub fn refused(&self, id: NodeId, context: &FrameContext) -> Option<RefusedFile> {
         let node = self.node(id);
         let settled = self.settle(id, context.frame);
         let mut trusted = Vec::new();
         let mut named = Vec::new();
         for item in node.ty.declaration().items {
             let Item::Knob(knob) = item else { continue };
-            if !matches!(knob.takes, Takes::Path) || !settled.is_set(knob.name) {
+            if !matches!(knob.takes, KnobType::Path) || !settled.is_set(knob.name) {
                 continue;
             }
             let path = context.path(settled.text(knob.name));
@@ -337,7 +337,7 @@ impl CheckedGraph {
             let outside = self.access.check(&path).err()?;
             let place = item.map_or(node.place, |item| node.place_of(item));
             let (document, item) = (self.name.clone(), item.map(String::from));
-            Some(Refused { document, node: Some(node.name.clone()), item, place, path, outside })
+            Some(RefusedFile { document, node: Some(node.name.clone()), item, place, path, outside })
         })
     }
 
@@ -345,9 +345,9 @@ impl CheckedGraph {
     ///
     /// # Errors
     /// The path leads outside of what the document may reach.
-    pub fn check_written(&self, output: &OutputSpec, path: &Path) -> Result<(), Box<Refused>> {
+    pub fn check_written(&self, output: &OutputSpec, path: &Path) -> Result<(), Box<RefusedFile>> {
         self.access.check_for(path, Right::Write).map_err(|outside| {
-            Box::new(Refused {
+            Box::new(RefusedFile {
                 document: self.name.clone(),
                 node: None,
                 item: Some(format!("output \"{}\", file", output.name)),
@@ -372,7 +372,7 @@ mod tests {
 
     #[test]
     fn options_allow_each_folder_once_as_a_shell_takes_them() {
-        let outside = |path: &str| Outside { leads_to: path.into(), allowed: Vec::new() };
+        let outside = |path: &str| AccessViolation { leads_to: path.into(), allowed: Vec::new() };
         let paths = ["/a b/x.png", "/c/d/y.png", "/c/z.png", "/c/z2.png", "/it's/#1/x"].map(outside);
         assert_eq!(allow_options(&paths), r##"--allow '/a b' --allow /c --allow "/it's/#1""##);
         assert!(paths[0].to_string().ends_with("--allow '/a b'"));

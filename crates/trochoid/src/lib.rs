@@ -110,11 +110,11 @@ pub use trochoid_engine::{
     ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches, Taker,
 };
 pub use trochoid_graph::{
-    Accepts, Access, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, DataPlace, Declaration,
-    Default as KnobDefault, Diagnostic, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files, Guarantee, Harmonic,
-    Interpolation, Item, Key, Kind, Knob, List, MemoryUse, NodeError, NodeId, NodeType, Offer, Omission, OutputSpec,
-    Outside, Paths, Port, Precision, REFUSALS, Refusal, Refused, Registry, Relation, Right, Role, Severity, Source,
-    Spectrum, Stability, StabilityMap, Takes, Term, Tolerance, Verdict, Work, allow_options, counted, escape_frame,
+    Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, DataPlace,
+    Declaration, Diagnostic, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files, Guarantee, Harmonic, Interpolation,
+    Item, Key, Kind, Knob, KnobDefault, KnobType, List, MemoryUse, NodeError, NodeId, NodeType, Offer, Omission,
+    OutputSpec, Paths, Port, Precision, REFUSALS, Refusal, RefusedFile, Registry, Relation, Right, Role, Severity,
+    Source, Spectrum, Stability, StabilityMap, Term, Tolerance, Verdict, Work, allow_options, counted, escape_frame,
     expand_frame, expected, in_bytes, nearest, quoted, quoted_path, refusal, refusals, resolved, schema,
 };
 pub use trochoid_image::{Format, FormatError, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};

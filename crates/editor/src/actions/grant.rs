@@ -1,7 +1,7 @@
 //! What a document is allowed.
 
 use std::path::{Path, PathBuf};
-use trochoid::{Refused, Right};
+use trochoid::{RefusedFile, Right};
 
 /// A folder that a document was allowed, with all beneath it, and for what. As it is remembered: a path alone is of reading.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -18,7 +18,7 @@ pub enum Grant {
 
 impl Grant {
     /// What was refused, allowed.
-    pub(crate) fn of(refused: &Refused) -> Self {
+    pub(crate) fn of(refused: &RefusedFile) -> Self {
         let folder = refused.outside.folder().to_path_buf();
         match refused.right() {
             Right::Read => Self::Read(folder),

@@ -171,7 +171,7 @@ impl<'o> Evaluator<'o> {
         let shrink = (format.width() as f32 / THUMBNAIL[0] as f32).max(format.height() as f32 / THUMBNAIL[1] as f32);
         let side = |side: u32| ((side as f32 / shrink.max(1.0)).round() as u32).max(1);
         let Ok(format) = Format::new(side(format.width()), side(format.height()), 1) else { return };
-        let graph = graph.drawn_at(format);
+        let graph = graph.with_scaled_format(format);
         let mut settings = Settings::default();
         settings.keep = true;
         let Ok(plan) = Plan::new(&graph, &[], frame, &[], &settings) else { return };

@@ -7,8 +7,8 @@ use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use std::path;
 use trochoid::{
-    CheckedGraph, Diagnostic, EvalError, Format, FormatError, Kind, LoadError, NodeId, Refused, Role, Severity, parse,
-    registry,
+    CheckedGraph, Diagnostic, EvalError, Format, FormatError, Kind, LoadError, NodeId, RefusedFile, Role, Severity,
+    parse, registry,
 };
 
 /// The name of the output that a lens looks through.
@@ -33,10 +33,10 @@ pub struct Lens {
 
 impl Lens {
     /// The files that it would read at a frame and may not, of each node the first one.
-    pub(super) fn refused(&self, frame: i64) -> Vec<Refused> {
+    pub(super) fn refused(&self, frame: i64) -> Vec<RefusedFile> {
         let graph = &self.graph;
         let context = graph.frame_context(frame, u64::MAX);
-        let reached = graph.reached(graph.outputs().iter().map(|output| output.node), frame);
+        let reached = graph.dependencies(graph.outputs().iter().map(|output| output.node), frame);
         let nodes = (0..reached.len()).filter(|index| reached[*index] && !graph.nodes()[*index].disabled);
         nodes.filter_map(|index| graph.refused(NodeId(index), &context)).collect()
     }
@@ -51,7 +51,7 @@ impl Lens {
         // A coarse picture is seen for a moment only: one sample a pixel.
         let samples = if finished { whole.samples() } else { 1 };
         let format = Format::new(side(whole.width()), side(whole.height()), samples)?;
-        Ok(Cow::Owned(self.graph.clone().drawn_at(format.with_shading(whole.shading()))))
+        Ok(Cow::Owned(self.graph.clone().with_scaled_format(format.with_shading(whole.shading()))))
     }
 
     /// An error with the place of the user's document where it has one of the lens, which has all of it on one line.

@@ -6,7 +6,7 @@ use super::picture::PictureError;
 use super::shown::{Display, Screen};
 use super::subject::Subject;
 use std::sync::Arc;
-use trochoid::{Format, NodeReport, Phases, Picture, Refused};
+use trochoid::{Format, NodeReport, Phases, Picture, RefusedFile};
 
 /// A picture to be made.
 #[derive(Clone, Debug)]
@@ -113,7 +113,7 @@ pub enum News {
         /// Whether it was begun: what has no picture is not.
         begun: bool,
         /// Files that it may not read, of each node the first one.
-        refused: Vec<Refused>,
+        refused: Vec<RefusedFile>,
     },
     /// Pictures of nodes.
     Thumbnails(Vec<Thumbnail>),

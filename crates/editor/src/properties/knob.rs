@@ -7,7 +7,7 @@ use crate::document::edit::default_value;
 use crate::field::{self, Gesture, Number, Told};
 use egui::{ComboBox, TextEdit, Ui};
 use serde_json::{Value, json};
-use trochoid::{Knob, Takes, expected};
+use trochoid::{Knob, KnobType, expected};
 
 /// Draws a knob, with its keys where it may have some.
 pub(super) fn knob_ui(
@@ -86,18 +86,20 @@ fn widget_ui(
     }
     let suffix = unit(knob.unit);
     match (&knob.takes, value) {
-        (Takes::Number { min, max }, Value::Number(_)) => number_ui(ui, value, (*min, *max), &suffix),
-        (Takes::Integer { min, max }, Value::Number(number)) => {
+        (KnobType::Number { min, max }, Value::Number(_)) => number_ui(ui, value, (*min, *max), &suffix),
+        (KnobType::Integer { min, max }, Value::Number(number)) => {
             let number = Number::new(number.as_f64().unwrap_or_default()).whole();
             number.range(*min as f64, *max as f64).suffix(&suffix).ui(ui).map(whole)
         }
-        (Takes::Bool, Value::Bool(on)) => field::switch_ui(ui, *on, "").map(Value::from),
-        (Takes::Choice(words), Value::String(chosen)) => choice_ui(ui, words, chosen, place),
-        (Takes::Color, _) => color::color_ui(ui, value, place, actions),
-        (Takes::Vector(count), Value::Array(items)) if items.len() == *count && items.iter().all(Value::is_number) => {
+        (KnobType::Bool, Value::Bool(on)) => field::switch_ui(ui, *on, "").map(Value::from),
+        (KnobType::Choice(words), Value::String(chosen)) => choice_ui(ui, words, chosen, place),
+        (KnobType::Color, _) => color::color_ui(ui, value, place, actions),
+        (KnobType::Vector(count), Value::Array(items))
+            if items.len() == *count && items.iter().all(Value::is_number) =>
+        {
             vector_ui(ui, items)
         }
-        (Takes::Text | Takes::Path, Value::String(text)) => {
+        (KnobType::Text | KnobType::Path, Value::String(text)) => {
             field::text_ui(ui, text, |text| TextEdit::singleline(text).desired_width(180.0)).map(Value::from)
         }
         (takes, value) => field::value_ui(ui, (&place.path.to_string(), value), 180.0, |text| read(text, takes)),
@@ -107,21 +109,21 @@ fn widget_ui(
 /// What is expected where a text is nothing that a knob takes.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", expected(.0))]
-struct Unfit<'t>(&'t Takes);
+struct Unfit<'t>(&'t KnobType);
 
 /// What was typed, as a value that a knob takes.
-fn read<'t>(text: &str, takes: &'t Takes) -> Result<Value, Unfit<'t>> {
+fn read<'t>(text: &str, takes: &'t KnobType) -> Result<Value, Unfit<'t>> {
     let wanted = || Unfit(takes);
     match takes {
-        Takes::Text | Takes::Path | Takes::Choice(_) => Ok(text.into()),
+        KnobType::Text | KnobType::Path | KnobType::Choice(_) => Ok(text.into()),
         _ => {
             let value: Value = serde_json::from_str(text).map_err(|_| wanted())?;
             let fits = match takes {
-                Takes::Numbers { .. } => value.as_array().is_some_and(|items| items.iter().all(Value::is_number)),
-                Takes::Texts { .. } => value.as_array().is_some_and(|items| items.iter().all(Value::is_string)),
-                Takes::Vector(count) => value.as_array().is_some_and(|items| items.len() == *count),
-                Takes::Bool => value.is_boolean(),
-                Takes::Number { .. } | Takes::Integer { .. } => value.is_number(),
+                KnobType::Numbers { .. } => value.as_array().is_some_and(|items| items.iter().all(Value::is_number)),
+                KnobType::Texts { .. } => value.as_array().is_some_and(|items| items.iter().all(Value::is_string)),
+                KnobType::Vector(count) => value.as_array().is_some_and(|items| items.len() == *count),
+                KnobType::Bool => value.is_boolean(),
+                KnobType::Number { .. } | KnobType::Integer { .. } => value.is_number(),
                 _ => true,
             };
             fits.then_some(value).ok_or_else(wanted)

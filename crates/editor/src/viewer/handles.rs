@@ -116,7 +116,7 @@ fn has_role(node: &CheckedNode, role: Role) -> bool {
 fn camera(result: &Result, sea: NodeId) -> Option<NodeId> {
     let graph = &result.lens.graph;
     graph.nodes().iter().enumerate().find_map(|(index, node)| {
-        let is_render = has_role(node, Role::Render) && graph.reached([NodeId(index)], result.frame)[sea.0];
+        let is_render = has_role(node, Role::Render) && graph.dependencies([NodeId(index)], result.frame)[sea.0];
         let settled = is_render.then(|| graph.settle(NodeId(index), result.frame))?;
         settled.sources().into_iter().find_map(|source| match source {
             Source::Output { node, .. } if has_role(graph.node(*node), Role::Camera) => Some(*node),

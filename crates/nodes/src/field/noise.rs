@@ -93,14 +93,14 @@ impl Node for Noise {
 }
 
 impl Stage for Noise {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         match self.space.channels() {
             [] => ChannelSet::EMPTY,
             channels => ChannelSet::of(channels).union(Channel::Coverage.into()),
         }
     }
 
-    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+    fn optional_channels(&self, _wanted: &[bool]) -> ChannelSet {
         // The depth along the ray gives the point in the world, and thus its footprint, in rest space too.
         if self.filter && self.space != Space::Screen { Channel::Depth.into() } else { ChannelSet::EMPTY }
     }
@@ -254,7 +254,7 @@ impl Prepared for PreparedNoise {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let (view, channels) = (&self.node.view, self.node.space.channels());
         let mut places = bounding.block.places();
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
             let at = places.next().unwrap_or_default();
             let moved = |(axis, along): (usize, Span)| {
                 let by = self.moved(axis);

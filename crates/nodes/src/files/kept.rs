@@ -135,8 +135,13 @@ impl Reading<'_> {
         if bytes(info.data.area()) <= budget {
             return Ok(None);
         }
-        let fit =
-            Fit::new(self.knobs.fit, FitBy::WORDS, info.display, [self.frame.format, self.frame.whole], self.path)?;
+        let fit = Fit::new(
+            self.knobs.fit,
+            FitBy::WORDS,
+            info.display,
+            [self.frame.format, self.frame.document_format],
+            self.path,
+        )?;
         let grid = Grid::new(&fit, self.frame.format, info.data);
         if 2 * grid.count() > info.data.area() {
             return Ok(None);

@@ -79,14 +79,14 @@ impl Stage for Read {
         vec![frame.path(&self.named.file)]
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory_of_picture(self.knobs(), reckoning, true)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory_of_picture(self.knobs(), context, true)
     }
 
-    fn examine(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+    fn check_headers(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         let path = named(frame, &self.named.file)?;
         let wanted = wanted.first().map(Vec::as_slice).unwrap_or_default();
-        self.reading(frame, &path).examine(wanted, true)
+        self.reading(frame, &path).check_headers(wanted, true)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
@@ -124,7 +124,7 @@ fn whole(reading: &Reading<'_>, kind: Kind, wanted: &[bool]) -> Result<(Layers, 
     let Reading { knobs, frame, path, outside } = *reading;
     let mut fit = None;
     let (planes, repaired) = reading.planes(kind, wanted, &mut |picture| {
-        fit = Some(Fit::new(knobs.fit, FitBy::WORDS, picture.display, [frame.format, frame.whole], path)?);
+        fit = Some(Fit::new(knobs.fit, FitBy::WORDS, picture.display, [frame.format, frame.document_format], path)?);
         Ok(())
     })?;
     let outside_of = |channel: usize| outside.map(|color| color[channel]);
@@ -209,8 +209,9 @@ impl Prepared for Decoded {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         for channel in 0..self.layers.len() {
-            bounding
-                .bound_at(outputs, (Only, channel), |at| self.values(at).map_or(f64::NAN, |values| values[channel]));
+            bounding.bound_at(outputs, (SoleOutput, channel), |at| {
+                self.values(at).map_or(f64::NAN, |values| values[channel])
+            });
         }
         Ok(())
     }
@@ -271,7 +272,7 @@ impl Prepared for Streamed {
         }
         for (index, channel) in self.targets.iter().enumerate() {
             let truth = |at| self.stream.reference(at).map_or(f64::NAN, |values| values[index]);
-            bounding.bound_at(outputs, (Only, *channel), truth);
+            bounding.bound_at(outputs, (SoleOutput, *channel), truth);
         }
         Ok(())
     }

@@ -61,7 +61,7 @@ impl Reading<'_> {
     ///
     /// # Errors
     /// The file cannot be read, has another size and no fit is set, or lacks a selected item.
-    pub(crate) fn examine(&self, wanted: &[bool], laid: bool) -> Result<(), NodeError> {
+    pub(crate) fn check_headers(&self, wanted: &[bool], laid: bool) -> Result<(), NodeError> {
         let kind = self.knobs.kind();
         if !wanted.contains(&true) {
             return Ok(());
@@ -71,7 +71,13 @@ impl Reading<'_> {
         let info = header(self.frame, self.path, &self.selection(channels)).map_err(|error| selected(error, None))?;
         filled(self.path, info.part, info.data)?;
         if laid {
-            Fit::new(self.knobs.fit, FitBy::WORDS, info.display, [self.frame.format, self.frame.whole], self.path)?;
+            Fit::new(
+                self.knobs.fit,
+                FitBy::WORDS,
+                info.display,
+                [self.frame.format, self.frame.document_format],
+                self.path,
+            )?;
         }
         self.made(kind, &info, named, wanted)?;
         if kind == Kind::Color {
@@ -120,8 +126,13 @@ impl Reading<'_> {
         if info.data.height() > MOST_ROWS || (kind == Kind::Color && small) {
             return Ok(None);
         }
-        let fit =
-            Fit::new(self.knobs.fit, FitBy::WORDS, info.display, [self.frame.format, self.frame.whole], self.path)?;
+        let fit = Fit::new(
+            self.knobs.fit,
+            FitBy::WORDS,
+            info.display,
+            [self.frame.format, self.frame.document_format],
+            self.path,
+        )?;
         let Made { rule, at, recipe, targets } = self.made(kind, info, named, wanted)?;
         let stored = Stored {
             path: self.path.into(),

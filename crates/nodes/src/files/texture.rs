@@ -86,7 +86,7 @@ impl Stage for Texture {
         (self.named.r#as == As::Weights).then_some((0.0, 1.0))
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -94,14 +94,14 @@ impl Stage for Texture {
         vec![frame.path(&self.named.file)]
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory_of_picture(self.knobs(), reckoning, false)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory_of_picture(self.knobs(), context, false)
     }
 
-    fn examine(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+    fn check_headers(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         let path = named(frame, &self.named.file)?;
         let wanted = wanted.first().map(Vec::as_slice).unwrap_or_default();
-        Reading { knobs: self.knobs(), frame, path: &path, outside: None }.examine(wanted, false)
+        Reading { knobs: self.knobs(), frame, path: &path, outside: None }.check_headers(wanted, false)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
@@ -292,7 +292,7 @@ impl Prepared for PreparedTexture {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         for channel in 0..self.planes.len() {
-            bounding.bound_by(outputs, (Only, channel), |sample| {
+            bounding.bound_by(outputs, (SoleOutput, channel), |sample| {
                 let place = [&self.node.u, &self.node.v]
                     .map(|port| bounding.known(port, 0, sample).unwrap_or(Span::exactly(0.0)));
                 let span = self.span(channel, place);

@@ -27,10 +27,10 @@ pub(crate) struct Blur {
     /// Image to blur.
     image: One<port::Image>,
     /// Amount of blur: standard deviation of the Gaussian; a box is 2·size + 1 wide.
-    #[knob(default = 1.0, range = 0.0..=MOST, drawn)]
+    #[knob(default = 1.0, range = 0.0..=MOST, in_pixels)]
     size: f64,
     /// Vertical amount of blur; by default the same as `size`.
-    #[knob(range = 0.0..=MOST, drawn)]
+    #[knob(range = 0.0..=MOST, in_pixels)]
     size_y: Option<f64>,
     /// Shape of the kernel: gaussian, or box (all pixels within the size weigh the same).
     filter: Shape,
@@ -78,7 +78,7 @@ impl Stage for Blur {
         Window::new(window.x0 - across, window.y0 - down, window.x1 + across, window.y1 + down)
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -111,7 +111,7 @@ impl Prepared for PreparedBlur {
                 filter(self.kernels.each_ref(), (image.window, samples), image.extent, block.window, stop, out);
             }
         });
-        inputs.go_on()
+        inputs.check_cancelled()
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {

@@ -44,7 +44,7 @@ impl Stage for Warp {
         Window::new(window.x0 - reach, window.y0 - reach, window.x1 + reach, window.y1 + reach)
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 

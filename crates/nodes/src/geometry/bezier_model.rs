@@ -160,7 +160,7 @@ impl Node for BezierModel {
 const BYTES_OF_VERTEX: u64 = 2;
 
 impl Stage for BezierModel {
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -168,15 +168,15 @@ impl Stage for BezierModel {
         self.model.iter().map(|model| frame.path(model)).collect()
     }
 
-    fn examine(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+    fn check_headers(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         let Some(model) = &self.model else { return Ok(()) };
         trochoid_io::open_file(named(frame, model)?)?;
         Ok(())
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
         if let Some(model) = &self.model {
-            return memory::of_model(&reckoning.frame.path(model), BYTES_OF_VERTEX);
+            return memory::of_model(&context.frame.path(model), BYTES_OF_VERTEX);
         }
         let side = match self.tessellation {
             Pieces::Adaptive => 1,

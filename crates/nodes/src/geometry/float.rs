@@ -75,13 +75,13 @@ impl Node for Float {
 }
 
 impl Stage for Float {
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        let seen = reckoning.all(&self.model).fold(0, |sum: u64, taken| sum.saturating_add(taken.seen));
-        MemoryUse::default().seen(seen.saturating_mul(self.bodies.len() as u64))
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        let seen = context.all(&self.model).fold(0, |sum: u64, taken| sum.saturating_add(taken.per_view));
+        MemoryUse::default().per_view(seen.saturating_mul(self.bodies.len() as u64))
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

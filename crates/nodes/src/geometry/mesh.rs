@@ -70,7 +70,9 @@ impl Mesh {
             Normals::Flat if 3 * mesh.triangles.len() > MAX_TRIANGLES => {
                 let found = format_args!("{} triangles", mesh.triangles.len());
                 let expected = format!("at most {} with flat normals", MAX_TRIANGLES / 3);
-                return Err(BadData::new(found, expected, "reduce the mesh, or use smooth normals").in_file(path).into());
+                return Err(BadData::new(found, expected, "reduce the mesh, or use smooth normals")
+                    .in_file(path)
+                    .into());
             }
             Normals::Flat => mesh = mesh.faceted(),
         }
@@ -82,11 +84,11 @@ impl Mesh {
 const BYTES_OF_VERTEX: u64 = 40;
 
 impl Stage for Mesh {
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
-    fn examine(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+    fn check_headers(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         trochoid_io::open_file(named(frame, &self.file)?)?;
         Ok(())
     }
@@ -95,8 +97,8 @@ impl Stage for Mesh {
         vec![frame.path(&self.file)]
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory::of_model(&reckoning.frame.path(&self.file), BYTES_OF_VERTEX)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory::of_model(&context.frame.path(&self.file), BYTES_OF_VERTEX)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

@@ -56,7 +56,7 @@ impl Node for Light {
 }
 
 impl Stage for Light {
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 

@@ -78,7 +78,7 @@ impl Node for LightPool {
 }
 
 impl Stage for LightPool {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&POSITION).union(Channel::Coverage.into())
     }
 
@@ -86,7 +86,7 @@ impl Stage for LightPool {
         Some((0.0, 1.0))
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -235,7 +235,7 @@ impl Prepared for PreparedPools {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
             bounding.where_covered(&self.view, sample, || {
                 let point = POSITION.map(|channel| bounding.certain(&self.view, channel, sample));
                 self.pools.span(point, bounding.known(&self.noise, 0, sample).unwrap_or(Span::exactly(0.0)))

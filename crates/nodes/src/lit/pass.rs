@@ -78,11 +78,11 @@ impl<T: Shades> Computes for LitPass<T> {
 }
 
 impl<T: Shades> Stage for LitPass<T> {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
     }
 
-    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+    fn optional_channels(&self, _wanted: &[bool]) -> ChannelSet {
         T::PREFERS
     }
 
@@ -135,7 +135,7 @@ impl<T: Shades> Prepared for PreparedPass<T> {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let view = self.node.view();
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
             bounding.where_covered(view, sample, || {
                 let (point, normal) = (Near::point(bounding, view, sample), Toward::normal(bounding, view, sample));
                 let seen = Facing {

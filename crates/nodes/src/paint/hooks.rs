@@ -185,7 +185,7 @@ impl Node for Hooks {
 }
 
 impl Stage for Hooks {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Depth.into()
     }
 
@@ -386,7 +386,7 @@ impl Prepared for PreparedHooks {
             if within.area() == 0 {
                 continue;
             }
-            inputs.go_on()?;
+            inputs.check_cancelled()?;
             let pixels = (within.y0..within.y1).flat_map(|y| (within.x0..within.x1).map(move |x| (x, y)));
             for ((x, y), found) in pixels.zip(places.find(claw, within, block.offset)) {
                 let index = (y - window.y0) as usize * window.width() + (x - window.x0) as usize;

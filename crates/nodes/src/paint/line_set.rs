@@ -70,7 +70,7 @@ struct Lines {
     #[knob(default = 0.0, range = -1e6..=1e6)]
     lag: f64,
     /// Distance between lines below which they have faded out; they are at full strength from twice this distance on.
-    #[knob(default = 3.0, range = 0.1..=1e3, drawn)]
+    #[knob(default = 3.0, range = 0.1..=1e3, in_pixels)]
     finest: f64,
 }
 
@@ -118,7 +118,7 @@ impl Stage for LineSet {
         if port == self.place.id() { grown(window, 1) } else { window }
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 

@@ -98,12 +98,12 @@ impl Node for Strokes {
 }
 
 impl Stage for Strokes {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         let rests = if self.is_on_surfaces() { ChannelSet::of(&RESTS) } else { ChannelSet::EMPTY };
         rests.union(Channel::Coverage.into())
     }
 
-    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+    fn optional_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&[Channel::Depth, Channel::Surface])
     }
 
@@ -112,7 +112,7 @@ impl Stage for Strokes {
         Window::new(window.x0 - by, window.y0 - by, window.x1 + by, window.y1 + by)
     }
 
-    fn regions_once_found(&self, _port: PortId, window: Window, _format: Format) -> Window {
+    fn regions_after_find(&self, _port: PortId, window: Window, _format: Format) -> Window {
         window
     }
 
@@ -159,7 +159,7 @@ impl PreparedStrokes {
         &self,
         window: Window,
         around: &impl Canvas,
-        go_on: impl Fn() -> Result<(), NodeError>,
+        check_cancelled: impl Fn() -> Result<(), NodeError>,
     ) -> Result<Vec<(usize, Stroke)>, NodeError> {
         let mut strokes = Vec::new();
         for stride in STRIDES {
@@ -172,7 +172,7 @@ impl PreparedStrokes {
             // Align the patches to the same grid for every window.
             let [x0, y0] = [all.x0, all.y0].map(|first| first + (-first).rem_euclid(stride));
             for y in (y0..all.y1).step_by(stride as usize) {
-                go_on()?;
+                check_cancelled()?;
                 let mut left = [around.corner(x0, y), around.corner(x0, y + stride)];
                 for x in (x0..all.x1).step_by(stride as usize) {
                     let right = [around.corner(x + stride, y), around.corner(x + stride, y + stride)];
@@ -241,7 +241,7 @@ impl PreparedStrokes {
     fn laid(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Laid, NodeError> {
         let image = &inputs.all(&self.image)[0];
         let planes = Planes::new(&self.sight, self.picture, self.on_surfaces, block, inputs);
-        let mut strokes = self.strokes(block.window, &planes, || inputs.go_on())?;
+        let mut strokes = self.strokes(block.window, &planes, || inputs.check_cancelled())?;
         // A surface that is placed several times has equal keys at several positions; the position breaks the tie.
         strokes.sort_unstable_by(|(layer, a), (other, b)| {
             let at = |axis: usize| a.at[axis].total_cmp(&b.at[axis]);
@@ -259,7 +259,7 @@ impl PreparedStrokes {
 }
 
 impl Prepared for PreparedStrokes {
-    fn find(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Option<Found>, NodeError> {
+    fn find(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Option<SharedResult>, NodeError> {
         Ok(Some(Arc::new(self.laid(block, inputs)?)))
     }
 
@@ -303,7 +303,7 @@ impl Prepared for PreparedStrokes {
             }
         }
         for (part, on) in parts.into_iter().zip(on) {
-            inputs.go_on()?;
+            inputs.check_cancelled()?;
             dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
                 for index in &on {
                     let stroke = &strokes[*index as usize];

@@ -50,7 +50,7 @@ pub(crate) struct DriftLines {
     #[knob(default = 0.5, range = 1e-3..=10.0)]
     spread: f64,
     /// Line spacing at which lines vanish; they have full thickness from twice this value up.
-    #[knob(default = 3.0, range = 0.0..=1e3, drawn)]
+    #[knob(default = 3.0, range = 0.0..=1e3, in_pixels)]
     finest: f64,
     /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
@@ -80,7 +80,7 @@ impl Node for DriftLines {
 }
 
 impl Stage for DriftLines {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         let always = [Channel::Coverage, Channel::Height, Channel::DriftWeight];
         ChannelSet::of(&self.coordinate.phase()).union(ChannelSet::of(&always))
     }
@@ -93,7 +93,7 @@ impl Stage for DriftLines {
         Some((0.0, 1.0))
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -142,7 +142,7 @@ impl Prepared for PreparedLines {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let (around, mut pixels) = (Around::of(bounding.inputs, &self.view), bounding.block.pixels());
-        bounding.bound_by(outputs, (Only, 0), |_| {
+        bounding.bound_by(outputs, (SoleOutput, 0), |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);
             bounding.where_covered(&self.view, here, || {

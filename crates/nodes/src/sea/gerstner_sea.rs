@@ -32,7 +32,7 @@ use trochoid_sea::{
 #[also_called("Sea", "Ocean", "Water", "Waves", "Gerstner", "OceanModifier")]
 pub(crate) struct GerstnerSea {
     /// Number of random waves.
-    #[knob(default = 1000, range = 0..=MAX_WAVES as i64, scales)]
+    #[knob(default = 1000, range = 0..=MAX_WAVES as i64, affects_cost)]
     count: i64,
     /// Mean wavelength L.
     #[knob(default = 20.0, range = 1e-3..=1e5, unit = "m")]
@@ -334,7 +334,7 @@ impl Node for GerstnerSea {
             Err(refused) => return refused.report(check),
         };
         // Nodes that take folds for breaking crests want them: no warning.
-        if check.users().iter().any(|user| user.wants.contains(&Offer::Folds)) {
+        if check.consumers().iter().any(|consumer| consumer.wants.contains(&Offer::Folds)) {
             return;
         }
         let folds = folding(waves);
@@ -415,16 +415,16 @@ impl Dynamics for GerstnerSea {
 }
 
 impl Stage for GerstnerSea {
-    fn timed(&self) -> bool {
+    fn depends_on_time(&self) -> bool {
         true
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory::of_sea(self.detail, reckoning)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory::of_sea(self.detail, context)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

@@ -84,16 +84,16 @@ impl Dynamics for RippleSea {
 }
 
 impl Stage for RippleSea {
-    fn timed(&self) -> bool {
+    fn depends_on_time(&self) -> bool {
         true
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory::of_sea(1.0, reckoning)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory::of_sea(1.0, context)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

@@ -95,7 +95,7 @@ pub(crate) struct Spray {
     #[knob(default = 0.04, range = 0.0..=10.0, unit = "s")]
     stretch: f64,
     /// Minimum radius of a stamp; drops that appear smaller fade instead.
-    #[knob(default = 0.7, range = 0.1..=100.0, drawn)]
+    #[knob(default = 0.7, range = 0.1..=100.0, in_pixels)]
     least: f64,
     /// Depth range over which a drop disappears behind a surface; 0 is a hard edge.
     #[knob(default = 0.3, range = 0.0..=1e6, unit = "m")]
@@ -252,7 +252,7 @@ impl Node for Spray {
 }
 
 impl Stage for Spray {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Depth.into()
     }
 
@@ -268,16 +268,16 @@ impl Stage for Spray {
         if self.least >= 0.5 && self.soft > 0.0 { Rate::Surface } else { Rate::Sample }
     }
 
-    fn timed(&self) -> bool {
+    fn depends_on_time(&self) -> bool {
         true
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
         // The born drops, and the bins of stamps.
         const DROP: f64 = 64.0;
         let Ok(spray) = self.spray() else { return MemoryUse::default() };
         let drops = spray.most_drops() * DROP;
-        MemoryUse::held(drops as u64 + reckoning.pixels() * 4, "lower \"density\", \"lifetime\" or \"size\"")
+        MemoryUse::held(drops as u64 + context.pixels() * 4, "lower \"density\", \"lifetime\" or \"size\"")
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
@@ -348,7 +348,7 @@ impl Prepared for PreparedSpray {
         let planes = Planes { alpha, depth, age, weight: None };
         let stop = inputs.cancellation();
         paint(&self.dabs, block, surface, planes, stop);
-        inputs.go_on()
+        inputs.check_cancelled()
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {

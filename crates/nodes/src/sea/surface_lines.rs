@@ -73,7 +73,7 @@ const RESTS: [Channel; 3] = [Channel::RestX, Channel::RestY, Channel::RestZ];
 impl Node for SurfaceLines {}
 
 impl Stage for SurfaceLines {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&RESTS).union(Channel::Coverage.into())
     }
 
@@ -84,7 +84,7 @@ impl Stage for SurfaceLines {
         }
     }
 
-    fn timed(&self) -> bool {
+    fn depends_on_time(&self) -> bool {
         true
     }
 

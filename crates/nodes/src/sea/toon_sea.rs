@@ -39,10 +39,10 @@ use trochoid_sea::toon::{
 )]
 pub(crate) struct ToonSea {
     /// Number of cells along x.
-    #[knob(default = 256, range = 2..=2048, scales)]
+    #[knob(default = 256, range = 2..=2048, affects_cost)]
     columns: i64,
     /// Number of cells along z.
-    #[knob(default = 256, range = 2..=2048, scales)]
+    #[knob(default = 256, range = 2..=2048, affects_cost)]
     rows: i64,
     /// Distance between cells.
     #[knob(default = 0.15, range = 1e-4..=1e4, unit = "m")]
@@ -396,19 +396,19 @@ impl Dynamics for ToonSea {
 }
 
 impl Stage for ToonSea {
-    fn timed(&self) -> bool {
+    fn depends_on_time(&self) -> bool {
         true
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
         // Heights and the fields of the simulation, including trails in case a view requests them.
         const CELL: u64 = 64;
         let cells = (self.columns * self.rows).max(0) as u64;
-        memory::of_grid(cells, CELL, reckoning)
+        memory::of_grid(cells, CELL, context)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

@@ -61,7 +61,7 @@ impl Node for WaterlineFoam {
 }
 
 impl Stage for WaterlineFoam {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         match self.measure {
             Measure::Depth => Channel::Depth.into(),
             Measure::Height => ChannelSet::of(&[Channel::Depth, Channel::PositionY]),
@@ -72,7 +72,7 @@ impl Stage for WaterlineFoam {
         Some((0.0, 1.0))
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -159,7 +159,7 @@ impl Prepared for PreparedFoam {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
             let of = |channel: Channel| {
                 let background = Span::exactly(f64::from(channel.background()));
                 let known = |view| bounding.known(view, channel as usize, sample).unwrap_or(background);

@@ -60,7 +60,7 @@ impl Node for Camera {
 }
 
 impl Stage for Camera {
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 

@@ -155,7 +155,7 @@ impl Node for Clouds {
 }
 
 impl Stage for Clouds {
-    fn timed(&self) -> bool {
+    fn depends_on_time(&self) -> bool {
         true
     }
 
@@ -299,7 +299,7 @@ impl PreparedClouds {
             .collect();
         let mut noise = vec![0.0; cuts.len()];
         for step in 0.. {
-            inputs.go_on()?;
+            inputs.check_cancelled()?;
             cuts.retain(|(index, cut)| gathered[*index].left > OPAQUE && cut.at(step).is_some());
             if cuts.is_empty() {
                 break;

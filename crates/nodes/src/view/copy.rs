@@ -43,7 +43,7 @@ impl<T: Copies> Computes for ViewCopy<T> {
 }
 
 impl<T: Copies> Stage for ViewCopy<T> {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(T::CHANNELS)
     }
 

@@ -25,18 +25,18 @@ pub(crate) struct Curvature {
     /// View of the surface.
     view: One<port::View>,
     /// Distance to each side over which changes are taken.
-    #[knob(default = 1, range = 1..=64, drawn)]
+    #[knob(default = 1, range = 1..=64, in_pixels)]
     reach: i64,
 }
 
 impl Node for Curvature {}
 
 impl Stage for Curvature {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(Channel::Coverage.into())
     }
 
-    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+    fn optional_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Surface.into()
     }
 
@@ -44,7 +44,7 @@ impl Stage for Curvature {
         grown(window, self.reach)
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -133,7 +133,7 @@ impl Prepared for Curvature {
             [POSITION, NORMAL].map(|channels| channels.map(|channel| bounding.certain(&self.view, channel, there)))
         };
         let mut pixels = bounding.block.pixels();
-        bounding.bound_by(outputs, (Only, 0), |_| {
+        bounding.bound_by(outputs, (SoleOutput, 0), |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);
             let own = may_see(bounding, &self.view, here);

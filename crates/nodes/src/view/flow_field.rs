@@ -56,7 +56,7 @@ pub(crate) struct FlowField {
     #[knob(default = 0.3, range = 1e-3..=1e3, unit = "picture heights")]
     waver_scale: f64,
     /// Standard deviation of the smoothing; 0 is none.
-    #[knob(default = 0.0, range = 0.0..=64.0, drawn)]
+    #[knob(default = 0.0, range = 0.0..=64.0, in_pixels)]
     smooth: f64,
     /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
@@ -122,7 +122,7 @@ impl Node for FlowField {
 }
 
 impl Stage for FlowField {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         if !self.along.is_of_surface() {
             return ChannelSet::EMPTY;
         }
@@ -270,7 +270,7 @@ impl PreparedFlow {
         let field = inputs.all(&self.node.field).first().and_then(|field| Some((field.window, field.planes[0]?)));
         for (index, (x, y)) in pixels().enumerate() {
             if x == window.x0 {
-                inputs.go_on()?;
+                inputs.check_cancelled()?;
             }
             let line = match (&self.eye, view, field) {
                 (Some(eye), Some(view), _) => {
@@ -347,7 +347,7 @@ impl Prepared for PreparedFlow {
                 filter(kernels, (from, &line), self.picture, window, inputs.cancellation(), &mut smooth);
                 smooth
             });
-            inputs.go_on()?;
+            inputs.check_cancelled()?;
         }
         let (mut x, mut y, mut length) =
             (outputs.take(Out::Flow, 0), outputs.take(Out::Flow, 1), outputs.take(Out::Length, 0));

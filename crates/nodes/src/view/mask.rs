@@ -76,7 +76,7 @@ impl<T: Masks> Computes for ViewMask<T> {
 }
 
 impl<T: Masks> Stage for ViewMask<T> {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         let ramps = self.0.ramps();
         ramps.iter().map(|(channel, _)| *channel).chain([Channel::Coverage]).collect()
     }
@@ -85,7 +85,7 @@ impl<T: Masks> Stage for ViewMask<T> {
         Some((0.0, 1.0))
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -123,7 +123,7 @@ impl Prepared for PreparedMask {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
             bounding
                 .where_covered(&self.view, sample, || {
                     let ramps = self.ramps.iter();

@@ -58,7 +58,7 @@ impl Node for ObjectMask {
 }
 
 impl Stage for ObjectMask {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Surface.into()
     }
 
@@ -106,7 +106,7 @@ impl Prepared for PreparedChoice {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
             let surface = bounding.certain(&self.view, Channel::Surface, sample);
             if surface.low == surface.high {
                 Span::exactly(f64::from(self.mask(surface.low as f32)))

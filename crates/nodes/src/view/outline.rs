@@ -27,7 +27,7 @@ pub(crate) struct Outline {
     /// Factor of the width at each place, for example from a Noise; 1 if not connected.
     thickness: Optional<port::Mask>,
     /// Width of the line on the owner's side.
-    #[knob(default = 1.5, range = 0.0..=64.0, drawn)]
+    #[knob(default = 1.5, range = 0.0..=64.0, in_pixels)]
     width: f64,
     /// Side that owns the edge and carries the line: "near", "far", "both", or the "first" or "last" surface in the
     /// Render's list; within one surface, the near side is the first.
@@ -83,11 +83,11 @@ impl Outline {
 }
 
 impl Stage for Outline {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&[Channel::Coverage, Channel::Depth])
     }
 
-    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+    fn optional_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Surface.into()
     }
 
@@ -100,7 +100,7 @@ impl Stage for Outline {
         if port == self.view.id() { grown(window, self.reach() + 2) } else { window }
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -362,7 +362,7 @@ impl Prepared for PreparedOutline {
             .map(|(x, y)| part(x, y))
             .collect();
         let mut pixels = bounding.block.pixels();
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
             let [px, py] = pixels.next().unwrap_or_default();
             let thickness = bounding.known(&self.node.thickness, 0, sample).unwrap_or(Span::exactly(1.0));
             let width = thickness.through(|thickness| self.node.width * thickness);

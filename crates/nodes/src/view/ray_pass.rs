@@ -88,7 +88,7 @@ impl<T: Traces> Computes for RayPass<T> {
 }
 
 impl<T: Traces> Stage for RayPass<T> {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         asked()
     }
 
@@ -100,8 +100,8 @@ impl<T: Traces> Stage for RayPass<T> {
         T::RATE
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory::of_surroundings(self.0.view(), self.0.facets(), reckoning)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory::of_surroundings(self.0.view(), self.0.facets(), context)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
@@ -127,7 +127,7 @@ impl<T: Traces> Prepared for PreparedRays<T> {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         // The reference's rays hit the surfaces themselves, so facets may pass or block rays differently.
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
             bounding.where_covered(self.node.view(), sample, || Span::unclear(0.0, self.node.most()))
         });
         Ok(())

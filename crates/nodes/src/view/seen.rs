@@ -58,7 +58,7 @@ impl Surroundings {
         for (index, (out, at)) in out.iter_mut().zip(block.places()).enumerate() {
             // Rays may be slow: a row of soft shadows can take longer than anyone wants to wait.
             if index % ASKED == 0 {
-                inputs.go_on()?;
+                inputs.check_cancelled()?;
             }
             *out = if coverage[index] > 0.0 {
                 quantity(&self.seen(at, vector(points, index), vector(normals, index)), rays) as f32

@@ -34,7 +34,7 @@ pub(crate) struct Silhouette {
     #[knob(default = 0.05, range = 0.0..=1.0)]
     ramp: f64,
     /// Width of the line; if set, it replaces the cutoff.
-    #[knob(range = 0.0..=100.0, drawn)]
+    #[knob(range = 0.0..=100.0, in_pixels)]
     width: Option<f64>,
 }
 
@@ -51,11 +51,11 @@ enum Out {
 impl Node for Silhouette {}
 
 impl Stage for Silhouette {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
     }
 
-    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+    fn optional_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&POSITION).union(Channel::Surface.into())
     }
 

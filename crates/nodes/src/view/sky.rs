@@ -56,7 +56,7 @@ impl Node for Sky {
 }
 
 impl Stage for Sky {
-    fn asks(&self, wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, wanted: &[bool]) -> ChannelSet {
         // The sky itself needs only the camera.
         if wanted.get(usize::from(Out::Reflected)).is_some_and(|wanted| *wanted) {
             ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
