@@ -1,7 +1,7 @@
 //! Noise: procedural noise, fixed on the picture, in the world or on a surface at rest.
 
 use crate::field::Screen;
-use trochoid_field::{Axes, Noise as Octaves, NoiseKind};
+use trochoid_field::{Noise as Octaves, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
 
 /// Makes procedural noise on the picture, in the world, or on the moving water.
@@ -114,7 +114,7 @@ impl Stage for Noise {
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let axes = Axes {
+        let parameters = NoiseParameters {
             scale: self.scale,
             octaves: self.octaves as usize,
             lacunarity: self.lacunarity,
@@ -123,7 +123,7 @@ impl Stage for Noise {
         };
         Ok(Box::new(PreparedNoise {
             node: self.clone(),
-            octaves: Octaves::new(self.kind, axes, self.evolution),
+            octaves: Octaves::new(self.kind, parameters, self.evolution),
             screen: Screen::of(prepare.frame.format),
             footprints: Footprints::of(self, prepare),
         }))

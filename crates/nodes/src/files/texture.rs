@@ -1,6 +1,6 @@
 //! Texture: a picture file looked up by texture coordinates.
 
-use crate::files::knobs::{As, Knobs, Named, Selected, Taken};
+use crate::files::knobs::{As, DecodeKnobs, FileKnobs, Knobs, SelectionKnobs};
 use crate::files::{Reading, controls, memory_of_picture};
 use crate::filter::{blended, fill, value, weights};
 use crate::view::named;
@@ -37,7 +37,7 @@ use trochoid_image::{Plane, Rgb, Window};
 #[also_called("ImageTexture", "TexImage", "STMap", "UVMap", "Tile")]
 pub(crate) struct Texture {
     #[items]
-    named: Named,
+    named: FileKnobs,
     /// Texture coordinate across the picture: 0 to 1 from left to right.
     u: One<port::Scalar>,
     /// Texture coordinate along the picture's height: 0 to 1 from bottom to top.
@@ -47,9 +47,9 @@ pub(crate) struct Texture {
     /// Interpolation between pixels.
     filter: Filter,
     #[items]
-    selected: Selected,
+    selected: SelectionKnobs,
     #[items]
-    taken: Taken,
+    taken: DecodeKnobs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]

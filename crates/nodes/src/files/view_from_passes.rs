@@ -183,7 +183,7 @@ impl Stage for ViewFromPasses {
         let path = named(prepare.frame, &self.file)?;
         let reading = Reading { node: self, frame: prepare.frame, path: &path };
         let camera = prepare.handle_of(&self.camera).or_else(level_camera);
-        let mut view = View { passes: Vec::new(), camera };
+        let mut view = PreparedView { passes: Vec::new(), camera };
         let [depth, position, normal, coverage] = self.passes();
         let [with_depth, with_position, with_normal, with_coverage] = self.is_read(prepare.wanted);
         if with_depth {
@@ -381,12 +381,12 @@ struct Pass {
 }
 
 /// The channels of a view that are read.
-struct View {
+struct PreparedView {
     passes: Vec<Pass>,
     camera: Option<Handle>,
 }
 
-impl Prepared for View {
+impl Prepared for PreparedView {
     fn handle(&self) -> Option<Handle> {
         self.camera.clone()
     }

@@ -1,6 +1,6 @@
 //! Blur: replaces each pixel by a weighted mean of its neighborhood.
 
-use crate::filter::{Bounded, Summed, fill, kind, mean, numbers, value};
+use crate::filter::{BoundedChannel, BoundedSum, fill, kind, mean, numbers, value};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_weights::kernel::{self, Kernel, filter};
@@ -118,14 +118,14 @@ impl Prepared for PreparedBlur {
         let Window { x0, x1, y0, y1 } = bounding.block.window;
         let [across, down] = self.node.sizes().map(|size| self.node.shape().reference(size));
         let reach = down.last().map_or(0, |(dy, _)| *dy);
-        for (image, filled, bounds) in Bounded::channels(bounding, &self.node.image, self.kind, outputs) {
+        for (image, filled, bounds) in BoundedChannel::channels(bounding, &self.node.image, self.kind, outputs) {
             // Rows beyond the image repeat its first or last row.
             let Window { y0: first, y1: end, .. } = image.window();
             let (top, bottom) = ((y0 - reach).clamp(first, end - 1), (y1 - 1 + reach).clamp(first, end - 1));
-            let sum = |weights: &[(i64, f64)], at: &dyn Fn(i64) -> Summed| {
-                weights.iter().fold(Summed::NOTHING, |sum, (step, weight)| sum.plus(*weight, at(*step)))
+            let sum = |weights: &[(i64, f64)], at: &dyn Fn(i64) -> BoundedSum| {
+                weights.iter().fold(BoundedSum::NOTHING, |sum, (step, weight)| sum.plus(*weight, at(*step)))
             };
-            let rows: Vec<Vec<Summed>> =
+            let rows: Vec<Vec<BoundedSum>> =
                 (top..=bottom).map(|y| (x0..x1).map(|x| sum(&across, &|dx| image.at(x + dx, y))).collect()).collect();
             let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y)));
             for ((bound, filled), (x, y)) in bounds.iter_mut().zip(filled).zip(pixels) {

@@ -1,6 +1,6 @@
 //! Mesh: a model of triangles.
 
-use super::{Stance, Standing, Up, check_ending, memory, read_mesh};
+use super::{PlacementKnobs, PreparedSurface, Up, check_ending, memory, read_mesh};
 use crate::view::named;
 use std::path::PathBuf;
 use trochoid_graph::*;
@@ -39,7 +39,7 @@ pub(crate) struct Mesh {
     /// Normals: those of the "file", "smooth" across triangles, or "flat" for each triangle.
     normals: Normals,
     #[items]
-    stance: Stance,
+    placement: PlacementKnobs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
@@ -51,7 +51,7 @@ enum Normals {
 
 impl Node for Mesh {
     fn check(&self, check: &mut Check<'_>) {
-        self.stance.check(check);
+        self.placement.check(check);
         check_ending(&self.file, Self::DECLARATION, Self::FILE, check);
     }
 }
@@ -103,8 +103,8 @@ impl Stage for Mesh {
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let mesh = self.triangles(prepare.frame)?;
-        let model = TriangleModel::new(mesh, self.stance.placement(), self.stance.flip)?;
-        Ok(Box::new(Standing::new(model)))
+        let model = TriangleModel::new(mesh, self.placement.placement(), self.placement.flip)?;
+        Ok(Box::new(PreparedSurface::new(model)))
     }
 }
 

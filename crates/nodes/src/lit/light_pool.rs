@@ -97,13 +97,13 @@ impl Stage for LightPool {
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let lights: Vec<Light> = prepare.handles(&self.light)?;
         let pools = Pools {
-            spots: self.pools.iter().map(Spot::of).collect(),
+            spots: self.pools.iter().map(PreparedPool::of).collect(),
             slant: lights.first().map_or([0.0; 2], slant),
             ragged: self.ragged,
             from: self.from,
             to: self.to,
         };
-        Ok(Box::new(PreparedPools { view: self.view.clone(), noise: self.noise.clone(), pools }))
+        Ok(Box::new(PreparedLightPool { view: self.view.clone(), noise: self.noise.clone(), pools }))
     }
 }
 
@@ -120,7 +120,7 @@ fn slant(light: &Light) -> [f64; 2] {
 }
 
 /// A pool, prepared for evaluation.
-struct Spot {
+struct PreparedPool {
     center: [f64; 2],
     /// Unit vector along its length.
     along: [f64; 2],
@@ -128,7 +128,7 @@ struct Spot {
     strength: f64,
 }
 
-impl Spot {
+impl PreparedPool {
     fn of(pool: &Pool) -> Self {
         let &Pool { x, z, length, width, direction, strength } = pool;
         let (sin, cos) = libm::sincos(direction.to_radians());
@@ -138,7 +138,7 @@ impl Spot {
 
 /// All pools, and how their light is mapped to the mask.
 struct Pools {
-    spots: Vec<Spot>,
+    spots: Vec<PreparedPool>,
     slant: [f64; 2],
     ragged: f64,
     from: f64,
@@ -158,7 +158,7 @@ const NOTHING: f64 = 40.0;
 
 impl Pools {
     fn mask(&self, point: DVec3, noise: f64) -> f64 {
-        let light = |pool: &Spot| {
+        let light = |pool: &PreparedPool| {
             let [a, b] = self.across(pool, point);
             let power = a * a + b * b;
             if power < NOTHING { pool.strength * libm::exp(-power) } else { 0.0 }
@@ -215,13 +215,13 @@ impl Pools {
     }
 }
 
-struct PreparedPools {
+struct PreparedLightPool {
     view: One<port::View>,
     noise: Optional<port::Scalar>,
     pools: Pools,
 }
 
-impl Prepared for PreparedPools {
+impl Prepared for PreparedLightPool {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
         let planes = view_planes(inputs, &self.view, POSITION);
@@ -259,7 +259,7 @@ mod tests {
     use crate::testing::refused;
 
     fn falling(slant: [f64; 2]) -> Pools {
-        let spot = Spot { center: [10.0, -5.0], along: [0.6, 0.8], size: [20.0, 5.0], strength: 1.0 };
+        let spot = PreparedPool { center: [10.0, -5.0], along: [0.6, 0.8], size: [20.0, 5.0], strength: 1.0 };
         Pools { spots: vec![spot], slant, ragged: 0.5, from: 0.0, to: 1.0 }
     }
 

@@ -123,7 +123,7 @@ impl Stage for LineSet {
     }
 
     fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        Ok(Box::new(PreparedLines {
+        Ok(Box::new(PreparedLineSet {
             place: self.place.clone(),
             thickness: self.thickness.clone(),
             drawn: DrawnLines::new(self.lines.clone(), self.seed),
@@ -131,7 +131,7 @@ impl Stage for LineSet {
     }
 }
 
-struct PreparedLines {
+struct PreparedLineSet {
     place: One<port::Field>,
     thickness: Optional<port::Mask>,
     drawn: DrawnLines,
@@ -240,7 +240,7 @@ impl DrawnLines {
     }
 }
 
-impl Prepared for PreparedLines {
+impl Prepared for PreparedLineSet {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let place = &inputs.all(&self.place)[0];
         let [across, along] = [0, 1].map(|axis| place.planes[axis].unwrap_or_default());

@@ -174,7 +174,7 @@ impl Stage for Bake {
             image
         });
         prepare.check_cancelled()?;
-        Ok(Box::new(Baked { surface, grid, up, images }))
+        Ok(Box::new(PreparedBake { surface, grid, up, images }))
     }
 }
 
@@ -186,7 +186,7 @@ fn resting(surface: &SurfaceHandle, sea: ItemName) -> Result<&dyn Resting, NodeE
     })
 }
 
-struct Baked {
+struct PreparedBake {
     surface: SurfaceHandle,
     grid: Grid,
     up: Up,
@@ -194,7 +194,7 @@ struct Baked {
     images: [Vec<f32>; 8],
 }
 
-impl Prepared for Baked {
+impl Prepared for PreparedBake {
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Window { x0, y0, .. } = block.window;
         let columns = block.window.width();

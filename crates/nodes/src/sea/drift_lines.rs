@@ -1,7 +1,7 @@
 //! DriftLines: lines that trail behind bursts.
 
 use super::check_trails;
-use crate::view::{Around, grown, is_covered, nothing};
+use crate::view::{Neighborhood, grown, is_covered, nothing};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_sea::toon::lines::{Lines, Place, density};
@@ -100,20 +100,20 @@ impl Stage for DriftLines {
     fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let Self { thickness, low, high, shift, fresh, spread, finest, .. } = *self;
         let lines = Lines { thickness, low, high, shift, fresh, spread, finest, seed: self.seed as u32 };
-        Ok(Box::new(PreparedLines { view: self.view.clone(), phase: self.coordinate.phase(), lines }))
+        Ok(Box::new(PreparedDriftLines { view: self.view.clone(), phase: self.coordinate.phase(), lines }))
     }
 }
 
-struct PreparedLines {
+struct PreparedDriftLines {
     view: One<port::View>,
     phase: [Channel; 2],
     lines: Lines,
 }
 
-impl Prepared for PreparedLines {
+impl Prepared for PreparedDriftLines {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
-        let around = Around::of(inputs, &self.view);
+        let around = Neighborhood::of(inputs, &self.view);
         let planes = self.phase.map(|channel| around.whole(channel));
         let weights = around.whole(Channel::DriftWeight);
         let heights = around.whole(Channel::Height);
@@ -141,7 +141,7 @@ impl Prepared for PreparedLines {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        let (around, mut pixels) = (Around::of(bounding.inputs, &self.view), bounding.block.pixels());
+        let (around, mut pixels) = (Neighborhood::of(bounding.inputs, &self.view), bounding.block.pixels());
         bounding.bound_by(outputs, (SoleOutput, 0), |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);

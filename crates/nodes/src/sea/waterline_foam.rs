@@ -78,7 +78,7 @@ impl Stage for WaterlineFoam {
 
     fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let foam = Foam { distance: self.distance, solid: self.solid };
-        Ok(Box::new(PreparedFoam { node: self.clone(), foam }))
+        Ok(Box::new(PreparedWaterlineFoam { node: self.clone(), foam }))
     }
 }
 
@@ -133,12 +133,12 @@ impl Foam {
 /// Rounding error of a share.
 const LOST: f64 = 1e-15;
 
-struct PreparedFoam {
+struct PreparedWaterlineFoam {
     node: WaterlineFoam,
     foam: Foam,
 }
 
-impl Prepared for PreparedFoam {
+impl Prepared for PreparedWaterlineFoam {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
         let planes = |channel| self.node.views().map(|view| inputs.view(view, channel));

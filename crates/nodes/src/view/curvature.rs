@@ -1,6 +1,6 @@
 //! Curvature: how sharply a surface bends.
 
-use super::{Around, NORMAL, POSITION, change, grown, may_see, surface_of, view_planes, view_vector};
+use super::{NORMAL, Neighborhood, POSITION, change, grown, may_see, surface_of, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::DVec3;
@@ -105,7 +105,7 @@ fn may_bend(here: NearPoint, beside: [[Option<NearPoint>; 2]; 2]) -> Span {
 impl Prepared for Curvature {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(plane) = outputs.only(0) else { return Ok(()) };
-        let around = Around::of(inputs, &self.view);
+        let around = Neighborhood::of(inputs, &self.view);
         let (positions, normals) = (view_planes(inputs, &self.view, POSITION), view_planes(inputs, &self.view, NORMAL));
         let surfaces = around.surfaces();
         let vector = |planes: [&[f32]; 3], index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
@@ -128,7 +128,7 @@ impl Prepared for Curvature {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        let around = Around::of(bounding.inputs, &self.view);
+        let around = Neighborhood::of(bounding.inputs, &self.view);
         let point = |there: usize| {
             [POSITION, NORMAL].map(|channels| channels.map(|channel| bounding.certain(&self.view, channel, there)))
         };

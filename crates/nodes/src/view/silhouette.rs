@@ -1,7 +1,7 @@
 //! Silhouette: lines where a surface turns away from the eye.
 
-use super::{Around, NORMAL, POSITION, change, grown, is_covered, may_see, surface_of, view_planes, view_vector};
-use crate::lit::{Near, Toward, eye, toward_eye, view_directions};
+use super::{NORMAL, Neighborhood, POSITION, change, grown, is_covered, may_see, surface_of, view_planes, view_vector};
+use crate::lit::{BoundedDirection, BoundedVector, eye, toward_eye, view_directions};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::Projector;
@@ -117,7 +117,7 @@ const LOST: f64 = 1e-12;
 impl Prepared for PreparedSilhouette {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let view = &self.node.view;
-        let around = Around::of(inputs, view);
+        let around = Neighborhood::of(inputs, view);
         let [nx, ny, nz] = view_planes(inputs, view, NORMAL);
         let views = view_directions(inputs, view, &self.eye, around.area())?;
         let surfaces = around.surfaces();
@@ -158,10 +158,10 @@ impl Prepared for PreparedSilhouette {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let view = &self.node.view;
-        let around = Around::of(bounding.inputs, view);
+        let around = Neighborhood::of(bounding.inputs, view);
         let edge = |there: usize| {
-            let toward = Toward::eye(&self.eye, Near::point(bounding, view, there));
-            Toward::normal(bounding, view, there).cosine(toward).within(0.0, 1.0)
+            let toward = BoundedDirection::eye(&self.eye, BoundedVector::point(bounding, view, there));
+            BoundedDirection::normal(bounding, view, there).cosine(toward).within(0.0, 1.0)
         };
         let pixels: Vec<usize> = bounding.block.pixels().map(|[x, y]| around.index(x, y)).collect();
         bounding.bound_by(outputs, (Out::Edge, 0), |sample| {

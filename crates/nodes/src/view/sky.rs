@@ -1,7 +1,7 @@
 //! Sky: elevation of the view ray and of its reflection.
 
 use super::{NORMAL, is_covered, view_planes, view_vector};
-use crate::lit::{Toward, eye};
+use crate::lit::{BoundedDirection, eye};
 use trochoid_graph::*;
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Projector};
@@ -131,7 +131,8 @@ impl Prepared for PreparedSky {
             bounding.where_covered(&self.node.view, sample, || {
                 // When a normal rotates, its reflection rotates by twice the angle, and the elevation by no more than
                 // that.
-                let mirrored = Toward::normal(bounding, &self.node.view, sample).mirrored(Toward::exactly(-ray(at)));
+                let mirrored = BoundedDirection::normal(bounding, &self.node.view, sample)
+                    .mirrored(BoundedDirection::exactly(-ray(at)));
                 mirrored.elevation().through(|degrees| self.share(degrees)).wider(LOST).within(0.0, 1.0)
             })
         });
