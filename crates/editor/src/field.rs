@@ -1,5 +1,5 @@
 //! Widgets of values. What changes the document comes from a gesture of the user's and from nothing else: a widget says by
-//! [`Told`] what a gesture made of its value, and only a [`Gesture`] asks for an edit. Drawing makes neither.
+//! [`FieldResponse`] what a gesture made of its value, and only a [`Gesture`] asks for an edit. Drawing makes neither.
 
 use crate::actions::Action;
 use crate::document::Edit;
@@ -88,20 +88,20 @@ fn is_typed(event: &egui::Event) -> bool {
 
 /// What a widget tells: what a gesture made of its value, if one did.
 #[must_use]
-pub(crate) struct Told<T> {
+pub(crate) struct FieldResponse<T> {
     pub(crate) response: Response,
     pub(crate) given: Option<(T, Gesture)>,
 }
 
-impl<T> Told<T> {
+impl<T> FieldResponse<T> {
     /// Nothing was done.
     pub(crate) fn nothing(response: Response) -> Self {
         Self { response, given: None }
     }
 
     /// The same of another type.
-    pub(crate) fn map<U>(self, to: impl FnOnce(T) -> U) -> Told<U> {
-        Told { response: self.response, given: self.given.map(|(value, gesture)| (to(value), gesture)) }
+    pub(crate) fn map<U>(self, to: impl FnOnce(T) -> U) -> FieldResponse<U> {
+        FieldResponse { response: self.response, given: self.given.map(|(value, gesture)| (to(value), gesture)) }
     }
 
     /// The value that was given, where the document is not what changes.
@@ -249,7 +249,7 @@ impl<'n> Number<'n> {
     }
 
     /// Draws it.
-    pub(crate) fn ui(self, ui: &mut Ui) -> Told<f64> {
+    pub(crate) fn ui(self, ui: &mut Ui) -> FieldResponse<f64> {
         let mut slid = None;
         if let Some((covers, logarithmic)) = self.slider.clone() {
             let mut value = self.value;
@@ -258,19 +258,19 @@ impl<'n> Number<'n> {
             let rail = ui.add(slider.clamping(egui::SliderClamping::Never));
             let gesture = Gesture::of(ui, &rail).filter(|_| value != self.value).map(|gesture| gesture.tried(&rail));
             refusal_ui(ui, &rail);
-            slid = Some(Told { given: gesture.map(|gesture| (self.tidy(value), gesture)), response: rail });
+            slid = Some(FieldResponse { given: gesture.map(|gesture| (self.tidy(value), gesture)), response: rail });
         }
         let told = self.field_ui(ui);
         match slid {
             Some(slid) => {
                 let given = slid.given.or(told.given);
-                Told { response: joined(slid.response, told.response), given }
+                FieldResponse { response: joined(slid.response, told.response), given }
             }
             None => told,
         }
     }
 
-    fn field_ui(&self, ui: &mut Ui) -> Told<f64> {
+    fn field_ui(&self, ui: &mut Ui) -> FieldResponse<f64> {
         let mut value = self.value;
         let whole = self.whole_text();
         let is_edited = ui.memory(|memory| memory.has_focus(ui.next_auto_id()));
@@ -312,7 +312,7 @@ impl<'n> Number<'n> {
             _ => gesture.map(|_| self.tidy(value)),
         };
         refusal_ui(ui, &response);
-        Told { given: given.filter(|number| *number != self.value).zip(gesture), response }
+        FieldResponse { given: given.filter(|number| *number != self.value).zip(gesture), response }
     }
 }
 
@@ -341,7 +341,11 @@ pub(crate) fn rounded(number: f64) -> f64 {
 }
 
 /// A text of which every beginning is legal, so that each key counts at once; Esc gives back what was there.
-pub(crate) fn text_ui(ui: &mut Ui, text: &str, field: impl FnOnce(&mut String) -> TextEdit<'_>) -> Told<String> {
+pub(crate) fn text_ui(
+    ui: &mut Ui,
+    text: &str,
+    field: impl FnOnce(&mut String) -> TextEdit<'_>,
+) -> FieldResponse<String> {
     let mut typed = text.to_string();
     let response = {
         let field = field(&mut typed);
@@ -353,10 +357,10 @@ pub(crate) fn text_ui(ui: &mut Ui, text: &str, field: impl FnOnce(&mut String) -
     }
     if escaped(ui, &response) {
         let given = ui.data_mut(|data| data.remove_temp::<String>(before)).filter(|before| before != text);
-        return Told { given: given.map(|before| (before, Gesture(None))), response };
+        return FieldResponse { given: given.map(|before| (before, Gesture(None))), response };
     }
     let gesture = Gesture::of(ui, &response).filter(|_| typed != text);
-    Told { given: gesture.map(|gesture| (typed, gesture)), response }
+    FieldResponse { given: gesture.map(|gesture| (typed, gesture)), response }
 }
 
 /// A text that must be read before it counts, such as a color or a list: it does when it is entered or left. What is refused
@@ -367,7 +371,7 @@ pub(crate) fn draft_ui<T, E: Display>(
     (salt, written): (&str, &str),
     read: impl FnOnce(&str) -> Result<T, E>,
     field: impl FnOnce(&mut String) -> TextEdit<'_>,
-) -> Told<T> {
+) -> FieldResponse<T> {
     let id = ui.id().with(("draft", salt));
     let known = ui.data(|data| data.get_temp::<(String, String)>(id));
     // Something else has changed the value: what was typed was of another.
@@ -395,24 +399,24 @@ pub(crate) fn draft_ui<T, E: Display>(
     } else {
         ui.data_mut(|data| data.remove::<(String, String)>(id));
     }
-    Told { response, given }
+    FieldResponse { response, given }
 }
 
 /// A button in a color, sRGB values of 0 to 1, that opens a picker for it.
-pub(crate) fn swatch_ui(ui: &mut Ui, color: [f32; 3]) -> Told<[f32; 3]> {
+pub(crate) fn swatch_ui(ui: &mut Ui, color: [f32; 3]) -> FieldResponse<[f32; 3]> {
     let shown = color.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8);
     let mut bytes = shown;
     let response = egui::color_picker::color_edit_button_srgb(ui, &mut bytes);
     let gesture = Gesture::within(ui, &response).filter(|_| bytes != shown);
-    Told { given: gesture.map(|gesture| (bytes.map(|value| f32::from(value) / 255.0), gesture)), response }
+    FieldResponse { given: gesture.map(|gesture| (bytes.map(|value| f32::from(value) / 255.0), gesture)), response }
 }
 
 /// On or off.
-pub(crate) fn switch_ui(ui: &mut Ui, on: bool, text: &str) -> Told<bool> {
+pub(crate) fn switch_ui(ui: &mut Ui, on: bool, text: &str) -> FieldResponse<bool> {
     let mut next = on;
     let response = ui.checkbox(&mut next, text);
     let gesture = Gesture::of(ui, &response).filter(|_| next != on);
-    Told { given: gesture.map(|gesture| (next, gesture)), response }
+    FieldResponse { given: gesture.map(|gesture| (next, gesture)), response }
 }
 
 /// A JSON value that a field shows as it is written.
@@ -421,7 +425,7 @@ pub(crate) fn value_ui<E: Display>(
     (salt, value): (&str, &Value),
     width: f32,
     read: impl FnOnce(&str) -> Result<Value, E>,
-) -> Told<Value> {
+) -> FieldResponse<Value> {
     let written = match value {
         Value::String(text) => text.clone(),
         Value::Null => String::new(),

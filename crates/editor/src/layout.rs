@@ -38,7 +38,7 @@ const VERSION: u32 = 1;
 
 /// What is kept of the window from one run to the next.
 #[derive(serde::Serialize, serde::Deserialize)]
-struct Kept<T> {
+struct StoredLayout<T> {
     version: u32,
     panels: T,
     theme: ThemePreference,
@@ -54,12 +54,12 @@ fn unscaled() -> f32 {
 /// Panels, theme and enlargement as a text to be kept.
 pub fn written(panels: &Tree<Pane>, (theme, zoom): (ThemePreference, f32)) -> String {
     // Whatever cannot be written is laid out as at first when the editor starts next.
-    serde_json::to_string(&Kept { version: VERSION, panels, theme, zoom }).unwrap_or_default()
+    serde_json::to_string(&StoredLayout { version: VERSION, panels, theme, zoom }).unwrap_or_default()
 }
 
 /// The window as it was kept; `None` where that is damaged, or of a version with other panels.
 pub fn read(text: &str) -> Option<(Tree<Pane>, (ThemePreference, f32))> {
-    let kept: Kept<Tree<Pane>> = serde_json::from_str(text).ok()?;
+    let kept: StoredLayout<Tree<Pane>> = serde_json::from_str(text).ok()?;
     let legal = kept.version == VERSION && is_whole(&kept.panels) && (0.2..=5.0).contains(&kept.zoom);
     legal.then_some((kept.panels, (kept.theme, kept.zoom)))
 }

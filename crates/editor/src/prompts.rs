@@ -2,7 +2,7 @@
 
 use crate::actions::After;
 use crate::document::Session;
-use crate::document::keep::Kept;
+use crate::document::keep::UnsavedCopy;
 use egui_file_dialog::{FileDialog, Filter};
 use std::path::{Path, PathBuf};
 use trochoid::RefusedFile;
@@ -35,7 +35,7 @@ pub(crate) enum Prompt {
     Rendering(After),
     /// Whether the document may reach further, so that it can be rendered.
     Reach(Vec<RefusedFile>),
-    Recover(Vec<Kept>),
+    Recover(Vec<UnsavedCopy>),
     /// Whether to write over this file, and what comes after it.
     Replace(PathBuf, Option<After>),
     /// What documents were allowed.
@@ -97,7 +97,7 @@ impl Prompts {
     }
 
     /// Offers work that was kept of editors that ended unexpectedly.
-    pub(crate) fn recover(&mut self, kept: Vec<Kept>) {
+    pub(crate) fn recover(&mut self, kept: Vec<UnsavedCopy>) {
         self.open = Some(Prompt::Recover(kept));
     }
 

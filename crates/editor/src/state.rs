@@ -18,7 +18,7 @@ pub struct State {
     /// What the viewer shows.
     pub look: Look,
     /// What has been evaluated.
-    pub seen: Seen,
+    pub evaluated: Evaluated,
     /// The frame.
     pub frame: i64,
     /// Whether frames follow each other in real time.
@@ -56,7 +56,7 @@ impl Default for Look {
 
 /// What has been evaluated.
 #[derive(Debug, Default)]
-pub struct Seen {
+pub struct Evaluated {
     /// The newest picture of what is looked at, which may be of an older text until there is a newer one.
     pub result: Option<Arc<Result>>,
     /// The picture before, where there is none any more: it stays in sight until there is another.
@@ -82,12 +82,12 @@ pub struct Seen {
     /// What the pixel that is inspected is made of; of the picture before until it is known.
     pub blame: Option<Blamed>,
     /// The evaluations so far, the newest last.
-    pub past: Vec<Past>,
+    pub past: Vec<PastEvaluation>,
 }
 
 /// An evaluation that is over.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Past {
+pub struct PastEvaluation {
     /// The node.
     pub node: String,
     /// The frame.
@@ -117,7 +117,7 @@ impl State {
             selection: BTreeSet::new(),
             output: None,
             look: Look::default(),
-            seen: Seen::default(),
+            evaluated: Evaluated::default(),
             frame: 0,
             playing: false,
             range: (0, 0),
@@ -170,7 +170,7 @@ impl State {
 
     /// What is wrong that the document does not show and evaluation does: the node, where it is one's, and what.
     pub fn broken(&self) -> Option<(Option<&str>, &str)> {
-        let (seen, meaning) = (&self.seen, self.session.meaning());
+        let (seen, meaning) = (&self.evaluated, self.session.meaning());
         let failed = seen.failed.as_deref().filter(|_| seen.broken)?;
         let culprit = seen.culprit.as_deref();
         // What is told of the node already is the same.

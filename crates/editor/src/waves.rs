@@ -17,10 +17,10 @@ use trochoid::{CheckedGraph, Item, Knob, KnobDefault, KnobType, Role, Spectrum, 
 pub(crate) struct Waves {
     /// Of which sea, at which revision and frame, this is the spectrum.
     spectrum: Option<(String, u64, i64, Option<Spectrum>)>,
-    stability: Option<(String, u64, Found)>,
+    stability: Option<(String, u64, StabilityResult)>,
 }
 
-enum Found {
+enum StabilityResult {
     Waiting(Receiver<Option<Box<Stability>>>),
     Here(Option<Box<Stability>>),
 }
@@ -305,17 +305,17 @@ fn stability_ui(
 ) {
     let revision = state.session.revision();
     ui.separator();
-    if let Some((_, _, found @ Found::Waiting(_))) = &mut waves.stability
-        && let Found::Waiting(inbox) = found
+    if let Some((_, _, found @ StabilityResult::Waiting(_))) = &mut waves.stability
+        && let StabilityResult::Waiting(inbox) = found
     {
         match inbox.try_recv() {
-            Ok(stability) => *found = Found::Here(stability),
-            Err(TryRecvError::Disconnected) => *found = Found::Here(None),
+            Ok(stability) => *found = StabilityResult::Here(stability),
+            Err(TryRecvError::Disconnected) => *found = StabilityResult::Here(None),
             Err(TryRecvError::Empty) => {}
         }
     }
     let current = matches!(&waves.stability, Some((name, known, _)) if (name, *known) == (&sea.name, revision));
-    let busy = matches!(&waves.stability, Some((.., Found::Waiting(_))));
+    let busy = matches!(&waves.stability, Some((.., StabilityResult::Waiting(_))));
     let button = egui::Button::new(if current { "Analyze again" } else { "Analyze stability" });
     let help = "Predicts and measures how the sea behaves in the long run; takes some seconds.";
     ui.horizontal(|ui| {
@@ -329,13 +329,13 @@ fn stability_ui(
                 let _ = sender.send(stability_of(&graph, id, frame).map(Box::new));
                 context.request_repaint();
             });
-            waves.stability = Some((sea.name.clone(), revision, Found::Waiting(inbox)));
+            waves.stability = Some((sea.name.clone(), revision, StabilityResult::Waiting(inbox)));
         }
         if busy {
             ui.spinner();
         }
     });
-    let Some((.., Found::Here(Some(stability)))) = &waves.stability else { return };
+    let Some((.., StabilityResult::Here(Some(stability)))) = &waves.stability else { return };
     if !current {
         ui.weak("Of the sea before the last change:");
     }

@@ -29,7 +29,7 @@ mod tests;
 mod text;
 
 use crate::failure::{FAILED, Failure};
-use crate::files::{self, Files};
+use crate::files::{self, FileOptions};
 use crate::progress::Progress;
 use crate::shell::{self, printable};
 use crate::{interrupt, outputs};
@@ -81,7 +81,7 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
-    files: Files,
+    files: FileOptions,
     /// Print nothing on stdout, and show no progress
     #[arg(long, conflicts_with = "json")]
     quiet: bool,

@@ -4,7 +4,7 @@ mod map;
 mod text;
 
 use crate::failure::{FAILED, Failure};
-use crate::files::{self, Over};
+use crate::files::{self, OverwriteOptions};
 use crate::shell;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NODE.KNOB=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
-    over: Over,
+    over: OverwriteOptions,
 }
 
 /// Document that is analyzed if none is named.

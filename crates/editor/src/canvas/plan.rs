@@ -1,7 +1,7 @@
 //! What is drawn of a document, as long as its text stays the same.
 
-use super::curve::{Curve, Through};
-use super::place::{self, Laid};
+use super::curve::{Curve, WireShape};
+use super::place::{self, GraphLayout};
 use super::view::View;
 use crate::document::{Edit, Point, Sheet, Wire, decor};
 use crate::state::State;
@@ -66,7 +66,7 @@ pub(super) struct Plan {
 
 impl Plan {
     /// Plans a document.
-    pub(super) fn new(state: &State, laid: &mut Laid) -> Self {
+    pub(super) fn new(state: &State, laid: &mut GraphLayout) -> Self {
         let sheet = state.sheet().clone();
         let boxes = place::boxes(&sheet, laid);
         if boxes.len() <= MOST {
@@ -146,7 +146,7 @@ impl Plan {
     }
 
     fn curve(&self, wire: usize) -> Curve {
-        let through = if self.dots[wire].is_empty() { Through::Down } else { Through::Dots };
+        let through = if self.dots[wire].is_empty() { WireShape::Down } else { WireShape::Dots };
         Curve::new(&self.points(wire), through)
     }
 
@@ -246,7 +246,7 @@ impl Plan {
 const MOST: usize = 300;
 
 /// Where wires run whose nodes stand to each other as the layout puts them.
-fn routes(sheet: &Sheet, boxes: &[Rect], laid: &Laid) -> HashMap<usize, Vec<Pos2>> {
+fn routes(sheet: &Sheet, boxes: &[Rect], laid: &GraphLayout) -> HashMap<usize, Vec<Pos2>> {
     if laid.corners.len() != boxes.len() {
         return HashMap::new();
     }

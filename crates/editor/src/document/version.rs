@@ -7,7 +7,7 @@ use trochoid::FORMAT_VERSION;
 
 /// How a document's version stands to the one that is known here.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Standing {
+pub enum VersionStatus {
     /// It is the same.
     Current,
     /// It is a newer one, as the document writes it: what it means is not known here.
@@ -16,7 +16,7 @@ pub enum Standing {
     Unknown(Option<String>),
 }
 
-impl Standing {
+impl VersionStatus {
     /// Reads it from a document's value.
     pub fn of(document: &Value) -> Self {
         let Some(entries) = document.as_object() else { return Self::Current };

@@ -11,7 +11,7 @@ mod rendering;
 use crate::actions::{Action, Grant, Pane};
 use crate::canvas::Canvas;
 use crate::commands::Space;
-use crate::document::keep::{Keeper, Kept, discard, kept};
+use crate::document::keep::{Keeper, UnsavedCopy, discard, kept};
 use crate::document::{Session, Sheet};
 use crate::evaluate::Worker;
 use crate::layout;
@@ -145,12 +145,13 @@ impl Editor {
         let folder = self.prompts.data().map(|data| data.join("unsaved"));
         let file = self.state.session.file().map(reach::whole);
         let all = folder.as_deref().map(kept).unwrap_or_default();
-        let (saved, all): (Vec<Kept>, Vec<Kept>) = all.into_iter().partition(Kept::is_saved);
+        let (saved, all): (Vec<UnsavedCopy>, Vec<UnsavedCopy>) = all.into_iter().partition(UnsavedCopy::is_saved);
         saved.iter().for_each(discard);
         // Of a document that is not there any more nobody else asks.
-        let is_homeless = |kept: &Kept| file.is_none() && kept.file.as_deref().is_none_or(|file| !file.is_file());
-        let is_own = |kept: &Kept| is_homeless(kept) || kept.file.as_deref().map(reach::whole) == file;
-        let (own, others): (Vec<Kept>, Vec<Kept>) = all.into_iter().partition(is_own);
+        let is_homeless =
+            |kept: &UnsavedCopy| file.is_none() && kept.file.as_deref().is_none_or(|file| !file.is_file());
+        let is_own = |kept: &UnsavedCopy| is_homeless(kept) || kept.file.as_deref().map(reach::whole) == file;
+        let (own, others): (Vec<UnsavedCopy>, Vec<UnsavedCopy>) = all.into_iter().partition(is_own);
         if !own.is_empty() {
             self.prompts.recover(own);
         }

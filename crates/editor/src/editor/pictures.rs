@@ -2,7 +2,7 @@
 
 use super::Editor;
 use crate::evaluate::{Job, News, Question, Subject};
-use crate::state::Past;
+use crate::state::PastEvaluation;
 use egui::Context;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -61,9 +61,9 @@ impl Editor {
         }
         let Some(subject) = self.subject() else {
             // Also what was said of a text that was no JSON.
-            if self.asked.what.take().is_some() || self.state.seen.failed.is_some() {
+            if self.asked.what.take().is_some() || self.state.evaluated.failed.is_some() {
                 self.worker.stop();
-                let seen = &mut self.state.seen;
+                let seen = &mut self.state.evaluated;
                 (seen.result, seen.last, seen.progress, seen.failed) = (None, None, None, None);
                 self.forget_frames();
             }
@@ -92,16 +92,16 @@ impl Editor {
             }
             self.asked.what = Some(what);
             self.asked.display = look.display;
-            match self.state.seen.frames.get(&self.state.frame).filter(|seen| seen.display == look.display) {
+            match self.state.evaluated.frames.get(&self.state.frame).filter(|seen| seen.display == look.display) {
                 Some(ready) => {
-                    self.state.seen.result = Some(ready.clone());
-                    self.state.seen.last = None;
-                    self.state.seen.failed = None;
-                    self.state.seen.progress = None;
+                    self.state.evaluated.result = Some(ready.clone());
+                    self.state.evaluated.last = None;
+                    self.state.evaluated.failed = None;
+                    self.state.evaluated.progress = None;
                 }
                 None => {
                     self.worker.evaluate(job(self.asked.generation, self.state.frame, !self.state.playing));
-                    self.state.seen.progress = Some(0.0);
+                    self.state.evaluated.progress = Some(0.0);
                     self.asked.ahead = None;
                     self.asked.blame = None;
                 }
@@ -109,12 +109,12 @@ impl Editor {
         } else if self.asked.display != look.display {
             self.asked.display = look.display;
             self.forget_frames();
-            if let Some(result) = &self.state.seen.result {
+            if let Some(result) = &self.state.evaluated.result {
                 let space = result.lens.graph.space();
                 self.worker.show(self.asked.generation, result.picture.clone(), space, look.display);
             }
         }
-        if self.state.seen.progress.is_some() {
+        if self.state.evaluated.progress.is_some() {
             return;
         }
         let revision = subject.revision;
@@ -141,7 +141,7 @@ impl Editor {
             self.forget_frames();
         }
         let why = self.state.session.meaning().errors().next().map(|fault| fault.found.clone()).unwrap_or_default();
-        let seen = &mut self.state.seen;
+        let seen = &mut self.state.evaluated;
         seen.failed = Some(format!("found a text that is no JSON: {why}"));
         (seen.culprit, seen.broken, seen.progress) = (None, false, None);
         seen.refused.clear();
@@ -156,7 +156,7 @@ impl Editor {
 
     /// Forgets pictures of frames: they are of something else than what is looked at.
     pub(super) fn forget_frames(&mut self) {
-        self.state.seen.frames.clear();
+        self.state.evaluated.frames.clear();
         self.asked.failed.clear();
         self.asked.ahead = None;
         self.asked.series = (self.asked.series + 1).max(SERIES);
@@ -164,7 +164,7 @@ impl Editor {
 
     /// Asks for the picture that is held beside the present one to be shown as that is.
     pub(super) fn ask_held(&mut self) {
-        let Some(result) = &self.state.seen.result else { return };
+        let Some(result) = &self.state.evaluated.result else { return };
         let Some((number, picture, space, display)) = self.panels.viewer.held_wanted(result) else {
             self.asked.held = None;
             return;
@@ -179,11 +179,11 @@ impl Editor {
     pub(super) fn ask_blame(&mut self) {
         let Some(at) = self.state.look.pick else {
             self.asked.blame = None;
-            self.state.seen.blame = None;
+            self.state.evaluated.blame = None;
             return;
         };
-        let result = self.state.seen.result.as_ref();
-        let Some(result) = result.filter(|result| result.finished && self.state.seen.progress.is_none()) else {
+        let result = self.state.evaluated.result.as_ref();
+        let Some(result) = result.filter(|result| result.finished && self.state.evaluated.progress.is_none()) else {
             return;
         };
         let what = Some((result.generation, result.frame, at));
@@ -202,7 +202,7 @@ impl Editor {
     /// Takes in what has happened elsewhere.
     pub(super) fn hear(&mut self, context: &Context) {
         let news: Vec<News> = self.worker.news().collect();
-        let seen = &mut self.state.seen;
+        let seen = &mut self.state.evaluated;
         for news in news {
             match news {
                 News::Picture(result) if result.generation == self.asked.generation => {
@@ -214,7 +214,7 @@ impl Editor {
                     if result.finished {
                         seen.progress = None;
                         let audit = &result.picture.audit;
-                        seen.past.push(Past {
+                        seen.past.push(PastEvaluation {
                             node: result.subject.sheet.nodes[result.subject.node].name.clone(),
                             frame: result.frame,
                             shrunk: result.shrunk,

@@ -1,9 +1,9 @@
 //! What waits for the thread that evaluates, the more urgent first, and when it has to stop what it does.
 
 use super::blame::Question;
+use super::request::Job;
 use super::shown::Display;
 use super::subject::Subject;
-use super::wish::Job;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};

@@ -1,11 +1,11 @@
 //! Colors: swatches, the dropper, and a painting to take colors from.
 
-use super::place::{Place, Properties};
+use super::context::{Properties, WidgetContext};
 use crate::actions::Action;
 use crate::document::Edit;
 use crate::document::color::{hex, rgb};
 use crate::evaluate::Screen;
-use crate::field::{self, Gesture, Told};
+use crate::field::{self, FieldResponse, Gesture};
 use crate::state::State;
 use egui::{ColorImage, Sense, TextEdit, TextureOptions, Ui};
 use egui_file_dialog::{DialogState, FileDialog, Filter};
@@ -34,7 +34,12 @@ pub(super) fn space(state: &State) -> WorkingSpace {
 }
 
 /// A color: a swatch that opens a picker, its text, and the dropper.
-pub(super) fn color_ui(ui: &mut Ui, value: &Value, place: &Place<'_>, actions: &mut Vec<Action>) -> Told<Value> {
+pub(super) fn color_ui(
+    ui: &mut Ui,
+    value: &Value,
+    place: &WidgetContext<'_>,
+    actions: &mut Vec<Action>,
+) -> FieldResponse<Value> {
     let shown = display(value, space(place.state)).unwrap_or_default();
     let swatch = field::swatch_ui(ui, shown).map(|color| json!(hex(color)));
     let written = match value {
@@ -50,7 +55,7 @@ pub(super) fn color_ui(ui: &mut Ui, value: &Value, place: &Place<'_>, actions: &
     if dropper.on_hover_text("Takes the color that is clicked next in the picture or the reference.").clicked() {
         actions.push(Action::Dropper(taking.then(|| place.path.clone())));
     }
-    Told { response: field::joined(swatch.response, text.response), given: swatch.given.or(text.given) }
+    FieldResponse { response: field::joined(swatch.response, text.response), given: swatch.given.or(text.given) }
 }
 
 /// What is expected where a text is no color.

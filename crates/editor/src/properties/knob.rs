@@ -1,10 +1,10 @@
 //! A knob: a widget for what it takes.
 
-use super::place::{Place, Properties, label_ui};
+use super::context::{Properties, WidgetContext, label_ui};
 use super::{color, key};
 use crate::actions::Action;
 use crate::document::edit::default_value;
-use crate::field::{self, Gesture, Number, Told};
+use crate::field::{self, FieldResponse, Gesture, Number};
 use egui::{ComboBox, TextEdit, Ui};
 use serde_json::{Value, json};
 use trochoid::{Knob, KnobType, expected};
@@ -14,7 +14,7 @@ pub(super) fn knob_ui(
     panel: &mut Properties,
     ui: &mut Ui,
     knob: &'static Knob,
-    place: &Place<'_>,
+    place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
 ) {
     let keyed = place.value.and_then(key::KeyedValue::read);
@@ -56,7 +56,7 @@ fn help(knob: &Knob, default: &Value) -> String {
     format!("{}\n\n{}; {default}.", knob.help, knob.takes_in_words())
 }
 
-fn menu_ui(ui: &mut Ui, knob: &'static Knob, place: &Place<'_>, shown: &Value, actions: &mut Vec<Action>) {
+fn menu_ui(ui: &mut Ui, knob: &'static Knob, place: &WidgetContext<'_>, shown: &Value, actions: &mut Vec<Action>) {
     let has_default = knob.default.is_some();
     let reset = ui.add_enabled(has_default && place.value.is_some(), egui::Button::new("Reset to default"));
     if let Some(gesture) = Gesture::click(&reset) {
@@ -75,14 +75,14 @@ fn widget_ui(
     knob: &Knob,
     value: &Value,
     unset: bool,
-    place: &Place<'_>,
+    place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
-) -> Told<Value> {
+) -> FieldResponse<Value> {
     if unset {
         let button = ui.button(format!("Add {}", knob.name.replace('_', " ")));
         let button = button.on_hover_text("Nothing is set here: the node does without, or finds a value itself.");
         let given = Gesture::click(&button).map(|gesture| (value.clone(), gesture));
-        return Told { response: button, given };
+        return FieldResponse { response: button, given };
     }
     let suffix = unit(knob.unit);
     match (&knob.takes, value) {
@@ -136,7 +136,7 @@ fn whole(number: f64) -> Value {
     if number.abs() < 9e15 { json!(number as i64) } else { json!(number) }
 }
 
-fn choice_ui(ui: &mut Ui, words: &[&str], chosen: &str, place: &Place<'_>) -> Told<Value> {
+fn choice_ui(ui: &mut Ui, words: &[&str], chosen: &str, place: &WidgetContext<'_>) -> FieldResponse<Value> {
     let mut given = None;
     let combo = ComboBox::from_id_salt(place.path.to_string())
         .width((ui.available_size_before_wrap().x - 8.0).clamp(40.0, 100.0))
@@ -148,11 +148,11 @@ fn choice_ui(ui: &mut Ui, words: &[&str], chosen: &str, place: &Place<'_>) -> To
             given = given.take().or(Gesture::click(&entry).map(|gesture| (json!(word), gesture)));
         }
     });
-    Told { response: response.response, given }
+    FieldResponse { response: response.response, given }
 }
 
-fn vector_ui(ui: &mut Ui, items: &[Value]) -> Told<Value> {
-    let mut all: Option<Told<Value>> = None;
+fn vector_ui(ui: &mut Ui, items: &[Value]) -> FieldResponse<Value> {
+    let mut all: Option<FieldResponse<Value>> = None;
     for (index, item) in items.iter().enumerate() {
         // By its own name, so that what comes and goes beside it is no matter for what is typed.
         let own = ui.push_id(("component", index), |ui| number_ui(ui, item, (f64::NEG_INFINITY, f64::INFINITY), ""));
@@ -162,11 +162,13 @@ fn vector_ui(ui: &mut Ui, items: &[Value]) -> Told<Value> {
             Value::Array(items)
         });
         all = Some(match all {
-            Some(all) => Told { response: field::joined(all.response, own.response), given: all.given.or(own.given) },
+            Some(all) => {
+                FieldResponse { response: field::joined(all.response, own.response), given: all.given.or(own.given) }
+            }
             None => own,
         });
     }
-    all.unwrap_or_else(|| Told::nothing(ui.weak("—")))
+    all.unwrap_or_else(|| FieldResponse::nothing(ui.weak("—")))
 }
 
 /// A unit as it stands behind a number.
@@ -180,7 +182,7 @@ fn unit(unit: &str) -> String {
 }
 
 /// A number: a slider where its range is one that a hand can cover, else a field to drag. Shift drags finely.
-pub(super) fn number_ui(ui: &mut Ui, value: &Value, (min, max): (f64, f64), suffix: &str) -> Told<Value> {
+pub(super) fn number_ui(ui: &mut Ui, value: &Value, (min, max): (f64, f64), suffix: &str) -> FieldResponse<Value> {
     let mut number = Number::new(value.as_f64().unwrap_or_default()).range(min, max).suffix(suffix);
     // The number and the button for keys stand behind a slider.
     let room = ui.available_size_before_wrap().x - 84.0;

@@ -1,6 +1,6 @@
 //! The items of a node, and of the records of its lists, such as a ramp's stops or the waves of a sea.
 
-use super::place::{Place, Properties};
+use super::context::{Properties, WidgetContext};
 use super::{knob, port};
 use crate::actions::Action;
 use crate::document::{Edit, Op, Path, change, edit};
@@ -15,7 +15,7 @@ pub(super) fn list_ui(
     panel: &mut Properties,
     ui: &mut Ui,
     list: &'static List,
-    place: &Place<'_>,
+    place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
 ) {
     let records = place.value.and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
@@ -65,7 +65,8 @@ pub(super) fn items_ui(
     actions: &mut Vec<Action>,
 ) {
     for item in items {
-        let place = Place { state, path: path.to(item.name()), value: body.and_then(|body| body.get(item.name())) };
+        let place =
+            WidgetContext { state, path: path.to(item.name()), value: body.and_then(|body| body.get(item.name())) };
         match item {
             Item::Knob(knob) => knob::knob_ui(panel, ui, knob, &place, actions),
             Item::Port(port) => port::port_ui(panel, ui, port, &place, actions),

@@ -9,7 +9,7 @@ mod recover;
 
 use crate::actions::{Action, Pane};
 use crate::commands::{COMMANDS, MENUS};
-use crate::document::Standing;
+use crate::document::VersionStatus;
 use crate::editor::{Editor, Panels};
 use crate::state::State;
 use egui::{Align, Layout, MenuBar, Panel, RichText, Ui, WidgetText};
@@ -136,7 +136,7 @@ fn unreadable_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
 
 /// What is to be known of a document of another version, as long as it is one.
 fn version_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
-    let standing = Standing::of(&state.sheet().value);
+    let standing = VersionStatus::of(&state.sheet().value);
     let Some(notice) = standing.notice() else { return };
     Panel::top("version").show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
@@ -203,10 +203,10 @@ fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
                 let text = format!("Rendering {} of {total}", (done + 1).min(total));
                 ui.add(egui::ProgressBar::new(share).desired_width(180.0).text(text));
             }
-            if let Some(share) = state.seen.progress {
+            if let Some(share) = state.evaluated.progress {
                 ui.add(egui::ProgressBar::new(share).desired_width(100.0));
                 ui.weak("Evaluating");
-            } else if let Some(result) = state.seen.result.as_deref().filter(|result| result.finished) {
+            } else if let Some(result) = state.evaluated.result.as_deref().filter(|result| result.finished) {
                 // Of the picture that is shown, and of no other.
                 ui.weak(crate::format::seconds(result.seconds.1));
                 if result.picture.guarantee.is_some() {

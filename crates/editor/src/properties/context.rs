@@ -22,14 +22,14 @@ pub(crate) struct Properties {
 }
 
 /// What a widget needs to know of where it stands.
-pub(super) struct Place<'p> {
+pub(super) struct WidgetContext<'p> {
     pub(super) state: &'p State,
     pub(super) path: Path,
     /// What the document writes there.
     pub(super) value: Option<&'p Value>,
 }
 
-impl Place<'_> {
+impl WidgetContext<'_> {
     /// This value at this place; changes during one gesture are one step of undo.
     pub(super) fn set(&self, value: &Value) -> Edit {
         Edit::set(self.path.clone(), value).merging(self.path.to_string())
