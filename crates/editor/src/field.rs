@@ -368,7 +368,8 @@ pub(crate) fn text_ui(
 /// expected.
 pub(crate) fn draft_ui<T, E: Display>(
     ui: &mut Ui,
-    (salt, written): (&str, &str),
+    salt: &str,
+    written: &str,
     read: impl FnOnce(&str) -> Result<T, E>,
     field: impl FnOnce(&mut String) -> TextEdit<'_>,
 ) -> FieldResponse<T> {
@@ -422,7 +423,8 @@ pub(crate) fn switch_ui(ui: &mut Ui, on: bool, text: &str) -> FieldResponse<bool
 /// A JSON value that a field shows as it is written.
 pub(crate) fn value_ui<E: Display>(
     ui: &mut Ui,
-    (salt, value): (&str, &Value),
+    salt: &str,
+    value: &Value,
     width: f32,
     read: impl FnOnce(&str) -> Result<Value, E>,
 ) -> FieldResponse<Value> {
@@ -431,7 +433,7 @@ pub(crate) fn value_ui<E: Display>(
         Value::Null => String::new(),
         other => crate::document::change::style(other),
     };
-    let mut told = draft_ui(ui, (salt, &written), read, |text| TextEdit::singleline(text).desired_width(width));
+    let mut told = draft_ui(ui, salt, &written, read, |text| TextEdit::singleline(text).desired_width(width));
     if written.len() > SEEN && !told.response.has_focus() {
         told.response = told.response.on_hover_text(written);
     }

@@ -148,20 +148,30 @@ pub(crate) fn own_file(graph: &CheckedGraph, spec: &OutputSpec, frame: i64) -> O
     Some(graph.folder().join(expand_frame(&template, frame)))
 }
 
-/// Names a companion, such as the certificate, for each file of a frame.
-///
-/// `pattern`, the value of `option`, is relative to the current folder and may contain `{output}` (the names of a
-/// file's outputs, joined by `+`) and `####` or `%04d`. `ending` is the required extension, such as ".json".
+/// Pattern that names the companions of files, such as certificates.
+#[derive(Clone, Copy, Debug)]
+pub struct CompanionPattern<'p> {
+    /// Option that sets the pattern, for messages.
+    pub option: &'p str,
+    /// Path relative to the current folder. It may contain `{output}` (the names of a file's outputs, joined by `+`)
+    /// and `####` or `%04d`.
+    pub pattern: &'p str,
+    /// Required extension, such as ".json".
+    pub ending: &'p str,
+}
+
+/// Names a companion for each file of a frame.
 ///
 /// # Errors
 /// The pattern gives several files or several frames one name, or has another extension.
 pub fn companion_files(
     graph: &CheckedGraph,
     files: &[OutputFile],
-    (frame, several_frames): (i64, bool),
-    (option, pattern): (&str, &str),
-    ending: &str,
+    frame: i64,
+    several_frames: bool,
+    pattern: CompanionPattern<'_>,
 ) -> Result<Vec<PathBuf>, OutputError> {
+    let CompanionPattern { option, pattern, ending } = pattern;
     let mut faults = Faults::default();
     let place = format!("{option} {}", quoted(pattern));
     if files.len() > 1 && !pattern.contains("{output}") {

@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use trochoid::certificate::{Certificate, CertificateInputs, certify, error_image};
 use trochoid::{
-    Buffers, Cache, Certified, Certifier, CheckedGraph, EvalError, Fingerprints, Form, Frame, Guarantee, InputFiles,
-    Monitor, OutputFile, Settings, companion_files, quoted_path, write_guarded,
+    Buffers, Cache, Certified, Certifier, CheckedGraph, CompanionPattern, EvalError, Fingerprints, Form, Frame,
+    Guarantee, InputFiles, Monitor, OutputFile, Settings, companion_files, quoted_path, write_guarded,
 };
 
 /// Companions of an output file: its certificate and error image, if requested.
@@ -30,8 +30,11 @@ impl Companions {
         several: bool,
     ) -> Result<Vec<Self>, Failure> {
         let names = |option: &str, pattern: &Option<String>, ending: &str| match pattern {
-            Some(pattern) => companion_files(graph, files, (frame, several), (option, pattern), ending)
-                .map(|names| names.into_iter().map(Some).collect::<Vec<_>>()),
+            Some(pattern) => {
+                let pattern = CompanionPattern { option, pattern, ending };
+                companion_files(graph, files, frame, several, pattern)
+                    .map(|names| names.into_iter().map(Some).collect::<Vec<_>>())
+            }
             None => Ok(vec![None; files.len()]),
         };
         let (certificates, errors) =

@@ -225,14 +225,14 @@ impl Editor {
                         seen.past.drain(..most);
                         seen.nodes = result.nodes.iter().map(|node| (node.name.clone(), node.clone())).collect();
                         let range = self.state.playing.then_some(self.state.range);
-                        keep_frame(&mut seen.frames, &result, (self.state.frame, range), self.room);
+                        keep_frame(&mut seen.frames, &result, self.state.frame, range, self.room);
                     }
                     seen.result = Some(result);
                 }
                 News::Ahead(result) if result.generation == self.asked.series => {
                     if result.display == self.state.look.display {
                         let range = self.state.playing.then_some(self.state.range);
-                        keep_frame(&mut seen.frames, &Arc::new(*result), (self.state.frame, range), self.room);
+                        keep_frame(&mut seen.frames, &Arc::new(*result), self.state.frame, range, self.room);
                     }
                     self.asked.ahead = None;
                 }
@@ -287,7 +287,8 @@ pub(super) fn bytes(result: &crate::evaluate::Result) -> usize {
 fn keep_frame(
     frames: &mut std::collections::BTreeMap<i64, Arc<crate::evaluate::Result>>,
     result: &Arc<crate::evaluate::Result>,
-    (present, range): (i64, Option<(i64, i64)>),
+    present: i64,
+    range: Option<(i64, i64)>,
     room: usize,
 ) {
     frames.insert(result.frame, result.clone());

@@ -47,7 +47,7 @@ pub(super) fn color_ui(
         other => crate::document::change::style(other),
     };
     let salt = place.path.to_string();
-    let text = field::draft_ui(ui, (&salt, &written), read_color, |text| {
+    let text = field::draft_ui(ui, &salt, &written, read_color, |text| {
         TextEdit::singleline(text).desired_width(72.0).font(egui::TextStyle::Monospace)
     });
     let mut taking = place.state.dropper.as_ref() == Some(&place.path);

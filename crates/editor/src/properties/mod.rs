@@ -133,7 +133,7 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
         if node.is(Role::Patch) {
             surface::patch_ui(ui, state, &path, actions);
         }
-        record::items_ui(panel, ui, state, (declaration.items, &path, body), actions);
+        record::items_ui(panel, ui, state, declaration.items, &path, body, actions);
         ui.separator();
         notes::notes_ui(ui, state, &path, actions);
     });

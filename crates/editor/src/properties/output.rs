@@ -89,9 +89,9 @@ pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Ve
         });
         ui.end_row();
         let help = "Path ending .exr or .png, relative to the document; #### is the frame, {output} the output's name.";
-        text_ui(ui, sheet, (name, "file", "File"), help, actions);
+        text_ui(ui, sheet, name, "file", "File", help, actions);
         let help = "Layer within the EXR; by default the output's name. Outputs that name one file share it.";
-        text_ui(ui, sheet, (name, "layer", "Layer"), help, actions);
+        text_ui(ui, sheet, name, "layer", "Layer", help, actions);
         let body = sheet.get(&output::path(name));
         let precision = body.and_then(|body| body.get("precision")).and_then(Value::as_str);
         let set = |(word, gesture): (Option<&str>, Gesture), key: &str, value: fn(&str) -> Value, actions: &mut _| {
@@ -100,14 +100,14 @@ pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Ve
                 actions.push(Action::Seal);
             }
         };
-        if let Some(chosen) = choice_ui(ui, ("Precision", "default"), &Precision::NAMES, precision) {
+        if let Some(chosen) = choice_ui(ui, "Precision", "default", &Precision::NAMES, precision) {
             set(chosen, "precision", |word| word.into(), actions);
         }
         // Only colors have a palette to keep to.
         if body.is_some_and(|body| body.get("color").is_some()) {
             let required = body.and_then(|body| body.get("require")?.get("guarantee")?.as_str());
             let words = [Guarantee::Hull, Guarantee::Box].map(Guarantee::name);
-            if let Some(chosen) = choice_ui(ui, ("Require", "nothing"), &words, required) {
+            if let Some(chosen) = choice_ui(ui, "Require", "nothing", &words, required) {
                 set(chosen, "require", |word| json!({ "guarantee": word }), actions);
             }
         }
@@ -130,7 +130,7 @@ fn look(sheet: &Sheet, source: &str, actions: &mut Vec<Action>) {
 }
 
 /// A text; none where the field is empty.
-fn text_ui(ui: &mut Ui, sheet: &Sheet, (name, key, label): (&str, &str, &str), help: &str, actions: &mut Vec<Action>) {
+fn text_ui(ui: &mut Ui, sheet: &Sheet, name: &str, key: &str, label: &str, help: &str, actions: &mut Vec<Action>) {
     ui.label(label).on_hover_text(help);
     let path = output::path(name).to(key);
     let text = sheet.get(&path).and_then(Value::as_str).unwrap_or_default();
@@ -153,7 +153,8 @@ fn text_ui(ui: &mut Ui, sheet: &Sheet, (name, key, label): (&str, &str, &str), h
 /// One of some words, or none of them, for which there is a word as well.
 fn choice_ui<'w>(
     ui: &mut Ui,
-    (label, none): (&str, &str),
+    label: &str,
+    none: &str,
     words: &[&'w str],
     chosen: Option<&str>,
 ) -> Option<(Option<&'w str>, Gesture)> {

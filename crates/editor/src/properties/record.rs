@@ -41,7 +41,7 @@ pub(super) fn list_ui(
                     }
                 });
                 ui.indent("record", |ui| {
-                    items_ui(panel, ui, place.state, (list.items, &path, Some(record)), actions);
+                    items_ui(panel, ui, place.state, list.items, &path, Some(record), actions);
                 });
             });
         }
@@ -61,7 +61,9 @@ pub(super) fn items_ui(
     panel: &mut Properties,
     ui: &mut Ui,
     state: &State,
-    (items, path, body): (&'static [Item], &Path, Option<&Value>),
+    items: &'static [Item],
+    path: &Path,
+    body: Option<&Value>,
     actions: &mut Vec<Action>,
 ) {
     for item in items {

@@ -215,7 +215,7 @@ fn picture_ui(
     painter.rect_filled(stage.area, 0.0, picture::SURROUND);
     let Some(result) = result else {
         if let Some(last) = &state.evaluated.last {
-            last_ui(viewer, ui, stage, (&response, last));
+            last_ui(viewer, ui, stage, &response, last);
         }
         message_ui(ui, stage.area, state, actions);
         return None;
@@ -230,7 +230,7 @@ fn picture_ui(
     if viewer.compare.held.as_ref().is_none_or(|held| held.mode == Mode::Wipe) {
         viewer.near.paint(ui.ctx(), &painter, rect, result);
     }
-    point(viewer, ui, rect, (&response, state, result), actions);
+    point(viewer, ui, rect, &response, state, result, actions);
     marks(viewer, ui, stage, rect, state);
     viewer.compare.wipe_ui(ui, stage, rect, zoom);
     if !viewer.no_handles && state.dropper.is_none() {
@@ -247,7 +247,7 @@ fn picture_ui(
 }
 
 /// Draws the picture that was there before there was none, darker, with what it is compared with.
-fn last_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, (response, last): (&Response, &Result)) {
+fn last_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, response: &Response, last: &Result) {
     move_view(viewer, ui, stage, response);
     let (rect, zoom) = (viewer.view.rect(stage), viewer.view.zoom(stage));
     let (own, shown) = (part(last), viewer.compare.shown(last));
@@ -280,7 +280,9 @@ fn point(
     viewer: &mut Viewer,
     ui: &Ui,
     rect: Rect,
-    (response, state, result): (&Response, &State, &Result),
+    response: &Response,
+    state: &State,
+    result: &Result,
     actions: &mut Vec<Action>,
 ) {
     let at = response.interact_pointer_pos().map(|at| share(rect, at));

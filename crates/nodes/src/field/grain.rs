@@ -168,7 +168,7 @@ impl Prepared for PreparedGrain {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_at(outputs, (SoleOutput, 0), |at| self.truth(at));
+        bounding.bound_at(outputs, SoleOutput, 0, |at| self.truth(at));
         Ok(())
     }
 

@@ -254,7 +254,7 @@ impl Prepared for PreparedNoise {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let (view, channels) = (&self.node.view, self.node.space.channels());
         let mut places = bounding.block.places();
-        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let at = places.next().unwrap_or_default();
             let moved = |(axis, along): (usize, Span)| {
                 let by = self.moved(axis);

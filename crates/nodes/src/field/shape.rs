@@ -295,7 +295,7 @@ impl Prepared for PreparedShape {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_at(outputs, (SoleOutput, 0), |at| self.truth(at));
+        bounding.bound_at(outputs, SoleOutput, 0, |at| self.truth(at));
         Ok(())
     }
 

@@ -213,7 +213,7 @@ impl Prepared for PreparedRead {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         for channel in 0..self.layers.len() {
-            bounding.bound_at(outputs, (SoleOutput, channel), |at| {
+            bounding.bound_at(outputs, SoleOutput, channel, |at| {
                 self.values(at).map_or(f64::NAN, |values| values[channel])
             });
         }
@@ -276,7 +276,7 @@ impl Prepared for PreparedStream {
         }
         for (index, channel) in self.targets.iter().enumerate() {
             let truth = |at| self.stream.reference(at).map_or(f64::NAN, |values| values[index]);
-            bounding.bound_at(outputs, (SoleOutput, *channel), truth);
+            bounding.bound_at(outputs, SoleOutput, *channel, truth);
         }
         Ok(())
     }

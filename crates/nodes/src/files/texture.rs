@@ -292,7 +292,7 @@ impl Prepared for PreparedTexture {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         for channel in 0..self.planes.len() {
-            bounding.bound_by(outputs, (SoleOutput, channel), |sample| {
+            bounding.bound_by(outputs, SoleOutput, channel, |sample| {
                 let place = [&self.node.u, &self.node.v]
                     .map(|port| bounding.known(port, 0, sample).unwrap_or(Span::exactly(0.0)));
                 let span = self.span(channel, place);

@@ -235,7 +235,7 @@ impl Prepared for PreparedLightPool {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             bounding.where_covered(&self.view, sample, || {
                 let point = POSITION.map(|channel| bounding.certain(&self.view, channel, sample));
                 self.pools.span(point, bounding.known(&self.noise, 0, sample).unwrap_or(Span::exactly(0.0)))

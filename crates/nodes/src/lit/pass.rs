@@ -135,7 +135,7 @@ impl<T: LitShader> Prepared for PreparedLitPass<T> {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let view = self.node.view();
-        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             bounding.where_covered(view, sample, || {
                 let (point, normal) =
                     (BoundedVector::point(bounding, view, sample), BoundedDirection::normal(bounding, view, sample));

@@ -142,7 +142,7 @@ impl Prepared for PreparedDriftLines {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let (around, mut pixels) = (Neighborhood::of(bounding.inputs, &self.view), bounding.block.pixels());
-        bounding.bound_by(outputs, (SoleOutput, 0), |_| {
+        bounding.bound_by(outputs, SoleOutput, 0, |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);
             bounding.where_covered(&self.view, here, || {

@@ -373,15 +373,15 @@ impl Prepared for PreparedSpray {
             };
             Span { low: f64::from(low) - slack(low), high: f64::from(high) + slack(high), clear: true }
         };
-        bounding.bound_by(outputs, (Out::Alpha, 0), |sample| {
+        bounding.bound_by(outputs, Out::Alpha, 0, |sample| {
             let alpha = rounded(near[0][sample], far[0][sample]).within(0.0, 1.0);
             alpha.with(depths[sample].clear && (self.brush.soft > 0.0 || near[0][sample] == far[0][sample]))
         });
-        bounding.bound_by(outputs, (Out::Depth, 0), |sample| {
+        bounding.bound_by(outputs, Out::Depth, 0, |sample| {
             let [nearest, farthest] = [&far, &near].map(|planes| planes[1][sample]);
             rounded(nearest, farthest).with(nearest == farthest)
         });
-        bounding.bound_by(outputs, (Out::Age, 0), |sample| {
+        bounding.bound_by(outputs, Out::Age, 0, |sample| {
             let is_bare = far[0][sample] == 0.0 && far[1][sample] == f32::INFINITY;
             if is_bare || depths[sample].low == depths[sample].high {
                 return rounded(near[2][sample], far[2][sample]).within(0.0, 1.0);

@@ -159,7 +159,7 @@ impl Prepared for PreparedWaterlineFoam {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let of = |channel: Channel| {
                 let background = Span::exactly(f64::from(channel.background()));
                 let known = |view| bounding.known(view, channel as usize, sample).unwrap_or(background);

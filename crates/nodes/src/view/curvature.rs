@@ -133,7 +133,7 @@ impl Prepared for Curvature {
             [POSITION, NORMAL].map(|channels| channels.map(|channel| bounding.certain(&self.view, channel, there)))
         };
         let mut pixels = bounding.block.pixels();
-        bounding.bound_by(outputs, (SoleOutput, 0), |_| {
+        bounding.bound_by(outputs, SoleOutput, 0, |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);
             let own = may_see(bounding, &self.view, here);

@@ -123,7 +123,7 @@ impl Prepared for PreparedViewMask {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             bounding
                 .where_covered(&self.view, sample, || {
                     let ramps = self.ramps.iter();

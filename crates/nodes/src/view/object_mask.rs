@@ -106,7 +106,7 @@ impl Prepared for PreparedObjectMask {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let surface = bounding.certain(&self.view, Channel::Surface, sample);
             if surface.low == surface.high {
                 Span::exactly(f64::from(self.mask(surface.low as f32)))

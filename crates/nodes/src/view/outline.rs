@@ -362,7 +362,7 @@ impl Prepared for PreparedOutline {
             .map(|(x, y)| part(x, y))
             .collect();
         let mut pixels = bounding.block.pixels();
-        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let [px, py] = pixels.next().unwrap_or_default();
             let thickness = bounding.known(&self.node.thickness, 0, sample).unwrap_or(Span::exactly(1.0));
             let width = thickness.through(|thickness| self.node.width * thickness);

@@ -127,7 +127,7 @@ impl<T: RayQuantity> Prepared for PreparedRayPass<T> {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         // The reference's rays hit the surfaces themselves, so facets may pass or block rays differently.
-        bounding.bound_by(outputs, (SoleOutput, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             bounding.where_covered(self.node.view(), sample, || Span::unclear(0.0, self.node.most()))
         });
         Ok(())

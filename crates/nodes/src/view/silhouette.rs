@@ -164,7 +164,7 @@ impl Prepared for PreparedSilhouette {
             BoundedDirection::normal(bounding, view, there).cosine(toward).within(0.0, 1.0)
         };
         let pixels: Vec<usize> = bounding.block.pixels().map(|[x, y]| around.index(x, y)).collect();
-        bounding.bound_by(outputs, (Out::Edge, 0), |sample| {
+        bounding.bound_by(outputs, Out::Edge, 0, |sample| {
             // Where nothing is seen, `edge` is 1.
             let faced = bounding.where_covered(view, pixels[sample], || edge(pixels[sample]).through(|e| 1.0 - e));
             if faced.is_exact() {
@@ -174,7 +174,7 @@ impl Prepared for PreparedSilhouette {
             }
         });
         let mut places = bounding.block.pixels();
-        bounding.bound_by(outputs, (Out::Mask, 0), |sample| {
+        bounding.bound_by(outputs, Out::Mask, 0, |sample| {
             let [x, y] = places.next().unwrap_or_default();
             bounding.where_covered(view, pixels[sample], || match self.node.width {
                 None => {

@@ -124,9 +124,9 @@ impl Prepared for PreparedSky {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let ray = |[x, y]: [f64; 2]| self.eye.ray(x, y).direction;
-        bounding.bound_at(outputs, (Out::Sky, 0), |at| self.mask(ray(at)));
+        bounding.bound_at(outputs, Out::Sky, 0, |at| self.mask(ray(at)));
         let mut places = bounding.block.places();
-        bounding.bound_by(outputs, (Out::Reflected, 0), |sample| {
+        bounding.bound_by(outputs, Out::Reflected, 0, |sample| {
             let at = places.next().unwrap_or_default();
             bounding.where_covered(&self.node.view, sample, || {
                 // When a normal rotates, its reflection rotates by twice the angle, and the elevation by no more than

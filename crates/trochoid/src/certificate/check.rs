@@ -153,7 +153,7 @@ pub fn verify(request: &Request<'_>, monitor: &dyn Monitor) -> Result<Verificati
     inputs(&mut found, &certificate, &graph, &outputs, &folder)?;
     let file = OutputFile { path: request.image.into(), outputs };
     let image = StoredImage::read(request.image)?;
-    pixels_of_file(&mut found, (&certificate, request.certificate.display()), &graph, &file, &image);
+    pixels_of_file(&mut found, &certificate, request.certificate.display(), &graph, &file, &image);
     let mut checks = Vec::new();
     for (written, index) in certificate.outputs.iter().zip(&file.outputs) {
         checks.extend(PixelCheck::new(&mut found, &certificate, written, (&graph, *index), &image));
@@ -270,7 +270,8 @@ fn inputs(
 /// Compares the size, the channels and the block hashes of the image with those of the certificate.
 fn pixels_of_file(
     found: &mut Verification,
-    (certificate, name): (&Certificate, std::path::Display<'_>),
+    certificate: &Certificate,
+    name: std::path::Display<'_>,
     graph: &CheckedGraph,
     file: &OutputFile,
     image: &StoredImage,

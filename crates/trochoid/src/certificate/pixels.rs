@@ -74,7 +74,8 @@ impl<'c> PixelCheck<'c> {
         found: &mut Verification,
         certificate: &'c Certificate,
         written: &'c CertifiedOutput,
-        (graph, index): (&CheckedGraph, usize),
+        graph: &CheckedGraph,
+        index: usize,
         image: &'c StoredImage,
     ) -> Option<Self> {
         let spec = &graph.outputs()[index];
