@@ -15,7 +15,7 @@ mod declared;
 mod demand;
 mod diagram;
 mod drift;
-mod engine_modules;
+mod engine_folders;
 mod explain;
 mod faults;
 mod filters;

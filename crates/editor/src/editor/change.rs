@@ -25,7 +25,7 @@ impl Editor {
 
     pub(super) fn rewrite(&mut self, text: &str) {
         self.state.session.replace(text, "Edit the text");
-        self.panels.source.take();
+        self.panels.text.take();
         self.changed();
     }
 
@@ -196,13 +196,13 @@ impl Editor {
     /// Applies what is typed in the panel of the text, before something else is done with the document. Where that is no
     /// JSON, says so, with what became of it; false then.
     pub(super) fn settle(&mut self, outcome: &str) -> bool {
-        let Some(text) = self.panels.source.pending() else { return true };
+        let Some(text) = self.panels.text.pending() else { return true };
         if let Err(error) = serde_json::from_str::<serde_json::Value>(text) {
             let why = "the text typed in the panel \"Text\" is no JSON";
             self.notices.error(format!("{outcome}: {why}: {error}. Correct it there, or revert it"));
             return false;
         }
-        if let Some(text) = self.panels.source.take() {
+        if let Some(text) = self.panels.text.take() {
             self.state.session.replace(&text, "Edit the text");
             self.changed();
         }

@@ -22,8 +22,8 @@ use crate::reach;
 use crate::refusal;
 use crate::render::Renderer;
 use crate::report::Report;
-use crate::source::Source;
 use crate::state::State;
+use crate::text_panel::TextPanel;
 use crate::timeline::Timeline;
 use crate::viewer::Viewer;
 use crate::watch::Watcher;
@@ -91,7 +91,7 @@ pub(crate) struct Panels {
     pub(crate) timeline: Timeline,
     pub(crate) waves: Waves,
     pub(crate) report: Report,
-    pub(crate) source: Source,
+    pub(crate) text: TextPanel,
 }
 
 impl Editor {
@@ -201,7 +201,7 @@ impl Editor {
 
     /// Whether there is work that is not in the document's file.
     pub fn is_unsaved(&self) -> bool {
-        self.state.session.is_changed() || self.panels.source.pending().is_some()
+        self.state.session.is_changed() || self.panels.text.pending().is_some()
     }
 
     /// Whether the window may close now.
@@ -333,7 +333,7 @@ impl Editor {
             keeper.forget();
         }
         self.kept = Backup::default();
-        self.panels.source = Source::default();
+        self.panels.text = TextPanel::default();
         self.notices.leave();
         self.known = session.sheet().clone();
         self.state = State::new(session);
@@ -352,7 +352,7 @@ impl Editor {
             }
             return;
         }
-        let what = Some((self.state.session.revision(), self.panels.source.typings()));
+        let what = Some((self.state.session.revision(), self.panels.text.typings()));
         if self.kept.what == what {
             return;
         }
@@ -365,7 +365,7 @@ impl Editor {
 
     /// Copies the work as it is: what is typed and not applied is what it will be.
     fn copy(&mut self) {
-        let (session, source) = (&self.state.session, &self.panels.source);
+        let (session, source) = (&self.state.session, &self.panels.text);
         if let Some(keeper) = &self.keeper {
             keeper.keep(session.file(), source.pending().unwrap_or(session.text()));
             self.kept = Backup { what: Some((session.revision(), source.typings())), since: None };

@@ -10,7 +10,6 @@ pub mod shown;
 mod subject;
 #[cfg(test)]
 mod tests;
-
 mod worker;
 
 pub use blame::{Blamed, Question, Share};

@@ -102,7 +102,7 @@ fn widget_ui(
         (KnobType::Text | KnobType::Path, Value::String(text)) => {
             field::text_ui(ui, text, |text| TextEdit::singleline(text).desired_width(180.0)).map(Value::from)
         }
-        (takes, value) => field::value_ui(ui, (&place.path.to_string(), value), 180.0, |text| read(text, takes)),
+        (takes, value) => field::value_ui(ui, &place.path.to_string(), value, 180.0, |text| read(text, takes)),
     }
 }
 

@@ -62,7 +62,7 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::Properties => crate::properties::properties_ui(&mut panels.properties, ui, state, actions),
             Pane::Waves => crate::waves::waves_ui(&mut panels.waves, ui, state, actions),
             Pane::Report => crate::report::report_ui(&mut panels.report, ui, state, actions),
-            Pane::Text => crate::source::source_ui(&mut panels.source, ui, state, actions),
+            Pane::Text => crate::text_panel::text_panel_ui(&mut panels.text, ui, state, actions),
         });
         UiResponse::None
     }

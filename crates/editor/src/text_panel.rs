@@ -6,7 +6,7 @@ use egui::{RichText, ScrollArea, TextEdit, Ui};
 
 /// The text while it is being edited.
 #[derive(Debug, Default)]
-pub(crate) struct Source {
+pub(crate) struct TextPanel {
     draft: Option<Draft>,
     /// Grows with all that is typed.
     typings: u64,
@@ -21,7 +21,7 @@ struct Draft {
     typed: bool,
 }
 
-impl Source {
+impl TextPanel {
     /// What is typed and not applied yet.
     pub(crate) fn pending(&self) -> Option<&str> {
         self.draft.as_ref().filter(|draft| draft.typed).map(|draft| draft.text.as_str())
@@ -39,9 +39,9 @@ impl Source {
 }
 
 /// Shows the text, and its faults with their places.
-pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+pub(crate) fn text_panel_ui(panel: &mut TextPanel, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let session = &state.session;
-    if let Some(draft) = source.draft.as_mut().filter(|draft| draft.revision != session.revision()) {
+    if let Some(draft) = panel.draft.as_mut().filter(|draft| draft.revision != session.revision()) {
         draft.revision = session.revision();
         // What is typed stays, whatever becomes of the document meanwhile.
         if !draft.typed {
@@ -49,19 +49,19 @@ pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions
         }
         draft.typed = draft.text != session.text();
     }
-    let typed = source.pending().is_some();
+    let typed = panel.pending().is_some();
     ui.horizontal(|ui| {
         if ui
             .add_enabled(typed, egui::Button::new("Apply"))
             .on_hover_text("Makes this the document (one step of undo).")
             .clicked()
-            && let Some(text) = source.take()
+            && let Some(text) = panel.take()
         {
             actions.push(Action::Rewrite(text));
         }
         if ui.add_enabled(typed, egui::Button::new("Revert")).clicked() {
-            source.draft = None;
-            source.typings += 1;
+            panel.draft = None;
+            panel.typings += 1;
         }
         if typed {
             ui.weak("Not applied yet");
@@ -81,7 +81,7 @@ pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions
         .on_hover_text(&fault.remedy);
     }
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-        let draft = source.draft.get_or_insert_with(|| Draft {
+        let draft = panel.draft.get_or_insert_with(|| Draft {
             revision: session.revision(),
             text: session.text().into(),
             typed: false,
@@ -89,7 +89,7 @@ pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions
         let edit = TextEdit::multiline(&mut draft.text).code_editor().desired_width(f32::INFINITY);
         if ui.add(edit).changed() {
             draft.typed = draft.text != session.text();
-            source.typings += 1;
+            panel.typings += 1;
         }
     });
 }
