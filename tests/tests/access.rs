@@ -3,13 +3,13 @@
 use crate::support::{folder, graph_in, root};
 use std::path::Path;
 use trochoid::{
-    Access, Buffers, Cache, EvalError, Item, Plan, ReferenceError, ReferenceFrame, Refused, Settings, Silent, Takes,
-    refused_files, registry,
+    Access, Buffers, Cache, EvalError, Item, KnobType, Plan, ReferenceError, ReferenceFrame, RefusedFile, Settings,
+    Silent, refused_files, registry,
 };
 
 /// Golden cases in which a node names a file, each with the node's type.
 fn cases() -> Vec<(String, String)> {
-    let names_file = |item: &Item| matches!(item, Item::Knob(knob) if matches!(knob.takes, Takes::Path));
+    let names_file = |item: &Item| matches!(item, Item::Knob(knob) if matches!(knob.takes, KnobType::Path));
     let types = registry().iter().filter(|ty| ty.declaration().items.iter().any(names_file));
     let case =
         |name: &str| (name.into(), std::fs::read_to_string(root().join(format!("tests/nodes/{name}.json"))).unwrap());
@@ -39,7 +39,7 @@ fn every_node_that_names_a_file_is_asked_before_it_prepares() {
         assert!(refused.iter().any(|refused| refused.item.is_some() && refused.place[0] > 0), "{name}: {refused:?}");
         let is_refusal = |error: &EvalError| {
             let EvalError::Node { error, .. } = error else { return false };
-            error.source().is_some_and(|source| source.is::<Refused>())
+            error.source().is_some_and(|source| source.is::<RefusedFile>())
         };
         assert!(evaluate(&elsewhere).is_err_and(|error| is_refusal(&error)), "{name}");
         let output = &graph.outputs()[0].name;

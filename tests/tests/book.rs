@@ -26,7 +26,7 @@ fn documents_of_nodes_have_no_fault_and_use_their_node() {
         has_no_warning(&loaded);
         let (first, outputs) = (loaded.graph.frames().0, loaded.graph.outputs());
         assert_eq!(outputs.len(), 1, "{name}: one picture");
-        let reached = loaded.graph.reached(outputs.iter().map(|output| output.node), first);
+        let reached = loaded.graph.dependencies(outputs.iter().map(|output| output.node), first);
         let used = loaded
             .graph
             .nodes()

@@ -1,7 +1,7 @@
 //! Certificates of every node's golden case hold at every pixel.
 
 use crate::support::{evaluate, folder, graph_in, root, settings};
-use trochoid::certificate::{self, Choice, Made, Request};
+use trochoid::certificate::{self, CertificateInputs, Choice, Request};
 use trochoid::{Buffers, Cache, Certifier, CheckedGraph, Kind, OutputFile, Silent, registry, write_output};
 
 /// Returns the failures of the certificates of a graph's outputs, each of which has its own file.
@@ -17,8 +17,14 @@ fn faults(graph: &CheckedGraph, frame: i64) -> Vec<String> {
         let file = OutputFile { path: folder.path().join(format!("{}.{ending}", output.name)), outputs: vec![index] };
         write_output(graph, &picture, &file, &[]).unwrap();
         let settings = settings(|_| ());
-        let made =
-            Made { graph, file: &file, frame: &picture, certified: &certified, settings: &settings, required: None };
+        let made = CertificateInputs {
+            graph,
+            file: &file,
+            frame: &picture,
+            certified: &certified,
+            settings: &settings,
+            required: None,
+        };
         let path = folder.path().join(format!("{}.json", output.name));
         let certificate = certificate::certify(&made, &path).unwrap();
         assert_eq!(certificate.outputs[0].controls.is_some(), output.kind == Kind::Color);

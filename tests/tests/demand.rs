@@ -192,7 +192,7 @@ fn a_switch_needs_nothing_but_its_choice() {
     assert_eq!(reference.pixel(0, 0).unwrap().len(), 3);
     // Files count where they are chosen.
     let files = |frame: i64| {
-        let needed = graph.reached([graph.find("pick").unwrap()], frame);
+        let needed = graph.dependencies([graph.find("pick").unwrap()], frame);
         graph.files(&needed, &graph.frame_context(frame, 1 << 30)).len()
     };
     assert_eq!((files(4), files(5)), (0, 1));

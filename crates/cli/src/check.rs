@@ -1,8 +1,8 @@
 //! `trochoid check`: prints a document's diagnostics, guarantees, omitted nodes, and notes.
 
-use crate::explain::{self, Explained};
+use crate::explain::{self, Explanation};
 use crate::failure::{Failure, INVALID, Message, count, once};
-use crate::files::{self, Reach};
+use crate::files::{self, AccessOptions};
 use crate::outputs::choose;
 use crate::remedies;
 use crate::shell::{self, HEADING, printable, wrap};
@@ -57,7 +57,7 @@ pub(crate) struct Args {
 /// # Errors
 /// The document is invalid (or warned of, with `--strict`), or cannot be read.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let reach = Reach { allow: args.allow.clone(), strict: args.strict };
+    let reach = AccessOptions { allow: args.allow.clone(), strict: args.strict };
     let mut loaded = match reach.load(&args.graph, &args.set) {
         Ok(loaded) => loaded,
         Err(LoadError::Invalid(diagnostics)) if args.json => {
@@ -84,18 +84,18 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let files =
         frames.iter().filter_map(|&frame| trochoid::output_files(&named, &all, frame, first != last, None).ok());
     let over = files.flatten().map(|file| file.path).find(|path| inputs.contains(path));
-    let faults = Faults { outside, written, over };
+    let faults = FileFaults { outside, written, over };
     if faults.any() {
         return Err(faults.told(args)?);
     }
     let refused = args.strict && !loaded.warnings.is_empty();
     let frame = args.frame.unwrap_or(first);
-    let findings = Findings::of(&loaded.graph, frame);
+    let findings = PlanFindings::of(&loaded.graph, frame);
     let explained = explained(args, &loaded.graph, frame, &findings)?;
     if args.json {
         let mut json = to_json(&loaded, &findings, !refused && findings.can_be_rendered());
         if let Some(explained) = &explained {
-            json["explained"] = explained.iter().map(Explained::to_json).collect();
+            json["explained"] = explained.iter().map(Explanation::to_json).collect();
         }
         shell::print_json(&json)?;
     } else {
@@ -123,7 +123,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 const FRAMES_CHECKED: usize = 10_000;
 
 /// Problems with the files that a valid document names.
-struct Faults {
+struct FileFaults {
     /// Files that the document reads or writes without permission.
     outside: Vec<Diagnostic>,
     /// Reason that the outputs cannot be written.
@@ -132,7 +132,7 @@ struct Faults {
     over: Option<PathBuf>,
 }
 
-impl Faults {
+impl FileFaults {
     fn any(&self) -> bool {
         !self.outside.is_empty() || self.written.is_some() || self.over.is_some()
     }
@@ -172,8 +172,8 @@ fn explained<'g>(
     args: &Args,
     graph: &'g CheckedGraph,
     frame: i64,
-    findings: &Findings,
-) -> Result<Option<Vec<Explained<'g>>>, Failure> {
+    findings: &PlanFindings,
+) -> Result<Option<Vec<Explanation<'g>>>, Failure> {
     if !args.explain || !findings.can_be_rendered() {
         return Ok(None);
     }
@@ -188,7 +188,7 @@ fn explained<'g>(
 }
 
 /// Results of planning all outputs at a frame.
-struct Findings {
+struct PlanFindings {
     frame: i64,
     /// Reason that each node is left out, by node.
     left_out: Vec<Option<LeftOut>>,
@@ -200,7 +200,7 @@ struct Findings {
     faults: Vec<Failure>,
 }
 
-impl Findings {
+impl PlanFindings {
     fn can_be_rendered(&self) -> bool {
         self.faults.is_empty()
     }
@@ -209,7 +209,7 @@ impl Findings {
         match Plan::new(graph, &[], frame, &[], &Settings::default()) {
             Ok(plan) => {
                 let account = plan.memory(pictures(graph));
-                let faults = plan.examine().into_iter().chain(plan.check_memory(&account).err());
+                let faults = plan.check_headers().into_iter().chain(plan.check_memory(&account).err());
                 // Here a document that cannot be rendered is invalid, whatever exit code a run would have.
                 let place = format!("frame {frame}: ");
                 let invalid = |error| Failure { code: INVALID, ..Failure::evaluated(&place, &error) };
@@ -244,7 +244,7 @@ fn pictures(graph: &CheckedGraph) -> Pictures {
     if streamed { Pictures::Rows } else { Pictures::Files }
 }
 
-fn to_text(loaded: &Loaded, findings: &Findings, with_left_out: bool) -> String {
+fn to_text(loaded: &Loaded, findings: &PlanFindings, with_left_out: bool) -> String {
     let graph = &loaded.graph;
     let (format, (first, last)) = (graph.format(), graph.frames());
     let warnings = match loaded.warnings.len() {
@@ -313,13 +313,13 @@ fn memory_to_json(graph: &CheckedGraph, account: &MemoryAccount) -> Value {
 }
 
 /// Returns the reasons that the frame cannot be rendered, one or two lines each.
-fn not_planned(findings: &Findings) -> Option<String> {
+fn not_planned(findings: &PlanFindings) -> Option<String> {
     let messages = findings.faults.iter().flat_map(|fault| &fault.messages);
     let texts: Vec<&str> = messages.map(Message::text).collect();
     (!texts.is_empty()).then(|| texts.join("\n"))
 }
 
-fn to_json(loaded: &Loaded, findings: &Findings, valid: bool) -> Value {
+fn to_json(loaded: &Loaded, findings: &PlanFindings, valid: bool) -> Value {
     let graph = &loaded.graph;
     let (format, (first, last)) = (graph.format(), graph.frames());
     let outputs: Map<String, Value> = graph

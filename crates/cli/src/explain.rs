@@ -29,7 +29,7 @@ use trochoid::{
 const LARGEST: u32 = 480;
 
 /// Explanation of an output at a frame.
-pub(crate) struct Explained<'g> {
+pub(crate) struct Explanation<'g> {
     graph: &'g CheckedGraph,
     output: usize,
     frame: i64,
@@ -40,9 +40,9 @@ pub(crate) struct Explained<'g> {
 }
 
 /// Monitor that cancels on an interrupt by the user.
-struct Interruptible;
+struct InterruptMonitor;
 
-impl Monitor for Interruptible {
+impl Monitor for InterruptMonitor {
     fn cancelled(&self) -> bool {
         interrupt::asked()
     }
@@ -57,14 +57,14 @@ pub(crate) fn explain(
     output: usize,
     frame: i64,
     measured: bool,
-) -> Result<Explained<'_>, Failure> {
+) -> Result<Explanation<'_>, Failure> {
     let name = graph.outputs()[output].name.as_str();
     let (plan, accounts) = Plan::explained(graph, &[name], frame, &[], &Settings::default())
         .map_err(|error| Failure::new(INVALID, error))?;
     // Missing files are reported as warnings already; the rest of the explanation does not need them.
-    let omissions = plan.omissions(&mut Cache::new(), &Interruptible);
-    let costs = measured.then(|| measure(graph, name, frame, LARGEST, &Interruptible));
-    Ok(Explained { graph, output, frame, accounts, omissions, costs })
+    let omissions = plan.omissions(&mut Cache::new(), &InterruptMonitor);
+    let costs = measured.then(|| measure(graph, name, frame, LARGEST, &InterruptMonitor));
+    Ok(Explanation { graph, output, frame, accounts, omissions, costs })
 }
 
 /// Nodes that are not evaluated for the same reason.
@@ -75,7 +75,7 @@ struct Group<'e> {
     nodes: Vec<NodeId>,
 }
 
-impl Explained<'_> {
+impl Explanation<'_> {
     fn cost(&self, id: NodeId) -> Option<Cost> {
         self.costs.as_ref()?.as_ref().ok()?.nodes.get(id.0).copied()
     }

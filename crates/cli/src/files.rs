@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Once;
 use trochoid::io::Target;
 use trochoid::{
-    Access, CheckedGraph, Diagnostic, Form, InputFiles, LoadError, Loaded, Refused, check_destination,
+    Access, CheckedGraph, Diagnostic, Form, InputFiles, LoadError, Loaded, RefusedFile, check_destination,
     check_replaced_by, quoted_path, refusals, refused_files,
 };
 
 /// Options for the files that a document may access.
 #[derive(Clone, Debug, Default, clap::Args)]
-pub(crate) struct Reach {
+pub(crate) struct AccessOptions {
     /// Allow the document to read and write this file, or anything under this folder; may be repeated [default: its own
     /// folder and, if that lies under the current folder, the current folder]
     #[arg(long, value_name = "PATH")]
@@ -22,7 +22,7 @@ pub(crate) struct Reach {
     pub(crate) strict: bool,
 }
 
-impl Reach {
+impl AccessOptions {
     /// Returns the access rights of a document in this folder.
     pub(crate) fn access(&self, folder: &Path) -> Access {
         let own = if self.strict { Access::beneath(folder) } else { Access::usual(folder) };
@@ -47,11 +47,11 @@ impl Reach {
     }
 
     /// Returns the faults of files that a document may not access, each with a remedy that covers all of them.
-    pub(crate) fn faults(&self, graph: &CheckedGraph, refused: &[Refused]) -> Vec<Diagnostic> {
+    pub(crate) fn faults(&self, graph: &CheckedGraph, refused: &[RefusedFile]) -> Vec<Diagnostic> {
         let mut faults = refusals(refused);
         if self.strict {
             let usual = Self { strict: false, ..self.clone() }.access(graph.folder());
-            let is_usual = |refused: &Refused| usual.check(&refused.outside.leads_to).is_ok();
+            let is_usual = |refused: &RefusedFile| usual.check(&refused.outside.leads_to).is_ok();
             let without = if refused.iter().all(is_usual) {
                 "; or omit --strict, which allows everything under the current folder"
             } else {
@@ -71,7 +71,7 @@ impl Reach {
         graph: &CheckedGraph,
         outputs: &[usize],
         frames: &[i64],
-        more: Vec<Refused>,
+        more: Vec<RefusedFile>,
     ) -> Option<Failure> {
         let refused = [refused_files(graph, outputs, frames), more].concat();
         (!refused.is_empty()).then(|| LoadError::Invalid(once(self.faults(graph, &refused))).into())
@@ -80,27 +80,27 @@ impl Reach {
 
 /// Options for the files that a document may access and that a run may overwrite.
 #[derive(Clone, Debug, Default, clap::Args)]
-pub(crate) struct Files {
+pub(crate) struct FileOptions {
     #[command(flatten)]
-    pub(crate) reach: Reach,
+    pub(crate) reach: AccessOptions,
     #[command(flatten)]
-    pub(crate) over: Over,
+    pub(crate) over: OverwriteOptions,
 }
 
 /// Options for overwriting files.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
-pub(crate) struct Over {
+pub(crate) struct OverwriteOptions {
     /// Also replace files that Trochoid did not write, that are of another kind, or that contain outputs which this
     /// run does not write; inputs of the document are never replaced
     #[arg(long)]
     pub(crate) overwrite: bool,
 }
 
-impl Files {
-    /// Loads a document like [`Reach::load`], with the right to overwrite.
+impl FileOptions {
+    /// Loads a document like [`AccessOptions::load`], with the right to overwrite.
     ///
     /// # Errors
-    /// As [`Reach::load`].
+    /// As [`AccessOptions::load`].
     pub(crate) fn load(&self, path: &Path, set: &[String]) -> Result<Loaded, LoadError> {
         let Loaded { graph, warnings } = self.reach.load(path, set)?;
         let access = graph.access().clone().overwriting(self.over.overwrite);
@@ -108,7 +108,7 @@ impl Files {
     }
 }
 
-impl Over {
+impl OverwriteOptions {
     /// Returns why a file cannot be written to a path, as far as that can be checked in advance: the path is an input,
     /// has a foreign file, or cannot be created.
     pub(crate) fn refusal(self, path: &Path, form: Form, inputs: &InputFiles) -> Option<Failure> {

@@ -1,7 +1,7 @@
 //! `trochoid graph`: draws a document's graph as SVG.
 
 use crate::failure::Failure;
-use crate::files::{self, Over};
+use crate::files::{self, OverwriteOptions};
 use crate::outputs;
 use crate::remedies;
 use crate::shell::{self, printable};
@@ -27,7 +27,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NODE.KNOB=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
-    over: Over,
+    over: OverwriteOptions,
 }
 
 /// Draws a document's graph.

@@ -24,7 +24,7 @@ pub(crate) struct Args {
 const BATCH: u64 = 1 << 30;
 
 /// Statistics of a channel's samples, or the reason that the channel cannot be read.
-type Found = Result<Statistics, Error>;
+type ChannelStatistics = Result<Statistics, Error>;
 
 /// Prints a file's header and the statistics of each channel.
 ///
@@ -32,7 +32,7 @@ type Found = Result<Statistics, Error>;
 /// The file is not an image or is damaged, or stdout cannot be written. Everything that can be read is still printed.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let info = io::info(&args.image, &Limits::default()).map_err(|error| Failure::new(FAILED, error))?;
-    let found: Vec<Vec<Found>> =
+    let found: Vec<Vec<ChannelStatistics>> =
         info.parts.iter().enumerate().map(|(index, part)| measure(&args.image, index, part)).collect();
     if args.json {
         shell::print_json(&to_json(&args.image, &info, &found))?;
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// Returns the statistics of each channel of a part, decoding as many channels at once as fit in [`BATCH`] bytes.
-fn measure(path: &Path, index: usize, part: &PartInfo) -> Vec<Found> {
+fn measure(path: &Path, index: usize, part: &PartInfo) -> Vec<ChannelStatistics> {
     let bytes = (part.data.area() as u64).saturating_mul(4).max(1);
     let batch = usize::try_from(BATCH / bytes).unwrap_or(usize::MAX).max(1);
     part.channels
@@ -68,7 +68,7 @@ fn measure(path: &Path, index: usize, part: &PartInfo) -> Vec<Found> {
                 Err(_) => names
                     .iter()
                     .map(|name| read(&[name]).map(|picture| io::statistics(&picture.channels[0].plane)))
-                    .collect::<Vec<Found>>(),
+                    .collect::<Vec<ChannelStatistics>>(),
             }
         })
         .collect()
@@ -85,7 +85,7 @@ fn encoding_name(encoding: Encoding) -> &'static str {
     }
 }
 
-fn to_text(path: &Path, info: &Info, found: &[Vec<Found>]) -> String {
+fn to_text(path: &Path, info: &Info, found: &[Vec<ChannelStatistics>]) -> String {
     let mut text = format!("{HEADING}{}{HEADING:#}: {}", printable(&path.display().to_string()), info.kind);
     let _ = writeln!(text, ", {} part{}", info.parts.len(), if info.parts.len() == 1 { "" } else { "s" });
     for (index, (part, found)) in info.parts.iter().zip(found).enumerate() {
@@ -135,7 +135,7 @@ fn values_text(found: &Statistics) -> String {
     format!("min {min}  max {max}  mean {mean}  {} NaN  {infinite} infinite", found.nan)
 }
 
-fn to_json(path: &Path, info: &Info, found: &[Vec<Found>]) -> Value {
+fn to_json(path: &Path, info: &Info, found: &[Vec<ChannelStatistics>]) -> Value {
     let window = |w: Window| json!({ "x0": w.x0, "y0": w.y0, "x1": w.x1, "y1": w.y1 });
     let parts: Vec<Value> = info
         .parts

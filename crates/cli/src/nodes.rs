@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::shell::{self, HEADING, wrap};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
-use trochoid::{Arity, Declaration, End, Item, Knob, Port, Takes, counted, expected, nearest, registry};
+use trochoid::{Arity, Declaration, End, Item, Knob, KnobType, Port, counted, expected, nearest, registry};
 
 /// Options of `trochoid nodes`.
 #[derive(Debug, clap::Args)]
@@ -170,8 +170,8 @@ fn describe_item(item: &Item) -> Value {
         }
         Item::Knob(knob) => {
             let (min, max) = match knob.takes {
-                Takes::Number { min, max } => (json!(min), json!(max)),
-                Takes::Integer { min, max } => (json!(min), json!(max)),
+                KnobType::Number { min, max } => (json!(min), json!(max)),
+                KnobType::Integer { min, max } => (json!(min), json!(max)),
                 _ => (Value::Null, Value::Null),
             };
             json!({

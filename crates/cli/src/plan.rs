@@ -4,12 +4,12 @@
 //! `predicted_seconds`, `certified`.
 
 use crate::failure::{FAILED, Failure, MISSED};
-use crate::files::{self, Files, Reach};
+use crate::files::{self, AccessOptions, FileOptions};
 use crate::progress::Progress;
 use crate::shell::{self, printable};
 use crate::{interrupt, outputs};
 use std::path::{Path, PathBuf};
-use trochoid::accuracy::{self, Missed, PlanFile, Planned, Request, TargetError};
+use trochoid::accuracy::{self, MissedTolerance, PlanFile, PlannedSettings, Request, TargetError};
 use trochoid::{CheckedGraph, EvalError, Form, Monitor, Settings, Tolerance};
 
 /// Options of `trochoid plan`.
@@ -46,7 +46,7 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    files: Files,
+    files: FileOptions,
     /// Print nothing on stdout, and show no progress
     #[arg(long, conflicts_with = "json")]
     quiet: bool,
@@ -125,7 +125,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 
 /// Outputs of a document at a frame, for which settings are sought.
 pub(crate) struct Target<'a> {
-    pub(crate) reach: &'a Reach,
+    pub(crate) reach: &'a AccessOptions,
     pub(crate) path: &'a Path,
     pub(crate) set: &'a [String],
     /// The document with `set` applied.
@@ -137,7 +137,7 @@ pub(crate) struct Target<'a> {
 
 impl Target<'_> {
     /// Searches for settings that meet a tolerance.
-    pub(crate) fn search(&self, tolerance: Tolerance, monitor: &dyn Monitor) -> Result<Planned, Failure> {
+    pub(crate) fn search(&self, tolerance: Tolerance, monitor: &dyn Monitor) -> Result<PlannedSettings, Failure> {
         let outputs: Vec<&str> = self.outputs.iter().map(|index| self.graph.outputs()[*index].name.as_str()).collect();
         let load = |more: &[String]| self.reach.load(self.path, &[self.set, more].concat());
         let request = Request { outputs: &outputs, frame: self.frame, tolerance, settings: self.settings };
@@ -158,7 +158,7 @@ impl Target<'_> {
         })
     }
 
-    fn missed(&self, missed: &Missed) -> Failure {
+    fn missed(&self, missed: &MissedTolerance) -> Failure {
         let within = |parts: &i32| accuracy::allowed(0.5_f64.powi(*parts), self.graph.space()) >= missed.certified;
         let remedy = match (0..60).rev().find(within) {
             Some(parts) => format!("ask for {} or more, or for \"reference\"", Tolerance::Error(0.5_f64.powi(parts))),
@@ -170,7 +170,7 @@ impl Target<'_> {
 
 /// Formats a plan as one line: `tolerance 1/64: view.points=surface  beauty: error ≤ 8.5e-3, 1.45 % ambiguous, 5.9 s
 /// predicted`.
-pub(crate) fn described(graph: &CheckedGraph, asked: Tolerance, planned: &Planned) -> String {
+pub(crate) fn described(graph: &CheckedGraph, asked: Tolerance, planned: &PlannedSettings) -> String {
     let set = if planned.set.is_empty() { "nothing to choose".to_owned() } else { planned.set.join(", ") };
     let mut facts: Vec<String> = planned
         .certified

@@ -1,7 +1,7 @@
 //! `trochoid preview`: renders frames of an output at reduced size, as an animated WebP or a still PNG.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED};
-use crate::files::{self, Files};
+use crate::files::{self, FileOptions};
 use crate::progress::Progress;
 use crate::remedies;
 use crate::shell::{self, printable};
@@ -46,7 +46,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NODE.KNOB=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
-    files: Files,
+    files: FileOptions,
     /// Show no progress
     #[arg(long)]
     quiet: bool,
@@ -256,7 +256,7 @@ mod tests {
             quality: 90,
             out,
             set: Vec::new(),
-            files: Files::default(),
+            files: FileOptions::default(),
             quiet: true,
         }
     }

@@ -6,7 +6,7 @@
 //! expected}`.
 
 use crate::failure::{Failure, MISSED};
-use crate::files::Reach;
+use crate::files::AccessOptions;
 use crate::interrupt;
 use crate::progress::Progress;
 use crate::shell::{self, print_json, printable};
@@ -47,7 +47,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NODE.KNOB=VALUE", requires = "document")]
     set: Vec<String>,
     #[command(flatten)]
-    reach: Reach,
+    reach: AccessOptions,
     /// Print nothing on stdout, and show no progress
     #[arg(long, conflicts_with = "json")]
     quiet: bool,

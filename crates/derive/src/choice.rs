@@ -41,7 +41,7 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
             }
         }
 
-        impl ::trochoid_graph::Read for #name {
+        impl ::trochoid_graph::ReadSetting for #name {
             fn read(setting: &::trochoid_graph::Setting<::std::vec::Vec<f64>>) -> Self {
                 match setting {
                     #(::trochoid_graph::Setting::Text(word) if word == #words => Self::#names,)*

@@ -8,14 +8,14 @@ use syn::parse::{Parse, ParseStream};
 use syn::{Attribute, Error, Expr, ExprRange, Field, GenericArgument, Ident, LitStr, PathArguments, Token, Type};
 
 /// Code for one field: its declaration, and the expression that reads it.
-pub(crate) struct Part {
+pub(crate) struct FieldCode {
     /// Expression for a slice of items.
     pub(crate) items: TokenStream,
     pub(crate) read: TokenStream,
 }
 
 /// Returns the last name of a type, and the first type in its angle brackets.
-fn named(ty: &Type) -> Option<(String, Option<&Type>)> {
+fn type_name(ty: &Type) -> Option<(String, Option<&Type>)> {
     let Type::Path(path) = ty else { return None };
     let last = path.path.segments.last()?;
     let argument = match &last.arguments {
@@ -40,11 +40,11 @@ fn ends(range: &ExprRange) -> Result<[&Expr; 2], Error> {
     }
 }
 
-pub(crate) fn part(field: &Field) -> Result<Part, Error> {
+pub(crate) fn field_code(field: &Field) -> Result<FieldCode, Error> {
     let ident = field.ident.as_ref().ok_or_else(|| Error::new_spanned(field, "expected a name"))?;
     let (name, ty) = (ident.unraw().to_string(), &field.ty);
     if attribute(field, "items").is_some() {
-        return Ok(Part {
+        return Ok(FieldCode {
             items: quote! { <#ty as ::trochoid_graph::Items>::ITEMS },
             read: quote! { <#ty as ::trochoid_graph::Items>::read(reader) },
         });
@@ -53,18 +53,18 @@ pub(crate) fn part(field: &Field) -> Result<Part, Error> {
     if let Some(list) = attribute(field, "list") {
         return records(list, &name, ty, &help);
     }
-    match named(ty) {
+    match type_name(ty) {
         Some((arity, _)) if ["One", "Optional", "Many"].contains(&arity.as_str()) => port(field, &arity, &name, &help),
         _ => knob(field, &name, &help),
     }
 }
 
 /// Makes the code for a list of records: `#[list(1..=8)] layers: Vec<Layer>`.
-fn records(list: &Attribute, name: &str, ty: &Type, help: &str) -> Result<Part, Error> {
+fn records(list: &Attribute, name: &str, ty: &Type, help: &str) -> Result<FieldCode, Error> {
     let range: ExprRange = list.parse_args()?;
     let [min, max] = ends(&range)?;
-    let Some((_, Some(record))) = named(ty) else { return Err(Error::new_spanned(ty, "expected Vec<Record>")) };
-    Ok(Part {
+    let Some((_, Some(record))) = type_name(ty) else { return Err(Error::new_spanned(ty, "expected Vec<Record>")) };
+    Ok(FieldCode {
         items: quote! {
             &[::trochoid_graph::Item::List(::trochoid_graph::List {
                 name: #name,
@@ -80,13 +80,13 @@ fn records(list: &Attribute, name: &str, ty: &Type, help: &str) -> Result<Part, 
 
 /// Arguments of `#[port(…)]`.
 #[derive(Default)]
-struct PortSaid {
+struct PortArguments {
     many: Option<ExprRange>,
     wants: Vec<Ident>,
 }
 
-fn parse_port(input: ParseStream<'_>) -> Result<PortSaid, Error> {
-    let mut said = PortSaid::default();
+fn parse_port(input: ParseStream<'_>) -> Result<PortArguments, Error> {
+    let mut arguments = PortArguments::default();
     while !input.is_empty() {
         if input.peek(Ident) {
             let key: Ident = input.parse()?;
@@ -95,20 +95,21 @@ fn parse_port(input: ParseStream<'_>) -> Result<PortSaid, Error> {
             }
             let content;
             syn::parenthesized!(content in input);
-            said.wants = content.parse_terminated(Ident::parse, Token![,])?.into_iter().collect();
+            arguments.wants = content.parse_terminated(Ident::parse, Token![,])?.into_iter().collect();
         } else {
-            said.many = Some(input.parse()?);
+            arguments.many = Some(input.parse()?);
         }
         if !input.is_empty() {
             input.parse::<Token![,]>()?;
         }
     }
-    Ok(said)
+    Ok(arguments)
 }
 
-fn port(field: &Field, arity: &str, name: &str, help: &str) -> Result<Part, Error> {
-    let said = attribute(field, "port").map(|port| port.parse_args_with(parse_port)).transpose()?.unwrap_or_default();
-    let arity = match (arity, &said.many) {
+fn port(field: &Field, arity: &str, name: &str, help: &str) -> Result<FieldCode, Error> {
+    let arguments =
+        attribute(field, "port").map(|port| port.parse_args_with(parse_port)).transpose()?.unwrap_or_default();
+    let arity = match (arity, &arguments.many) {
         ("One", None) => quote! { ::trochoid_graph::Arity::One },
         ("Optional", None) => quote! { ::trochoid_graph::Arity::Optional },
         ("Many", Some(range)) => {
@@ -118,8 +119,8 @@ fn port(field: &Field, arity: &str, name: &str, help: &str) -> Result<Part, Erro
         ("Many", None) => return Err(Error::new_spanned(field, "expected a number of connections: #[port(1..=64)]")),
         _ => return Err(Error::new_spanned(field, "only Many<…> takes a range")),
     };
-    let (ty, wants) = (&field.ty, said.wants);
-    Ok(Part {
+    let (ty, wants) = (&field.ty, arguments.wants);
+    Ok(FieldCode {
         items: quote! {
             &[::trochoid_graph::Item::Port(::trochoid_graph::Port {
                 name: #name,
@@ -135,7 +136,7 @@ fn port(field: &Field, arity: &str, name: &str, help: &str) -> Result<Part, Erro
 
 /// Arguments of `#[knob(…)]`.
 #[derive(Default)]
-struct KnobSaid {
+struct KnobArguments {
     default: Option<Expr>,
     range: Option<ExprRange>,
     len: Option<ExprRange>,
@@ -143,26 +144,26 @@ struct KnobSaid {
     flags: Vec<Ident>,
 }
 
-impl KnobSaid {
+impl KnobArguments {
     fn is(&self, flag: &str) -> bool {
         self.flags.iter().any(|known| known == flag)
     }
 }
 
-fn parse_knob(input: ParseStream<'_>) -> Result<KnobSaid, Error> {
-    const FLAGS: [&str; 7] = ["required", "held", "accuracy", "scales", "drawn", "path", "color"];
-    let mut said = KnobSaid::default();
+fn parse_knob(input: ParseStream<'_>) -> Result<KnobArguments, Error> {
+    const FLAGS: [&str; 7] = ["required", "hold_keys", "accuracy", "affects_cost", "in_pixels", "path", "color"];
+    let mut arguments = KnobArguments::default();
     while !input.is_empty() {
         let key: Ident = input.parse()?;
         if FLAGS.contains(&key.to_string().as_str()) {
-            said.flags.push(key);
+            arguments.flags.push(key);
         } else {
             input.parse::<Token![=]>()?;
             match key.to_string().as_str() {
-                "default" => said.default = Some(input.parse()?),
-                "range" => said.range = Some(input.parse()?),
-                "len" => said.len = Some(input.parse()?),
-                "unit" => said.unit = Some(input.parse()?),
+                "default" => arguments.default = Some(input.parse()?),
+                "range" => arguments.range = Some(input.parse()?),
+                "len" => arguments.len = Some(input.parse()?),
+                "unit" => arguments.unit = Some(input.parse()?),
                 _ => {
                     let known = format!("expected default, range, len, unit, or one of {}", FLAGS.join(", "));
                     return Err(Error::new_spanned(key, known));
@@ -173,27 +174,31 @@ fn parse_knob(input: ParseStream<'_>) -> Result<KnobSaid, Error> {
             input.parse::<Token![,]>()?;
         }
     }
-    Ok(said)
+    Ok(arguments)
 }
 
 /// Reads the arguments of `#[knob(…)]`; `#[knob]` has none.
-fn said_of(field: &Field) -> Result<KnobSaid, Error> {
+fn knob_arguments(field: &Field) -> Result<KnobArguments, Error> {
     match attribute(field, "knob") {
         Some(knob) if matches!(knob.meta, syn::Meta::List(_)) => knob.parse_args_with(parse_knob),
-        _ => Ok(KnobSaid::default()),
+        _ => Ok(KnobArguments::default()),
     }
 }
 
 /// Returns the values that a knob of a type takes, its default, and whether it may be keyed.
-fn takes(field: &Field, ty: &Type, said: &KnobSaid) -> Result<(TokenStream, Option<TokenStream>, bool), Error> {
+fn knob_type(
+    field: &Field,
+    ty: &Type,
+    arguments: &KnobArguments,
+) -> Result<(TokenStream, Option<TokenStream>, bool), Error> {
     let range = |of: &Option<ExprRange>, example: &str| match of {
         Some(range) => ends(range).map(|ends| ends.map(|end| quote!(#end))),
         None => Err(Error::new_spanned(field, format!("expected {example}"))),
     };
-    let default = said.default.as_ref();
+    let default = arguments.default.as_ref();
     if let Type::Array(array) = ty {
         let len = &array.len;
-        return Ok(match said.is("color") {
+        return Ok(match arguments.is("color") {
             true => (quote! { Color }, None, true),
             false => {
                 let default = default.map(|default| quote! { Vector(&{ const VALUES: #ty = #default; VALUES }) });
@@ -201,27 +206,27 @@ fn takes(field: &Field, ty: &Type, said: &KnobSaid) -> Result<(TokenStream, Opti
             }
         });
     }
-    let (name, argument) = named(ty).ok_or_else(|| Error::new_spanned(ty, "expected the type of a knob"))?;
-    let inner = argument.and_then(named).map(|(name, _)| name);
+    let (name, argument) = type_name(ty).ok_or_else(|| Error::new_spanned(ty, "expected the type of a knob"))?;
+    let inner = argument.and_then(type_name).map(|(name, _)| name);
     Ok(match (name.as_str(), inner.as_deref()) {
         ("f64", _) => {
-            let [min, max] = range(&said.range, "a range: #[knob(default = 1.0, range = 0.0..=9.0)]")?;
+            let [min, max] = range(&arguments.range, "a range: #[knob(default = 1.0, range = 0.0..=9.0)]")?;
             (quote! { Number { min: #min, max: #max } }, default.map(|default| quote! { Number(#default) }), true)
         }
         ("i64", _) => {
-            let [min, max] = range(&said.range, "a range: #[knob(default = 1, range = 0..=9)]")?;
+            let [min, max] = range(&arguments.range, "a range: #[knob(default = 1, range = 0..=9)]")?;
             let default = default.map(|default| quote! { Number({ const VALUE: i64 = #default; VALUE as f64 }) });
             (quote! { Integer { min: #min, max: #max } }, default, true)
         }
         ("bool", _) => (quote! { Bool }, default.map(|default| quote! { Bool(#default) }), false),
-        ("String", _) if said.is("path") => (quote! { Path }, None, false),
+        ("String", _) if arguments.is("path") => (quote! { Path }, None, false),
         ("String", _) => (quote! { Text }, default.map(|default| quote! { Text(#default) }), false),
         ("Vec", Some("f64")) => {
-            let [min, max] = range(&said.len, "how many: #[knob(len = 1..=64)]")?;
+            let [min, max] = range(&arguments.len, "how many: #[knob(len = 1..=64)]")?;
             (quote! { Numbers { min: #min, max: #max } }, None, false)
         }
         ("Vec", Some("String")) => {
-            let [_, max] = range(&said.len, "how many: #[knob(len = 0..=64)]")?;
+            let [_, max] = range(&arguments.len, "how many: #[knob(len = 0..=64)]")?;
             (quote! { Texts { max: #max } }, Some(quote! { Unset }), false)
         }
         ("Vec", _) => return Err(Error::new_spanned(field, "a list of records takes #[list(1..=8)]")),
@@ -233,37 +238,38 @@ fn takes(field: &Field, ty: &Type, said: &KnobSaid) -> Result<(TokenStream, Opti
     })
 }
 
-fn knob(field: &Field, name: &str, help: &str) -> Result<Part, Error> {
-    let said = said_of(field)?;
-    let (ty, optional) = match named(&field.ty) {
+fn knob(field: &Field, name: &str, help: &str) -> Result<FieldCode, Error> {
+    let arguments = knob_arguments(field)?;
+    let (ty, optional) = match type_name(&field.ty) {
         Some((option, Some(inner))) if option == "Option" => (inner, true),
         _ => (&field.ty, false),
     };
-    let (takes, default, animated) = takes(field, ty, &said)?;
+    let (knob_type, default, animated) = knob_type(field, ty, &arguments)?;
     let default = match default {
-        _ if said.is("required") => None,
+        _ if arguments.is("required") => None,
         _ if optional => Some(quote! { Unset }),
         default => default,
     };
     let default = match default {
-        Some(default) => quote! { ::std::option::Option::Some(::trochoid_graph::Default::#default) },
+        Some(default) => quote! { ::std::option::Option::Some(::trochoid_graph::KnobDefault::#default) },
         None => quote! { ::std::option::Option::None },
     };
-    let [held, accuracy, scales, drawn] = ["held", "accuracy", "scales", "drawn"].map(|flag| said.is(flag));
-    let unit = said.unit.map_or(if drawn { "pixels" } else { "" }.to_owned(), |unit| unit.value());
-    Ok(Part {
+    let [hold_keys, accuracy, affects_cost, in_pixels] =
+        ["hold_keys", "accuracy", "affects_cost", "in_pixels"].map(|flag| arguments.is(flag));
+    let unit = arguments.unit.map_or(if in_pixels { "pixels" } else { "" }.to_owned(), |unit| unit.value());
+    Ok(FieldCode {
         items: quote! {
             &[::trochoid_graph::Item::Knob(::trochoid_graph::Knob {
                 name: #name,
                 help: #help,
                 unit: #unit,
-                takes: ::trochoid_graph::Takes::#takes,
+                takes: ::trochoid_graph::KnobType::#knob_type,
                 default: #default,
                 animated: #animated,
-                held: #held,
+                hold_keys: #hold_keys,
                 accuracy: #accuracy,
-                scales: #scales,
-                drawn: #drawn,
+                affects_cost: #affects_cost,
+                in_pixels: #in_pixels,
             })]
         },
         read: quote! { reader.knob() },

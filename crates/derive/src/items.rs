@@ -1,6 +1,6 @@
 //! `#[derive(Items)]`: a struct of ports and knobs.
 
-use crate::field::{Part, part};
+use crate::field::{FieldCode, field_code};
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 use syn::ext::IdentExt as _;
@@ -33,7 +33,7 @@ pub(crate) fn fields(input: &DeriveInput) -> Result<TokenStream, Error> {
     let (mut parts, mut reads, mut names) = (Vec::new(), Vec::new(), Vec::new());
     for field in named {
         let Some(ident) = &field.ident else { continue };
-        let Part { items, read } = part(field)?;
+        let FieldCode { items, read } = field_code(field)?;
         parts.push(items);
         reads.push(quote! { #ident: #read });
         let text = ident.unraw().to_string();

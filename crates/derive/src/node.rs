@@ -11,7 +11,7 @@ use syn::{DeriveInput, Error, Expr, Ident, LitInt, LitStr, Path, Token, parenthe
 
 /// Arguments of `#[node(…)]`.
 #[derive(Default)]
-struct Said {
+struct NodeArguments {
     name: Option<String>,
     end: Option<Ident>,
     revision: Option<LitInt>,
@@ -46,22 +46,22 @@ fn single(input: ParseStream<'_>) -> Result<TokenStream, Error> {
     Ok(quote! { &[#output] })
 }
 
-fn parse(input: ParseStream<'_>) -> Result<Said, Error> {
-    let mut said = Said::default();
+fn parse(input: ParseStream<'_>) -> Result<NodeArguments, Error> {
+    let mut arguments = NodeArguments::default();
     while !input.is_empty() {
         let key: Ident = input.parse()?;
         match key.to_string().as_str() {
             "output" => {
                 let content;
                 parenthesized!(content in input);
-                said.outputs = Some(single(&content)?);
+                arguments.outputs = Some(single(&content)?);
             }
-            "stage" => said.body = Some(Ident::new("Stage", key.span())),
-            "pointwise" => said.body = Some(Ident::new("Pointwise", key.span())),
+            "stage" => arguments.body = Some(Ident::new("Stage", key.span())),
+            "pointwise" => arguments.body = Some(Ident::new("Pointwise", key.span())),
             "offers" => {
                 let content;
                 parenthesized!(content in input);
-                said.offers = content.parse_terminated(Ident::parse, Token![,])?.into_iter().collect();
+                arguments.offers = content.parse_terminated(Ident::parse, Token![,])?.into_iter().collect();
             }
             "reads" => {
                 let content;
@@ -69,18 +69,18 @@ fn parse(input: ParseStream<'_>) -> Result<Said, Error> {
                 let what: LitStr = content.parse()?;
                 content.parse::<Token![:]>()?;
                 let endings = content.parse_terminated(<LitStr as Parse>::parse, Token![,])?.into_iter();
-                said.reads = Some(quote! { ::trochoid_graph::Files { what: #what, endings: &[#(#endings),*] } });
+                arguments.reads = Some(quote! { ::trochoid_graph::Files { what: #what, endings: &[#(#endings),*] } });
             }
             other => {
                 input.parse::<Token![=]>()?;
                 match other {
-                    "name" => said.name = Some(input.parse::<LitStr>()?.value()),
-                    "end" => said.end = Some(input.parse()?),
-                    "revision" => said.revision = Some(input.parse()?),
-                    "role" => said.role = Some(input.parse()?),
+                    "name" => arguments.name = Some(input.parse::<LitStr>()?.value()),
+                    "end" => arguments.end = Some(input.parse()?),
+                    "revision" => arguments.revision = Some(input.parse()?),
+                    "role" => arguments.role = Some(input.parse()?),
                     "outputs" => {
                         let path: Path = input.parse()?;
-                        said.outputs = Some(quote! { <#path as ::trochoid_graph::OutputSet>::OUTPUTS });
+                        arguments.outputs = Some(quote! { <#path as ::trochoid_graph::OutputSet>::OUTPUTS });
                     }
                     _ => {
                         let known = "expected stage, pointwise, name, end, revision, outputs, output(…), role, \
@@ -94,53 +94,53 @@ fn parse(input: ParseStream<'_>) -> Result<Said, Error> {
             input.parse::<Token![,]>()?;
         }
     }
-    Ok(said)
+    Ok(arguments)
 }
 
 /// `#[also_called("Crop", "Resize" => "its \"fit\"")]`: words, and how the node does their job.
 fn aliases(input: ParseStream<'_>) -> Result<Vec<TokenStream>, Error> {
-    let (mut words, mut how): (Vec<LitStr>, _) = (Vec::new(), String::new());
+    let (mut words, mut hint): (Vec<LitStr>, _) = (Vec::new(), String::new());
     while !input.is_empty() {
         words.push(input.parse()?);
         if input.peek(Token![=>]) {
             input.parse::<Token![=>]>()?;
-            how = input.parse::<LitStr>()?.value();
+            hint = input.parse::<LitStr>()?.value();
             break;
         }
         if !input.is_empty() {
             input.parse::<Token![,]>()?;
         }
     }
-    Ok(words.iter().map(|word| quote! { ::trochoid_graph::Alias { word: #word, how: #how } }).collect())
+    Ok(words.iter().map(|word| quote! { ::trochoid_graph::Alias { word: #word, hint: #hint } }).collect())
 }
 
 pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
     let attribute = input.attrs.iter().find(|attribute| attribute.path().is_ident("node"));
     let example = "#[node(end = Back, revision = 1, output(mask: Kind::MASK = \"Help.\"))]";
     let attribute = attribute.ok_or_else(|| Error::new_spanned(input, format!("expected {example}")))?;
-    let said = attribute.parse_args_with(parse)?;
-    let lacks = |what: &str| Error::new_spanned(attribute, format!("no {what}: expected {example}"));
-    let end = said.end.ok_or_else(|| lacks("end"))?;
-    let revision = said.revision.ok_or_else(|| lacks("revision"))?;
-    let outputs = said.outputs.ok_or_else(|| lacks("outputs"))?;
+    let arguments = attribute.parse_args_with(parse)?;
+    let missing = |what: &str| Error::new_spanned(attribute, format!("no {what}: expected {example}"));
+    let end = arguments.end.ok_or_else(|| missing("end"))?;
+    let revision = arguments.revision.ok_or_else(|| missing("revision"))?;
+    let outputs = arguments.outputs.ok_or_else(|| missing("outputs"))?;
     let Sections { summary, formula, edge_cases, source } = Sections::of(&input.attrs, &input.ident)?;
     let ident = &input.ident;
-    let name = said.name.unwrap_or_else(|| ident.to_string());
-    let role = match said.role {
+    let name = arguments.name.unwrap_or_else(|| ident.to_string());
+    let role = match arguments.role {
         Some(role) => quote! { ::std::option::Option::Some(::trochoid_graph::Role::#role) },
         None => quote! { ::std::option::Option::None },
     };
-    let reads = match said.reads {
+    let reads = match arguments.reads {
         Some(reads) => quote! { ::std::option::Option::Some(#reads) },
         None => quote! { ::std::option::Option::None },
     };
-    let offers = said.offers;
+    let offers = arguments.offers;
     let also = input.attrs.iter().filter(|attribute| attribute.path().is_ident("also_called"));
     let also: Vec<Vec<TokenStream>> =
         also.map(|attribute| attribute.parse_args_with(aliases)).collect::<Result<_, _>>()?;
     let also = also.concat();
     let items = fields(input)?;
-    let computes = said.body.map(|body| {
+    let computes = arguments.body.map(|body| {
         quote! {
             impl ::trochoid_graph::Computes for #ident {
                 fn body(&self) -> ::trochoid_graph::Body<'_> {

@@ -9,25 +9,25 @@ use syn::parse::ParseStream;
 use syn::{DeriveInput, Error, Expr, Ident, LitStr, Token};
 
 /// Arguments of `#[output(…)]`.
-struct Said {
+struct OutputArguments {
     kind: Expr,
     name: Option<String>,
     stored: Option<Expr>,
 }
 
-fn parse(input: ParseStream<'_>) -> Result<Said, Error> {
-    let mut said = Said { kind: input.parse()?, name: None, stored: None };
+fn parse(input: ParseStream<'_>) -> Result<OutputArguments, Error> {
+    let mut arguments = OutputArguments { kind: input.parse()?, name: None, stored: None };
     while !input.is_empty() {
         input.parse::<Token![,]>()?;
         let key: Ident = input.parse()?;
         input.parse::<Token![=]>()?;
         match key.to_string().as_str() {
-            "name" => said.name = Some(input.parse::<LitStr>()?.value()),
-            "stored" => said.stored = Some(input.parse()?),
+            "name" => arguments.name = Some(input.parse::<LitStr>()?.value()),
+            "stored" => arguments.stored = Some(input.parse()?),
             _ => return Err(Error::new_spanned(key, "expected name or stored")),
         }
     }
-    Ok(said)
+    Ok(arguments)
 }
 
 /// Makes the expression for one output.
@@ -43,9 +43,9 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
         let attribute = variant.attrs.iter().find(|attribute| attribute.path().is_ident("output"));
         let attribute =
             attribute.ok_or_else(|| Error::new_spanned(variant, "expected its kind: #[output(Kind::MASK)]"))?;
-        let said = attribute.parse_args_with(parse)?;
-        let name = said.name.unwrap_or_else(|| snake(&variant.ident));
-        outputs.push(output(&name, &said.kind, &help(&variant.attrs, variant)?, said.stored.as_ref()));
+        let arguments = attribute.parse_args_with(parse)?;
+        let name = arguments.name.unwrap_or_else(|| snake(&variant.ident));
+        outputs.push(output(&name, &arguments.kind, &help(&variant.attrs, variant)?, arguments.stored.as_ref()));
         names.push(&variant.ident);
     }
     let (name, count) = (&input.ident, names.len());

@@ -1,7 +1,7 @@
 //! Control colors of a document.
 
 use std::collections::HashSet;
-use trochoid_graph::{CheckedGraph, Item, NodeId, Source, Takes, Values};
+use trochoid_graph::{CheckedGraph, Item, KnobType, NodeId, Source, Values};
 use trochoid_image::WorkingSpace;
 
 /// Display color: 8-bit sRGB, clipped to the display's range.
@@ -33,7 +33,7 @@ fn collect(items: &[Item], record: &Values, colors: &mut Vec<[f64; 3]>) {
     for item in items {
         match item {
             Item::Port(port) => colors.extend(record.all(port.name).iter().filter_map(Source::color)),
-            Item::Knob(knob) if matches!(knob.takes, Takes::Color) && record.is_set(knob.name) => {
+            Item::Knob(knob) if matches!(knob.takes, KnobType::Color) && record.is_set(knob.name) => {
                 colors.push(record.vector3(knob.name));
             }
             Item::Knob(_) => {}

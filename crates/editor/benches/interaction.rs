@@ -54,18 +54,18 @@ impl Window {
     }
 
     fn finished(&mut self) -> Duration {
-        self.until(|editor| editor.state().seen.progress.is_none() && editor.state().seen.result.is_some())
+        self.until(|editor| editor.state().evaluated.progress.is_none() && editor.state().evaluated.result.is_some())
     }
 
     /// Times from an edit to the first picture after it, and to the whole one.
     fn edit(&mut self, edit: Edit) -> (Duration, Duration) {
         self.rest();
-        let before = self.editor.state().seen.result.clone();
+        let before = self.editor.state().evaluated.result.clone();
         let context = self.context.clone();
         let started = Instant::now();
         self.editor.act(Action::Edit(edit), &context);
         self.draw(Vec::new());
-        let other = |editor: &Editor| match (&before, &editor.state().seen.result) {
+        let other = |editor: &Editor| match (&before, &editor.state().evaluated.result) {
             (Some(old), Some(new)) => !std::sync::Arc::ptr_eq(old, new),
             (_, new) => new.is_some(),
         };
@@ -176,7 +176,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let started = Instant::now();
     let mut window = Window::new(scene("stormy_sea.json")?)?;
-    window.until(|editor| editor.state().seen.result.is_some());
+    window.until(|editor| editor.state().evaluated.result.is_some());
     let first = started.elapsed();
     window.finished();
     row("stormy_sea opens", (first, started.elapsed()));

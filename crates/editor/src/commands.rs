@@ -82,7 +82,7 @@ fn always(_: &State) -> bool {
 }
 
 fn seen(state: &State) -> bool {
-    state.seen.result.is_some()
+    state.evaluated.result.is_some()
 }
 
 fn chosen(state: &State) -> bool {

@@ -1,5 +1,5 @@
-//! Widgets for values. Only a user's gesture can change the document: a widget returns [`Told`] with the value a
-//! gesture produced, and only a [`Gesture`] can request an edit. Drawing alone creates neither.
+//! Widgets of values. What changes the document comes from a gesture of the user's and from nothing else: a widget says by
+//! [`FieldResponse`] what a gesture made of its value, and only a [`Gesture`] asks for an edit. Drawing makes neither.
 
 use crate::actions::Action;
 use crate::document::Edit;
@@ -88,20 +88,20 @@ fn is_typed(event: &egui::Event) -> bool {
 
 /// Result of a widget: its response, and the value that a gesture produced, if any.
 #[must_use]
-pub(crate) struct Told<T> {
+pub(crate) struct FieldResponse<T> {
     pub(crate) response: Response,
     pub(crate) given: Option<(T, Gesture)>,
 }
 
-impl<T> Told<T> {
+impl<T> FieldResponse<T> {
     /// Creates a result without a value.
     pub(crate) fn nothing(response: Response) -> Self {
         Self { response, given: None }
     }
 
     /// Converts the value.
-    pub(crate) fn map<U>(self, to: impl FnOnce(T) -> U) -> Told<U> {
-        Told { response: self.response, given: self.given.map(|(value, gesture)| (to(value), gesture)) }
+    pub(crate) fn map<U>(self, to: impl FnOnce(T) -> U) -> FieldResponse<U> {
+        FieldResponse { response: self.response, given: self.given.map(|(value, gesture)| (to(value), gesture)) }
     }
 
     /// Returns the value, for fields that do not edit the document.
@@ -250,7 +250,7 @@ impl<'n> Number<'n> {
     }
 
     /// Draws the field.
-    pub(crate) fn ui(self, ui: &mut Ui) -> Told<f64> {
+    pub(crate) fn ui(self, ui: &mut Ui) -> FieldResponse<f64> {
         let mut slid = None;
         if let Some((covers, logarithmic)) = self.slider.clone() {
             let mut value = self.value;
@@ -259,19 +259,19 @@ impl<'n> Number<'n> {
             let rail = ui.add(slider.clamping(egui::SliderClamping::Never));
             let gesture = Gesture::of(ui, &rail).filter(|_| value != self.value).map(|gesture| gesture.tried(&rail));
             refusal_ui(ui, &rail);
-            slid = Some(Told { given: gesture.map(|gesture| (self.tidy(value), gesture)), response: rail });
+            slid = Some(FieldResponse { given: gesture.map(|gesture| (self.tidy(value), gesture)), response: rail });
         }
         let told = self.field_ui(ui);
         match slid {
             Some(slid) => {
                 let given = slid.given.or(told.given);
-                Told { response: joined(slid.response, told.response), given }
+                FieldResponse { response: joined(slid.response, told.response), given }
             }
             None => told,
         }
     }
 
-    fn field_ui(&self, ui: &mut Ui) -> Told<f64> {
+    fn field_ui(&self, ui: &mut Ui) -> FieldResponse<f64> {
         let mut value = self.value;
         let whole = self.whole_text();
         let is_edited = ui.memory(|memory| memory.has_focus(ui.next_auto_id()));
@@ -314,7 +314,7 @@ impl<'n> Number<'n> {
             _ => gesture.map(|_| self.tidy(value)),
         };
         refusal_ui(ui, &response);
-        Told { given: given.filter(|number| *number != self.value).zip(gesture), response }
+        FieldResponse { given: given.filter(|number| *number != self.value).zip(gesture), response }
     }
 }
 
@@ -344,7 +344,11 @@ pub(crate) fn rounded(number: f64) -> f64 {
 
 /// Draws a text field whose every intermediate text is valid, so that each keystroke takes effect at once; Esc restores
 /// the previous text.
-pub(crate) fn text_ui(ui: &mut Ui, text: &str, field: impl FnOnce(&mut String) -> TextEdit<'_>) -> Told<String> {
+pub(crate) fn text_ui(
+    ui: &mut Ui,
+    text: &str,
+    field: impl FnOnce(&mut String) -> TextEdit<'_>,
+) -> FieldResponse<String> {
     let mut typed = text.to_string();
     let response = {
         let field = field(&mut typed);
@@ -356,20 +360,21 @@ pub(crate) fn text_ui(ui: &mut Ui, text: &str, field: impl FnOnce(&mut String) -
     }
     if escaped(ui, &response) {
         let given = ui.data_mut(|data| data.remove_temp::<String>(before)).filter(|before| before != text);
-        return Told { given: given.map(|before| (before, Gesture(None))), response };
+        return FieldResponse { given: given.map(|before| (before, Gesture(None))), response };
     }
     let gesture = Gesture::of(ui, &response).filter(|_| typed != text);
-    Told { given: gesture.map(|gesture| (typed, gesture)), response }
+    FieldResponse { given: gesture.map(|gesture| (typed, gesture)), response }
 }
 
 /// Draws a field for a text that must be parsed, such as a color or a list; it takes effect on Enter or when the field
 /// loses the focus. A refused text can be corrected while the refusal is shown; Esc restores the previous text.
 pub(crate) fn draft_ui<T, E: Display>(
     ui: &mut Ui,
-    (salt, written): (&str, &str),
+    salt: &str,
+    written: &str,
     read: impl FnOnce(&str) -> Result<T, E>,
     field: impl FnOnce(&mut String) -> TextEdit<'_>,
-) -> Told<T> {
+) -> FieldResponse<T> {
     let id = ui.id().with(("draft", salt));
     let known = ui.data(|data| data.get_temp::<(String, String)>(id));
     // Something else changed the value: the typed text belonged to the old one.
@@ -397,39 +402,40 @@ pub(crate) fn draft_ui<T, E: Display>(
     } else {
         ui.data_mut(|data| data.remove::<(String, String)>(id));
     }
-    Told { response, given }
+    FieldResponse { response, given }
 }
 
 /// Draws a color button, with sRGB values from 0 to 1, that opens a color picker.
-pub(crate) fn swatch_ui(ui: &mut Ui, color: [f32; 3]) -> Told<[f32; 3]> {
+pub(crate) fn swatch_ui(ui: &mut Ui, color: [f32; 3]) -> FieldResponse<[f32; 3]> {
     let shown = color.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8);
     let mut bytes = shown;
     let response = egui::color_picker::color_edit_button_srgb(ui, &mut bytes);
     let gesture = Gesture::within(ui, &response).filter(|_| bytes != shown);
-    Told { given: gesture.map(|gesture| (bytes.map(|value| f32::from(value) / 255.0), gesture)), response }
+    FieldResponse { given: gesture.map(|gesture| (bytes.map(|value| f32::from(value) / 255.0), gesture)), response }
 }
 
 /// Draws a checkbox.
-pub(crate) fn switch_ui(ui: &mut Ui, on: bool, text: &str) -> Told<bool> {
+pub(crate) fn switch_ui(ui: &mut Ui, on: bool, text: &str) -> FieldResponse<bool> {
     let mut next = on;
     let response = ui.checkbox(&mut next, text);
     let gesture = Gesture::of(ui, &response).filter(|_| next != on);
-    Told { given: gesture.map(|gesture| (next, gesture)), response }
+    FieldResponse { given: gesture.map(|gesture| (next, gesture)), response }
 }
 
 /// Draws a field for a JSON value, shown as JSON (strings without quotes).
 pub(crate) fn value_ui<E: Display>(
     ui: &mut Ui,
-    (salt, value): (&str, &Value),
+    salt: &str,
+    value: &Value,
     width: f32,
     read: impl FnOnce(&str) -> Result<Value, E>,
-) -> Told<Value> {
+) -> FieldResponse<Value> {
     let written = match value {
         Value::String(text) => text.clone(),
         Value::Null => String::new(),
         other => crate::document::change::style(other),
     };
-    let mut told = draft_ui(ui, (salt, &written), read, |text| TextEdit::singleline(text).desired_width(width));
+    let mut told = draft_ui(ui, salt, &written, read, |text| TextEdit::singleline(text).desired_width(width));
     if written.len() > SEEN && !told.response.has_focus() {
         told.response = told.response.on_hover_text(written);
     }

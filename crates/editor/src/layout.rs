@@ -38,7 +38,7 @@ const VERSION: u32 = 1;
 
 /// Stored state of the window.
 #[derive(serde::Serialize, serde::Deserialize)]
-struct Kept<T> {
+struct StoredLayout<T> {
     version: u32,
     panels: T,
     theme: ThemePreference,
@@ -54,12 +54,12 @@ fn unscaled() -> f32 {
 /// Serializes panels, theme, and zoom factor.
 pub fn written(panels: &Tree<Pane>, (theme, zoom): (ThemePreference, f32)) -> String {
     // If serialization fails, the next start uses the initial layout.
-    serde_json::to_string(&Kept { version: VERSION, panels, theme, zoom }).unwrap_or_default()
+    serde_json::to_string(&StoredLayout { version: VERSION, panels, theme, zoom }).unwrap_or_default()
 }
 
 /// Parses a stored layout; returns `None` if it is damaged or from a version with other panels.
 pub fn read(text: &str) -> Option<(Tree<Pane>, (ThemePreference, f32))> {
-    let kept: Kept<Tree<Pane>> = serde_json::from_str(text).ok()?;
+    let kept: StoredLayout<Tree<Pane>> = serde_json::from_str(text).ok()?;
     let legal = kept.version == VERSION && is_whole(&kept.panels) && (0.2..=5.0).contains(&kept.zoom);
     legal.then_some((kept.panels, (kept.theme, kept.zoom)))
 }

@@ -35,12 +35,12 @@ mod recent;
 mod refusal;
 mod render;
 mod report;
-mod source;
 pub mod state;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]
 mod tests;
+mod text_panel;
 mod theme;
 mod timeline;
 mod turns;

@@ -3,10 +3,10 @@
 
 use crate::actions::After;
 use crate::document::Session;
-use crate::document::keep::Kept;
+use crate::document::keep::UnsavedCopy;
 use egui_file_dialog::{FileDialog, Filter};
 use std::path::{Path, PathBuf};
-use trochoid::Refused;
+use trochoid::RefusedFile;
 
 /// The open prompts.
 pub(crate) struct Prompts {
@@ -35,8 +35,8 @@ pub(crate) enum Prompt {
     /// Whether to stop rendering; then the next step.
     Rendering(After),
     /// Whether to give the permissions that rendering needs.
-    Reach(Vec<Refused>),
-    Recover(Vec<Kept>),
+    Reach(Vec<RefusedFile>),
+    Recover(Vec<UnsavedCopy>),
     /// Whether to overwrite this file; then the next step.
     Replace(PathBuf, Option<After>),
     /// Permissions of all documents.
@@ -93,12 +93,12 @@ impl Prompts {
     }
 
     /// Asks for permission to access the files that rendering needs.
-    pub(crate) fn reach(&mut self, refused: Vec<Refused>) {
+    pub(crate) fn reach(&mut self, refused: Vec<RefusedFile>) {
         self.open = Some(Prompt::Reach(refused));
     }
 
     /// Offers backups of editors that ended unexpectedly.
-    pub(crate) fn recover(&mut self, kept: Vec<Kept>) {
+    pub(crate) fn recover(&mut self, kept: Vec<UnsavedCopy>) {
         self.open = Some(Prompt::Recover(kept));
     }
 

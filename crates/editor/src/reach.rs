@@ -4,7 +4,7 @@
 use crate::actions::Grant;
 use egui::Ui;
 use std::path::{Path, PathBuf};
-use trochoid::{Access, Refused};
+use trochoid::{Access, RefusedFile};
 
 /// Maximum number of documents whose permissions are stored.
 const MOST: usize = 200;
@@ -77,7 +77,7 @@ pub(crate) fn access(folder: &Path, run: &[PathBuf], grants: &[Grant]) -> Access
 }
 
 /// Draws a button for each folder that access was refused to; returns the permission given.
-pub(crate) fn buttons_ui(ui: &mut Ui, refused: &[Refused], has_file: bool) -> Option<Grant> {
+pub(crate) fn buttons_ui(ui: &mut Ui, refused: &[RefusedFile], has_file: bool) -> Option<Grant> {
     let mut allowed = None;
     let mut asked: Vec<Grant> = Vec::new();
     for one in refused {
@@ -95,7 +95,7 @@ pub(crate) fn buttons_ui(ui: &mut Ui, refused: &[Refused], has_file: bool) -> Op
 }
 
 /// Returns the tooltip of a button: the request, the actual path, and the consequences.
-fn help(refused: &Refused, grant: &Grant, has_file: bool) -> String {
+fn help(refused: &RefusedFile, grant: &Grant, has_file: bool) -> String {
     let (asks, may) = match &refused.node {
         Some(node) => (format!("Node “{node}” requests to read"), "read"),
         None => ("An output requests to write".into(), "write"),

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use trochoid::{
-    Buffers, Cache, CheckedGraph, EvalError, InputFiles, Miss, Monitor, OutputError, Plan, PlanError, Refused,
+    Buffers, Cache, CheckedGraph, EvalError, InputFiles, Miss, Monitor, OutputError, Plan, PlanError, RefusedFile,
     Settings, check_destinations, check_replaced, misses, output_files, refused_files, write_output,
 };
 
@@ -16,14 +16,14 @@ use trochoid::{
 pub(crate) struct Renderer {
     shared: Arc<RunState>,
     total: usize,
-    thread: Option<JoinHandle<Result<Ended, RunError>>>,
+    thread: Option<JoinHandle<Result<RunOutcome, RunError>>>,
 }
 
 /// Reason why rendering does not start.
 #[derive(Debug)]
 pub(crate) enum Obstacle {
     /// Files that the document has no permission to read or write.
-    Refused(Vec<Refused>),
+    Refused(Vec<RefusedFile>),
     /// Any other reason, as a sentence.
     Because(Hindrance),
 }
@@ -49,7 +49,7 @@ impl From<Hindrance> for Obstacle {
 
 /// How a run ended that nothing hindered.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Ended {
+pub(crate) struct RunOutcome {
     /// How many frames are done.
     frames: usize,
     /// Whether there were to be more.
@@ -58,7 +58,7 @@ pub(crate) struct Ended {
     folder: Option<PathBuf>,
 }
 
-impl fmt::Display for Ended {
+impl fmt::Display for RunOutcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = if self.is_stopped { "Stopped after" } else { "Rendered" };
         write!(f, "{what} {}", count(self.frames, "frame"))?;
@@ -179,7 +179,7 @@ impl Renderer {
     }
 
     /// Returns the outcome once rendering has ended; later calls return `None`.
-    pub(crate) fn outcome(&mut self) -> Option<Result<Ended, RunError>> {
+    pub(crate) fn outcome(&mut self) -> Option<Result<RunOutcome, RunError>> {
         let thread = self.thread.take_if(|thread| thread.is_finished())?;
         Some(thread.join().unwrap_or_else(|_| Err(RunError::Panicked)))
     }
@@ -194,7 +194,7 @@ impl Drop for Renderer {
     }
 }
 
-fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &RunState) -> Result<Ended, RunError> {
+fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &RunState) -> Result<RunOutcome, RunError> {
     let names: Vec<&str> = outputs.iter().map(|&index| graph.outputs()[index].name.as_str()).collect();
     let mut cache = Cache::new();
     let (mut missed, mut folder): (Option<Miss>, Option<PathBuf>) = (None, None);
@@ -203,7 +203,7 @@ fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &RunStat
         let plan = Plan::new(graph, &names, frame, &[], &Settings::default()).map_err(|error| at(error.into()))?;
         let evaluated = match plan.evaluate(&Buffers::new(), &mut cache, shared) {
             Ok(evaluated) => evaluated,
-            Err(EvalError::Cancelled) => return Ok(Ended { frames: index, is_stopped: true, folder }),
+            Err(EvalError::Cancelled) => return Ok(RunOutcome { frames: index, is_stopped: true, folder }),
             Err(error) => return Err(at(error.into())),
         };
         let files = output_files(graph, outputs, frame, frames.len() > 1, None).map_err(|error| at(error.into()))?;
@@ -218,7 +218,7 @@ fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &RunStat
         shared.wake();
     }
     match missed {
-        None => Ok(Ended { frames: frames.len(), is_stopped: false, folder }),
+        None => Ok(RunOutcome { frames: frames.len(), is_stopped: false, folder }),
         Some(miss) => Err(RunError::Missed { frames: frames.len(), miss }),
     }
 }

@@ -55,12 +55,12 @@ pub(crate) fn report_ui(report: &mut Report, ui: &mut Ui, state: &State, actions
 }
 
 fn times_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
-    let past = &state.seen.past;
+    let past = &state.evaluated.past;
     if past.is_empty() {
         ui.weak("Nothing has been evaluated yet.");
         return;
     }
-    let line = |of: fn(&crate::state::Past) -> f64| {
+    let line = |of: fn(&crate::state::PastEvaluation) -> f64| {
         let points: Vec<[f64; 2]> =
             past.iter().enumerate().map(|(index, past)| [index as f64, 1000.0 * of(past)]).collect();
         PlotPoints::from(points)
@@ -90,7 +90,7 @@ fn times_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
 }
 
 fn sorted(state: &State) -> Vec<&NodeReport> {
-    let mut nodes: Vec<&NodeReport> = state.seen.nodes.values().collect();
+    let mut nodes: Vec<&NodeReport> = state.evaluated.nodes.values().collect();
     nodes.sort_by(|a, b| b.seconds.total_cmp(&a.seconds).then_with(|| a.name.cmp(&b.name)));
     nodes
 }
@@ -137,7 +137,7 @@ fn left_out_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let mut any = false;
     Grid::new("left out").num_columns(2).striped(true).show(ui, |ui| {
         for node in &state.sheet().nodes {
-            let Some(report) = state.seen.nodes.get(&node.name) else { continue };
+            let Some(report) = state.evaluated.nodes.get(&node.name) else { continue };
             let Became::LeftOut(why) = &report.state else { continue };
             any = true;
             if ui.link(&node.name).clicked() {
@@ -159,7 +159,7 @@ fn accuracy_ui(report: &mut Report, ui: &mut Ui, state: &State) {
         report.measuring = None;
     }
     ui.horizontal(|ui| {
-        let result = state.seen.result.as_ref().filter(|_| report.measuring.is_none());
+        let result = state.evaluated.result.as_ref().filter(|_| report.measuring.is_none());
         let button = egui::Button::new("Measure");
         let help = "Certifies strips of the picture in the viewer with each setting of accuracy, at a quarter of its size. Takes some \
                     seconds to minutes; `trochoid report` makes the whole page.";

@@ -4,7 +4,7 @@ use crate::document::{Path, Session, Sheet};
 use crate::evaluate::{Blamed, Display, Result, Screen};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
-use trochoid::{NodeReport, Refused};
+use trochoid::{NodeReport, RefusedFile};
 
 /// Shared state that panels draw. Panels do not modify it; they request changes by [`Action`](crate::actions::Action)s.
 #[derive(Debug)]
@@ -18,7 +18,7 @@ pub struct State {
     /// Subject and display settings of the viewer.
     pub look: Look,
     /// Results of evaluation.
-    pub seen: Seen,
+    pub evaluated: Evaluated,
     /// Current frame.
     pub frame: i64,
     /// Whether playback is running.
@@ -56,7 +56,7 @@ impl Default for Look {
 
 /// Results of evaluation.
 #[derive(Debug, Default)]
-pub struct Seen {
+pub struct Evaluated {
     /// Newest picture of the viewed result; it may show an older text until a newer picture arrives.
     pub result: Option<Arc<Result>>,
     /// Last picture, if there is no current one: it stays visible until there is another.
@@ -68,7 +68,7 @@ pub struct Seen {
     /// Whether evaluation itself failed, rather than there being nothing to view.
     pub broken: bool,
     /// Files that evaluation failed on because the document may not read them.
-    pub refused: Vec<Refused>,
+    pub refused: Vec<RefusedFile>,
     /// Completed fraction of the picture; `None` if nothing is being evaluated.
     pub progress: Option<f32>,
     /// Report of each node's last evaluation, by name.
@@ -82,12 +82,12 @@ pub struct Seen {
     /// Composition of the inspected pixel; that of the previous pixel until the new one is known.
     pub blame: Option<Blamed>,
     /// Past evaluations, newest last.
-    pub past: Vec<Past>,
+    pub past: Vec<PastEvaluation>,
 }
 
 /// A finished evaluation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Past {
+pub struct PastEvaluation {
     /// The node.
     pub node: String,
     /// The frame.
@@ -117,7 +117,7 @@ impl State {
             selection: BTreeSet::new(),
             output: None,
             look: Look::default(),
-            seen: Seen::default(),
+            evaluated: Evaluated::default(),
             frame: 0,
             playing: false,
             range: (0, 0),
@@ -171,7 +171,7 @@ impl State {
     /// Returns the fault that appears only in evaluation, not in the document: the node, if the fault belongs to one,
     /// and the message.
     pub fn broken(&self) -> Option<(Option<&str>, &str)> {
-        let (seen, meaning) = (&self.seen, self.session.meaning());
+        let (seen, meaning) = (&self.evaluated, self.session.meaning());
         let failed = seen.failed.as_deref().filter(|_| seen.broken)?;
         let culprit = seen.culprit.as_deref();
         // A known error of the node is assumed to be the same fault.

@@ -60,7 +60,7 @@ pub(crate) fn until(window: &mut Window, what: &str, holds: impl Fn(&Editor) -> 
 pub(crate) fn finished(window: &mut Window) {
     window.step();
     until(window, "the picture", |editor| {
-        let seen = &editor.state().seen;
+        let seen = &editor.state().evaluated;
         seen.progress.is_none() && (seen.failed.is_some() || seen.result.as_ref().is_some_and(|result| result.finished))
     });
 }

@@ -70,7 +70,7 @@ fn rate_ui(ui: &mut Ui, state: &State) {
     let size = vec2(RATE - ui.spacing().item_spacing.x, ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, egui::Layout::right_to_left(egui::Align::Center), |ui| {
         ui.set_min_width(size.x);
-        let Some(rate) = state.seen.rate.filter(|_| state.playing) else { return };
+        let Some(rate) = state.evaluated.rate.filter(|_| state.playing) else { return };
         let slow = rate < 0.95 * state.sheet().frames.2;
         let color = if slow { ui.visuals().warn_fg_color } else { ui.visuals().text_color() };
         let text = if rate < 9.95 { format!("{rate:.1} of") } else { format!("{rate:.0} of") };
@@ -111,7 +111,7 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
     let range = Rect::from_x_y_ranges(ends[0]..=ends[1], rect.y_range());
     painter.rect_filled(range, 2.0, visuals.faint_bg_color.gamma_multiply(2.0));
     let half = (0.5 * bar.width() / span as f32).max(0.5);
-    for frame in state.seen.frames.keys() {
+    for frame in state.evaluated.frames.keys() {
         let center = x(*frame as f64);
         let mark = Rect::from_min_max(pos2(center - half, rect.bottom() - 4.0), pos2(center + half, rect.bottom()));
         painter.rect_filled(mark, 0.0, Color32::from_rgb(0x5f, 0xb8, 0x72));

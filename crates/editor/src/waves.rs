@@ -10,17 +10,17 @@ use egui_plot::{Line, Plot, PlotPoints, Points, Polygon};
 use serde_json::{Value, json};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use trochoid::{CheckedGraph, Item, Knob, KnobDefault, Role, Spectrum, Stability, Takes, stability_of};
+use trochoid::{CheckedGraph, Item, Knob, KnobDefault, KnobType, Role, Spectrum, Stability, stability_of};
 
 /// State of the panel that no other panel shares.
 #[derive(Default)]
 pub(crate) struct Waves {
     /// Spectrum of this sea at this revision and frame.
     spectrum: Option<(String, u64, i64, Option<Spectrum>)>,
-    stability: Option<(String, u64, Found)>,
+    stability: Option<(String, u64, StabilityResult)>,
 }
 
-enum Found {
+enum StabilityResult {
     Waiting(Receiver<Option<Box<Stability>>>),
     Here(Option<Box<Stability>>),
 }
@@ -98,7 +98,7 @@ fn knobs_ui(ui: &mut Ui, state: &State, sea: &Node, actions: &mut Vec<Action>) {
                 let Some(knob) = knob(name) else { continue };
                 // A knob named like a word of a choice applies only if that word is chosen.
                 let mut choices = declaration.items.iter().filter_map(|item| match item {
-                    Item::Knob(Knob { name: choice, takes: Takes::Choice(words), .. }) if words.contains(&name) => {
+                    Item::Knob(Knob { name: choice, takes: KnobType::Choice(words), .. }) if words.contains(&name) => {
                         Some(choice)
                     }
                     _ => None,
@@ -147,13 +147,13 @@ fn slider_ui(ui: &mut Ui, state: &State, path: &Path, knob: &Knob, actions: &mut
         "frequency" => (0.0, 20.0),
         _ => (0.0, 1.0),
     };
-    let whole = matches!(knob.takes, Takes::Integer { .. });
+    let whole = matches!(knob.takes, KnobType::Integer { .. });
     ui.horizontal(|ui| {
         let logarithmic = matches!(knob.name, "wavelength" | "count");
         let unit = if knob.unit == "degrees" { "°".into() } else { format!(" {}", knob.unit) };
         let (min, max) = match knob.takes {
-            Takes::Number { min, max } => (min, max),
-            Takes::Integer { min, max } => (min as f64, max as f64),
+            KnobType::Number { min, max } => (min, max),
+            KnobType::Integer { min, max } => (min as f64, max as f64),
             _ => (f64::NEG_INFINITY, f64::INFINITY),
         };
         let number = Number::new(value).range(min, max).decimals(3);
@@ -308,17 +308,17 @@ fn stability_ui(
 ) {
     let revision = state.session.revision();
     ui.separator();
-    if let Some((_, _, found @ Found::Waiting(_))) = &mut waves.stability
-        && let Found::Waiting(inbox) = found
+    if let Some((_, _, found @ StabilityResult::Waiting(_))) = &mut waves.stability
+        && let StabilityResult::Waiting(inbox) = found
     {
         match inbox.try_recv() {
-            Ok(stability) => *found = Found::Here(stability),
-            Err(TryRecvError::Disconnected) => *found = Found::Here(None),
+            Ok(stability) => *found = StabilityResult::Here(stability),
+            Err(TryRecvError::Disconnected) => *found = StabilityResult::Here(None),
             Err(TryRecvError::Empty) => {}
         }
     }
     let current = matches!(&waves.stability, Some((name, known, _)) if (name, *known) == (&sea.name, revision));
-    let busy = matches!(&waves.stability, Some((.., Found::Waiting(_))));
+    let busy = matches!(&waves.stability, Some((.., StabilityResult::Waiting(_))));
     let button = egui::Button::new(if current { "Analyze again" } else { "Analyze stability" });
     let help = "Predict and measure the long-term behavior of the sea (takes a few seconds)";
     ui.horizontal(|ui| {
@@ -332,13 +332,13 @@ fn stability_ui(
                 let _ = sender.send(stability_of(&graph, id, frame).map(Box::new));
                 context.request_repaint();
             });
-            waves.stability = Some((sea.name.clone(), revision, Found::Waiting(inbox)));
+            waves.stability = Some((sea.name.clone(), revision, StabilityResult::Waiting(inbox)));
         }
         if busy {
             ui.spinner();
         }
     });
-    let Some((.., Found::Here(Some(stability)))) = &waves.stability else { return };
+    let Some((.., StabilityResult::Here(Some(stability)))) = &waves.stability else { return };
     if !current {
         ui.weak("Analyzed before the last change of the document:");
     }

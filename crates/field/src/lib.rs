@@ -26,4 +26,4 @@ mod noise;
 pub mod random;
 
 pub use formula::{Expected, Expression, Fault, Found, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH, Program, Remedy, parse};
-pub use noise::{Axes, Noise, NoiseKind, Octave};
+pub use noise::{Noise, NoiseKind, NoiseParameters, Octave};

@@ -1,6 +1,6 @@
 //! Access control: the files that a document may make a program read and write.
 
-use crate::{CheckedGraph, Diagnostic, FrameContext, Item, Means, NodeId, OutputSpec, Severity, Takes};
+use crate::{CheckedGraph, Diagnostic, FrameContext, Item, KnobType, Means, NodeId, OutputSpec, Severity};
 use std::path::{Component, Path, PathBuf};
 
 /// The files that a document may make a program read and write: whole folder trees, and single files.
@@ -60,14 +60,14 @@ impl Root {
 
 /// A path that leads outside of what a document may reach.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Outside {
+pub struct AccessViolation {
     /// Target of the path: absolute, with links followed.
     pub leads_to: PathBuf,
     /// Allowed folders and files.
     pub allowed: Vec<PathBuf>,
 }
 
-impl Outside {
+impl AccessViolation {
     /// Returns the folder that has to be allowed.
     pub fn folder(&self) -> &Path {
         self.leads_to.parent().unwrap_or(&self.leads_to)
@@ -86,17 +86,17 @@ const ALLOW: &str = "allow it if you trust the document";
 const ALLOW_ALL: &str = "allow them if you trust the document";
 
 /// Returns the faults of files that a document may not reach; the remedy of each allows all of them.
-pub fn refusals(refused: &[Refused]) -> Vec<Diagnostic> {
+pub fn refusals(refused: &[RefusedFile]) -> Vec<Diagnostic> {
     let remedy = if refused.len() == 1 { ALLOW } else { ALLOW_ALL };
     let means = Means::Allow(refused.iter().map(|refused| refused.outside.clone()).collect());
     let fault =
-        |refused: &Refused| Diagnostic { remedy: remedy.into(), means: Some(means.clone()), ..refused.diagnostic() };
+        |refused: &RefusedFile| Diagnostic { remedy: remedy.into(), means: Some(means.clone()), ..refused.diagnostic() };
     refused.iter().map(fault).collect()
 }
 
 /// Returns the folders that have to be allowed for some paths, each once, without folders beneath others.
-pub fn folders_to_allow<'o>(paths: impl IntoIterator<Item = &'o Outside>) -> Vec<&'o Path> {
-    let folders: Vec<&Path> = paths.into_iter().map(Outside::folder).collect();
+pub fn folders_to_allow<'o>(paths: impl IntoIterator<Item = &'o AccessViolation>) -> Vec<&'o Path> {
+    let folders: Vec<&Path> = paths.into_iter().map(AccessViolation::folder).collect();
     let mut named: Vec<&Path> = Vec::new();
     for folder in &folders {
         let is_beneath = |other: &&Path| folder.starts_with(other) && folder != other;
@@ -107,7 +107,7 @@ pub fn folders_to_allow<'o>(paths: impl IntoIterator<Item = &'o Outside>) -> Vec
     named
 }
 
-impl std::fmt::Display for Outside {
+impl std::fmt::Display for AccessViolation {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "found the file {}; expected {}; {ALLOW}", self.leads_to.display(), self.expected())
     }
@@ -169,7 +169,7 @@ impl Access {
     ///
     /// # Errors
     /// The path leads outside.
-    pub fn check(&self, path: &Path) -> Result<(), Outside> {
+    pub fn check(&self, path: &Path) -> Result<(), AccessViolation> {
         self.check_for(path, Right::Read)
     }
 
@@ -177,7 +177,7 @@ impl Access {
     ///
     /// # Errors
     /// The path leads outside.
-    pub fn check_for(&self, path: &Path, right: Right) -> Result<(), Outside> {
+    pub fn check_for(&self, path: &Path, right: Right) -> Result<(), AccessViolation> {
         let Some(roots) = &self.roots else { return Ok(()) };
         let leads_to = resolved(path);
         let roots: Vec<&PathBuf> =
@@ -185,7 +185,7 @@ impl Access {
         if roots.iter().any(|root| leads_to.starts_with(root)) {
             return Ok(());
         }
-        Err(Outside { leads_to, allowed: roots.into_iter().cloned().collect() })
+        Err(AccessViolation { leads_to, allowed: roots.into_iter().cloned().collect() })
     }
 }
 
@@ -243,7 +243,7 @@ fn follow(mut at: PathBuf, path: &Path, links: &mut usize) -> PathBuf {
 
 /// A file that a document names but may not reach.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused {
+pub struct RefusedFile {
     /// Name of the document.
     pub document: String,
     /// Node that would read the file; `None` for the file of an output.
@@ -255,12 +255,12 @@ pub struct Refused {
     /// Path as written, with the frame filled in.
     pub path: PathBuf,
     /// Target of the path, and the allowed paths.
-    pub outside: Outside,
+    pub outside: AccessViolation,
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for RefusedFile {}
 
-impl Refused {
+impl RefusedFile {
     /// Returns the fault, with its place in the document and the remedy.
     pub fn diagnostic(&self) -> Diagnostic {
         let [line, column] = self.place;
@@ -293,7 +293,7 @@ impl Refused {
 }
 
 /// Formats what was found, what was expected and what to do, like messages of nodes.
-impl std::fmt::Display for Refused {
+impl std::fmt::Display for RefusedFile {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "found {}; expected {}; {ALLOW}", self.found(), self.outside.expected())
     }
@@ -315,14 +315,14 @@ impl CheckedGraph {
 
     /// Returns the first file that a node would read at a frame but may not; engines check this before the node
     /// prepares.
-    pub fn refused(&self, id: NodeId, context: &FrameContext) -> Option<Refused> {
+    pub fn refused(&self, id: NodeId, context: &FrameContext) -> Option<RefusedFile> {
         let node = self.node(id);
         let settled = self.settle(id, context.frame);
         let mut trusted = Vec::new();
         let mut named = Vec::new();
         for item in node.ty.declaration().items {
             let Item::Knob(knob) = item else { continue };
-            if !matches!(knob.takes, Takes::Path) || !settled.is_set(knob.name) {
+            if !matches!(knob.takes, KnobType::Path) || !settled.is_set(knob.name) {
                 continue;
             }
             let path = context.path(settled.text(knob.name));
@@ -338,7 +338,7 @@ impl CheckedGraph {
             let outside = self.access.check(&path).err()?;
             let place = item.map_or(node.place, |item| node.place_of(item));
             let (document, item) = (self.name.clone(), item.map(String::from));
-            Some(Refused { document, node: Some(node.name.clone()), item, place, path, outside })
+            Some(RefusedFile { document, node: Some(node.name.clone()), item, place, path, outside })
         })
     }
 
@@ -346,9 +346,9 @@ impl CheckedGraph {
     ///
     /// # Errors
     /// The path leads outside of what the document may reach.
-    pub fn check_written(&self, output: &OutputSpec, path: &Path) -> Result<(), Box<Refused>> {
+    pub fn check_written(&self, output: &OutputSpec, path: &Path) -> Result<(), Box<RefusedFile>> {
         self.access.check_for(path, Right::Write).map_err(|outside| {
-            Box::new(Refused {
+            Box::new(RefusedFile {
                 document: self.name.clone(),
                 node: None,
                 item: Some(format!("output \"{}\", file", output.name)),
@@ -373,7 +373,7 @@ mod tests {
 
     #[test]
     fn each_folder_is_to_be_allowed_once_and_none_beneath_another() {
-        let outside = |path: &str| Outside { leads_to: path.into(), allowed: Vec::new() };
+        let outside = |path: &str| AccessViolation { leads_to: path.into(), allowed: Vec::new() };
         let paths = ["/a b/x.png", "/c/d/y.png", "/c/z.png", "/c/z2.png", "/e/x"].map(outside);
         assert_eq!(folders_to_allow(&paths), ["/a b", "/c", "/e"].map(Path::new));
     }

@@ -58,7 +58,8 @@ impl Bounding<'_> {
     pub fn bound_by(
         &self,
         outputs: &mut Outputs<'_>,
-        (output, channel): (impl Into<usize>, usize),
+        output: impl Into<usize>,
+        channel: usize,
         mut may_give: impl FnMut(usize) -> Span,
     ) {
         let output = output.into();
@@ -74,7 +75,8 @@ impl Bounding<'_> {
     pub fn bound_at(
         &self,
         outputs: &mut Outputs<'_>,
-        (output, channel): (impl Into<usize>, usize),
+        output: impl Into<usize>,
+        channel: usize,
         mut truth: impl FnMut([f64; 2]) -> f64,
     ) {
         let output = output.into();

@@ -2,7 +2,7 @@
 //! evaluation.
 
 use crate::Tolerance;
-use crate::{Access, DocumentPlace, FrameContext, Item, Kind, NodeId, NodeType, Record, Setting, Settled, Takes, Work};
+use crate::{Access, DocumentPlace, FrameContext, Item, Kind, KnobType, NodeId, NodeType, Record, Setting, Settled, Work};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use trochoid_image::{Format, WorkingSpace};
@@ -43,7 +43,7 @@ impl CheckedNode {
     /// Returns the knob that names a file, if the node has one.
     pub fn file_item(&self) -> Option<&'static str> {
         self.ty.declaration().items.iter().find_map(|item| match item {
-            Item::Knob(knob) if matches!(knob.takes, Takes::Path) => Some(knob.name),
+            Item::Knob(knob) if matches!(knob.takes, KnobType::Path) => Some(knob.name),
             _ => None,
         })
     }
@@ -154,7 +154,7 @@ pub struct CheckedGraph {
     pub(crate) folder: PathBuf,
     pub(crate) format: Format,
     /// The document's own format, from which `format` differs in proxies and previews.
-    pub(crate) whole: Format,
+    pub(crate) document_format: Format,
     pub(crate) format_place: [usize; 2],
     pub(crate) space: WorkingSpace,
     pub(crate) first: i64,
@@ -264,7 +264,7 @@ impl CheckedGraph {
             frame,
             time: (frame - self.first) as f64 / self.fps,
             format: self.format,
-            whole: self.whole,
+            document_format: self.document_format,
             space: self.space,
             folder: self.folder.clone(),
             memory_limit,
@@ -272,10 +272,10 @@ impl CheckedGraph {
         }
     }
 
-    /// Returns the nodes, by name, that take longer than [`Work::MOST`] at a frame, with their work.
+    /// Returns the nodes, by name, that take longer than [`Work::HEAVY_SECONDS`] at a frame, with their work.
     pub fn heavy(&self, frame: i64) -> Vec<(&str, Work)> {
         let time = self.frame_context(frame, u64::MAX).time;
-        let needed = self.reached(self.outputs.iter().map(|output| output.node), frame);
+        let needed = self.dependencies(self.outputs.iter().map(|output| output.node), frame);
         let nodes = self.nodes.iter().enumerate().filter(|(index, _)| needed[*index]);
         let work = nodes.filter_map(|(index, node)| {
             Some((node.name.as_str(), self.settle(NodeId(index), frame).node().work(self.format, time)?))
@@ -296,7 +296,7 @@ impl CheckedGraph {
 
     /// Marks the roots and all nodes that they depend on at a frame. A node that passes one of its inputs through
     /// depends only on that input.
-    pub fn reached(&self, roots: impl IntoIterator<Item = NodeId>, frame: i64) -> Vec<bool> {
+    pub fn dependencies(&self, roots: impl IntoIterator<Item = NodeId>, frame: i64) -> Vec<bool> {
         self.walk(roots, |id, open| {
             let settled = self.settle(id, frame);
             settled.each_needed(|node| open.push(node));
@@ -347,8 +347,8 @@ impl CheckedGraph {
             (declaration.name, declaration.revision, self.space).feed(&mut hasher);
             settled.feed(&keys, &mut hasher);
             if let Some(stage) = settled.stage() {
-                stage.timed().then_some(context.time).feed(&mut hasher);
-                stage.formatted().then_some((context.format, context.whole)).feed(&mut hasher);
+                stage.depends_on_time().then_some(context.time).feed(&mut hasher);
+                stage.depends_on_format().then_some((context.format, context.document_format)).feed(&mut hasher);
                 file_states(&stage.files(context)).feed(&mut hasher);
             }
             keys[id.0] = hasher.finish();

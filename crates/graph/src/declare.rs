@@ -183,25 +183,25 @@ pub struct Knob {
     /// Unit: `m`, `s`, `degrees`, `frames`; empty for none.
     pub unit: &'static str,
     /// Type and range of the value.
-    pub takes: Takes,
+    pub takes: KnobType,
     /// Value if the document sets none; `None` makes the knob required.
-    pub default: Option<Default>,
+    pub default: Option<KnobDefault>,
     /// Whether the value may be keyed over frames.
     pub animated: bool,
     /// Whether each key holds until the next, for values without intermediate ones.
-    pub held: bool,
+    pub hold_keys: bool,
     /// Whether the knob trades accuracy for speed. Its values are in order from the coarsest to the most accurate;
     /// they change how closely the node matches its reference, but never the reference.
     pub accuracy: bool,
     /// Whether the node's work grows with the value.
-    pub scales: bool,
+    pub affects_cost: bool,
     /// Whether the value is a length in pixels, which is scaled with the size of the picture.
-    pub drawn: bool,
+    pub in_pixels: bool,
 }
 
 /// Type and range of a knob's value.
 #[derive(Clone, Copy, Debug)]
-pub enum Takes {
+pub enum KnobType {
     /// A finite number in a closed range.
     Number {
         /// Smallest legal value.
@@ -244,7 +244,7 @@ pub enum Takes {
 
 /// Value of a knob that the document does not set.
 #[derive(Clone, Copy, Debug)]
-pub enum Default {
+pub enum KnobDefault {
     /// A number or whole number.
     Number(f64),
     /// A Boolean value.

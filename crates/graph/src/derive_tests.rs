@@ -127,10 +127,10 @@ groups! {
         "/// A view.\n#[port(wants(Folds))]\nview: One<port::View>,"
         => ["/// A view.\n#[port(wants(Fold))]\nview: One<port::View>,"];
     number: fields
-        "/// How much.\n#[knob(default = 1.0, range = 0.0..=9.0, held)]\nstrength: f64,"
+        "/// How much.\n#[knob(default = 1.0, range = 0.0..=9.0, hold_keys)]\nstrength: f64,"
         => [
-            "/// How much.\n#[knob(default = 1.0, held)]\nstrength: f64,",
-            "/// How much.\n#[knob(default = 1.0, range = 0.0.., held)]\nstrength: f64,",
+            "/// How much.\n#[knob(default = 1.0, hold_keys)]\nstrength: f64,",
+            "/// How much.\n#[knob(default = 1.0, range = 0.0.., hold_keys)]\nstrength: f64,",
             "/// How much.\n#[knob(default = 1.0, range = 0.0..=9.0, hold)]\nstrength: f64,",
         ];
     integer: fields

@@ -1,6 +1,6 @@
 //! Documents before validation: parsed JSON, in which every value has its place.
 
-use crate::spanned::{Entry, Json, Places, Spanned, line_and_column, parse, shorten};
+use crate::spanned::{Entry, Json, LineIndex, Spanned, line_and_column, parse, shorten};
 use crate::{Diagnostic, Means, Severity};
 use std::sync::OnceLock;
 
@@ -15,7 +15,7 @@ pub struct Document {
     name: String,
     text: String,
     /// Made when the place of the first fault is needed.
-    places: OnceLock<Places>,
+    lines: OnceLock<LineIndex>,
     pub(crate) root: Spanned,
     /// Assignments, in order; their values have offsets from [`OVERRIDE`] on.
     overrides: Vec<String>,
@@ -74,7 +74,7 @@ impl Document {
             };
             fault(line, column, error.fault.to_string(), "JSON".into(), remedy)
         })?;
-        Ok(Self { name: name.into(), text: text.into(), places: OnceLock::new(), root, overrides: Vec::new() })
+        Ok(Self { name: name.into(), text: text.into(), lines: OnceLock::new(), root, overrides: Vec::new() })
     }
 
     /// Returns the name of the document.

@@ -4,12 +4,12 @@ use crate::{Declaration, ItemName, Kind, Offer, Registry, Settled, Source};
 
 /// Collects the faults and warnings that [`Node::check`](crate::Node::check) reports.
 pub struct Check<'a> {
-    around: &'a dyn Around,
+    around: &'a dyn GraphContext,
     faults: Vec<Fault>,
 }
 
 /// The graph around the node that is being checked.
-pub trait Around {
+pub trait GraphContext {
     /// Returns the kind of a connection or literal, if known.
     fn kind(&self, source: &Source<Vec<f64>>) -> Option<Kind>;
 
@@ -17,7 +17,7 @@ pub trait Around {
     fn upstream(&self, source: &Source<Vec<f64>>) -> Option<Upstream>;
 
     /// Returns the ports that the node's outputs are connected to.
-    fn users(&self) -> Vec<User>;
+    fn consumers(&self) -> Vec<Consumer>;
 
     /// Returns all node types.
     fn registry(&self) -> &Registry;
@@ -56,7 +56,7 @@ impl Upstream {
 
 /// A port that takes an output, or a view of that output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct User {
+pub struct Consumer {
     /// Properties that the port uses beyond the kind.
     pub wants: &'static [Offer],
 }
@@ -78,7 +78,7 @@ pub struct Fault {
 
 impl<'a> Check<'a> {
     /// Makes an empty collection; called by validation.
-    pub fn new(around: &'a dyn Around) -> Self {
+    pub fn new(around: &'a dyn GraphContext) -> Self {
         Self { around, faults: Vec::new() }
     }
 
@@ -103,8 +103,8 @@ impl<'a> Check<'a> {
     }
 
     /// Returns the ports that the node's outputs, and the views of those outputs, are connected to.
-    pub fn users(&self) -> Vec<User> {
-        self.around.users()
+    pub fn consumers(&self) -> Vec<Consumer> {
+        self.around.consumers()
     }
 
     /// Reports an error.

@@ -17,7 +17,7 @@ pub trait Items: Clone + Send + Sync + 'static {
 }
 
 /// A knob that takes one of several words. Made by `#[derive(Choice)]`.
-pub trait Choice: Read + 'static {
+pub trait Choice: ReadSetting + 'static {
     /// Words in documents; the first is the default.
     const WORDS: &'static [&'static str];
 
@@ -31,12 +31,12 @@ pub trait OutputSet {
     const OUTPUTS: &'static [Output];
 }
 
-/// The only output of a node with one output: `outputs.take(Only, 0)`.
+/// The only output of a node with one output: `outputs.take(SoleOutput, 0)`.
 #[derive(Clone, Copy, Debug)]
-pub struct Only;
+pub struct SoleOutput;
 
-impl From<Only> for usize {
-    fn from(Only: Only) -> Self {
+impl From<SoleOutput> for usize {
+    fn from(SoleOutput: SoleOutput) -> Self {
         0
     }
 }
@@ -177,12 +177,12 @@ ports! {
 }
 
 /// Storage for the connections of a port.
-trait Held {
+trait PortStorage {
     fn held(sources: &[Source<Vec<f64>>]) -> Self;
     fn all(&self) -> &[Source<Vec<f64>>];
 }
 
-impl Held for Source<Vec<f64>> {
+impl PortStorage for Source<Vec<f64>> {
     fn held(sources: &[Source<Vec<f64>>]) -> Self {
         // Validation reports required ports that are open.
         sources.first().cloned().unwrap_or(Source::Number(vec![0.0]))
@@ -193,7 +193,7 @@ impl Held for Source<Vec<f64>> {
     }
 }
 
-impl Held for Option<Source<Vec<f64>>> {
+impl PortStorage for Option<Source<Vec<f64>>> {
     fn held(sources: &[Source<Vec<f64>>]) -> Self {
         sources.first().cloned()
     }
@@ -203,7 +203,7 @@ impl Held for Option<Source<Vec<f64>>> {
     }
 }
 
-impl Held for Vec<Source<Vec<f64>>> {
+impl PortStorage for Vec<Source<Vec<f64>>> {
     fn held(sources: &[Source<Vec<f64>>]) -> Self {
         sources.to_vec()
     }
@@ -222,56 +222,56 @@ pub trait ReadPort {
 /// A knob's value that a [`Reader`] can read.
 ///
 /// Reading never fails: a setting that the knob does not take, which validation reports, gives some legal value.
-pub trait Read: Clone + Send + Sync {
+pub trait ReadSetting: Clone + Send + Sync {
     /// Reads the value of a setting.
     fn read(setting: &Setting<Vec<f64>>) -> Self;
 }
 
-impl Read for f64 {
+impl ReadSetting for f64 {
     fn read(setting: &Setting<Vec<f64>>) -> Self {
         if let Setting::Numeric(values) = setting { values.first().copied().unwrap_or(0.0) } else { 0.0 }
     }
 }
 
-impl Read for i64 {
+impl ReadSetting for i64 {
     /// Rounds an interpolated value to the nearest whole number.
     fn read(setting: &Setting<Vec<f64>>) -> Self {
         f64::read(setting).round() as Self
     }
 }
 
-impl Read for bool {
+impl ReadSetting for bool {
     fn read(setting: &Setting<Vec<f64>>) -> Self {
         matches!(setting, Setting::Bool(true))
     }
 }
 
-impl Read for String {
+impl ReadSetting for String {
     fn read(setting: &Setting<Vec<f64>>) -> Self {
         if let Setting::Text(text) = setting { text.clone() } else { Self::new() }
     }
 }
 
-impl<const N: usize> Read for [f64; N] {
+impl<const N: usize> ReadSetting for [f64; N] {
     fn read(setting: &Setting<Vec<f64>>) -> Self {
         let values = if let Setting::Numeric(values) = setting { values.as_slice() } else { &[] };
         std::array::from_fn(|index| values.get(index).copied().unwrap_or(0.0))
     }
 }
 
-impl Read for Vec<f64> {
+impl ReadSetting for Vec<f64> {
     fn read(setting: &Setting<Vec<f64>>) -> Self {
         if let Setting::Numbers(numbers) = setting { numbers.clone() } else { Self::new() }
     }
 }
 
-impl Read for Vec<String> {
+impl ReadSetting for Vec<String> {
     fn read(setting: &Setting<Vec<f64>>) -> Self {
         if let Setting::Texts(texts) = setting { texts.clone() } else { Self::new() }
     }
 }
 
-impl<T: Read> Read for Option<T> {
+impl<T: ReadSetting> ReadSetting for Option<T> {
     fn read(setting: &Setting<Vec<f64>>) -> Self {
         if let Setting::Unset = setting { None } else { Some(T::read(setting)) }
     }
@@ -298,7 +298,7 @@ impl<'r> Reader<'r> {
     }
 
     /// Reads the next knob.
-    pub fn knob<T: Read>(&mut self) -> T {
+    pub fn knob<T: ReadSetting>(&mut self) -> T {
         T::read(next(&self.values.knobs, &mut self.knobs).map_or(&Setting::Unset, |(_, setting)| setting))
     }
 

@@ -14,7 +14,7 @@ pub struct FrameContext {
     /// Format of the pictures that are made.
     pub format: Format,
     /// The document's own format, from which [`format`](Self::format) may differ. Sizes of files are compared with it.
-    pub whole: Format,
+    pub document_format: Format,
     /// Working space of the document.
     pub space: WorkingSpace,
     /// Folder to which paths in the document are relative.

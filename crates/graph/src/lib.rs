@@ -24,7 +24,6 @@ mod declare;
 mod derive_tests;
 mod diagnostic;
 mod document;
-mod drawn;
 mod faults;
 mod fields;
 mod frame;
@@ -39,6 +38,7 @@ mod record;
 mod reference;
 mod refusal;
 mod registry;
+mod scaling;
 mod schema;
 mod settled;
 mod shell;
@@ -51,20 +51,20 @@ mod terms;
 mod tolerance;
 mod work;
 
-pub use access::{Access, Outside, Refused, Right, folders_to_allow, refusals, resolved};
+pub use access::{Access, AccessViolation, RefusedFile, Right, folders_to_allow, refusals, resolved};
 pub use animated::{Animated, Interpolation};
 pub use bound::{Bound, LITERAL, NoBound, REFERENCE};
 pub use bounding::Bounding;
 pub use build::{Builder, Mask, Value, Weights, load};
 pub use check::{FORMAT_VERSION, check, expected};
 pub use checked::{CheckedGraph, CheckedNode, FileState, Guarantee, OutputSpec, Precision, file_states};
-pub use declare::{Arity, Declaration, Default, End, Files, Item, Knob, List, Offer, Output, Port, Role, Takes};
+pub use declare::{Arity, Declaration, End, Files, Item, Knob, KnobDefault, KnobType, List, Offer, Output, Port, Role};
 pub use diagnostic::{Diagnostic, DocumentPlace, Means, Severity, Statement, nearest};
 pub use document::{Document, MAX_BYTES, MAX_NODES};
-pub use faults::{Around, Check, Fault, Upstream, User, one_of};
+pub use faults::{Check, Consumer, Fault, GraphContext, Upstream, one_of};
 pub use fields::{
-    Accepted, Choice, Connected, ItemName, Items, Many, One, Only, Optional, OutputSet, PortId, Read, ReadPort, Reader,
-    port,
+    Accepted, Choice, Connected, ItemName, Items, Many, One, Optional, OutputSet, PortId, ReadPort, ReadSetting,
+    Reader, SoleOutput, port,
 };
 #[doc(hidden)]
 pub use fields::{count_items, join_items};
@@ -72,10 +72,10 @@ pub use frame::{FrameContext, escape_frame, escape_remedy, expand_frame, one_fra
 pub use kind::{Accepts, Kind};
 pub use lowering::Lowering;
 pub use manual::counted;
-pub use memory::{MemoryUse, Reckoning, in_bytes};
+pub use memory::{MemoryContext, MemoryUse, in_bytes};
 pub use node::{
-    Body, Computes, Declare, Dynamics, Found, Handle, Node, NodeType, Omission, Paths, Pointwise, Prepared, Rate,
-    Stage, Variance,
+    Body, Computes, Declare, Dynamics, Handle, Node, NodeType, Omission, Paths, Pointwise, Prepared, Rate,
+    SharedResult, Stage, Variance,
 };
 pub use node_error::{BadData, DataPlace, Failure, NodeError};
 pub use program::{Color, Op, Partition, Program, Scalar, Slot, Type};

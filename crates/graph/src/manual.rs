@@ -1,6 +1,6 @@
 //! Declarations in words, shared by all manuals.
 
-use crate::{Accepts, Arity, Default, Knob, Port, expected};
+use crate::{Accepts, Arity, Knob, KnobDefault, Port, expected};
 use serde_json::{Value, json};
 
 /// Returns a range of counts in words: "2", "1 to 4", "1 or more".
@@ -47,12 +47,12 @@ impl Knob {
     /// Returns the default as a person would write it; null if the knob is required or unset by default.
     pub fn default_value(&self) -> Value {
         match self.default {
-            Some(Default::Number(number)) if number.fract() == 0.0 && number.abs() < 1e15 => json!(number as i64),
-            Some(Default::Number(number)) => json!(number),
-            Some(Default::Bool(value)) => json!(value),
-            Some(Default::Text(text)) => json!(text),
-            Some(Default::Vector(values)) => json!(values),
-            Some(Default::Unset) | None => Value::Null,
+            Some(KnobDefault::Number(number)) if number.fract() == 0.0 && number.abs() < 1e15 => json!(number as i64),
+            Some(KnobDefault::Number(number)) => json!(number),
+            Some(KnobDefault::Bool(value)) => json!(value),
+            Some(KnobDefault::Text(text)) => json!(text),
+            Some(KnobDefault::Vector(values)) => json!(values),
+            Some(KnobDefault::Unset) | None => Value::Null,
         }
     }
 }

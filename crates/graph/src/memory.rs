@@ -13,7 +13,7 @@ pub struct MemoryUse {
     /// Additional memory while the node prepares.
     pub working: u64,
     /// For a surface or a view: memory that each view of the surfaces holds.
-    pub seen: u64,
+    pub per_view: u64,
     /// Memory that each thread working on tiles holds for the node: bytes per pixel of the tile, and the maximum in
     /// bytes. Nodes share this memory, so only the largest counts.
     pub thread: [u64; 2],
@@ -49,13 +49,13 @@ impl MemoryUse {
 
     /// Sets the memory that each view of the surface holds.
     #[must_use]
-    pub fn seen(self, bytes: u64) -> Self {
-        Self { seen: bytes, ..self }
+    pub fn per_view(self, bytes: u64) -> Self {
+        Self { per_view: bytes, ..self }
     }
 }
 
 /// Arguments of [`Stage::memory`](crate::Stage::memory).
-pub struct Reckoning<'a> {
+pub struct MemoryContext<'a> {
     /// Data that all nodes of the frame share.
     pub frame: &'a FrameContext,
     /// Whether each channel is wanted, by output.
@@ -63,7 +63,7 @@ pub struct Reckoning<'a> {
     of: &'a dyn Fn(NodeId) -> MemoryUse,
 }
 
-impl<'a> Reckoning<'a> {
+impl<'a> MemoryContext<'a> {
     /// Makes the arguments, with the estimates of the nodes upstream; called by the engine.
     pub fn new(frame: &'a FrameContext, wanted: &'a [Vec<bool>], of: &'a dyn Fn(NodeId) -> MemoryUse) -> Self {
         Self { frame, wanted, of }

@@ -10,9 +10,9 @@
 //! opened. It **must not** read clocks or global state, or open files outside of `prepare`.
 
 use crate::{
-    Block, Bounding, ChannelSet, Check, Declaration, FrameContext, Inputs, ItemName, Items, Kind, Lowering, MemoryUse,
-    NoBound, NodeError, Outputs, PortId, Prepare, Reader, Reckoning, Reference, References, Settled, Source, Spectrum,
-    Stability, Value, Values, Work,
+    Block, Bounding, ChannelSet, Check, Declaration, FrameContext, Inputs, ItemName, Items, Kind, Lowering,
+    MemoryContext, MemoryUse, NoBound, NodeError, Outputs, PortId, Prepare, Reader, Reference, References, Settled,
+    Source, Spectrum, Stability, Value, Values, Work,
 };
 use std::any::Any;
 use std::path::PathBuf;
@@ -76,7 +76,7 @@ pub trait Node: Computes + Any + Send + Sync {
     }
 
     /// Estimates the time that the node itself takes for a frame of a format, if legal knobs can make it very long;
-    /// validation warns beyond [`Work::MOST`]. `time` is in seconds since the first frame, for simulations that step
+    /// validation warns beyond [`Work::HEAVY_SECONDS`]. `time` is in seconds since the first frame, for simulations that step
     /// up to the frame.
     fn work(&self, format: Format, time: f64) -> Option<Work> {
         let _ = (format, time);
@@ -149,24 +149,24 @@ pub trait Pointwise {
 /// A front-end node or a filter: prepares once per frame, then fills tiles.
 pub trait Stage {
     /// Returns the channels of its view that the node requires for the wanted outputs.
-    fn asks(&self, wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, wanted: &[bool]) -> ChannelSet {
         let _ = wanted;
         ChannelSet::EMPTY
     }
 
     /// Returns the channels that the node uses if its view supplies them, but does not require.
-    fn prefers(&self, wanted: &[bool]) -> ChannelSet {
+    fn optional_channels(&self, wanted: &[bool]) -> ChannelSet {
         let _ = wanted;
         ChannelSet::EMPTY
     }
 
     /// Returns the channels that a node with a View as output can supply.
-    fn supplies(&self) -> ChannelSet {
+    fn supplied_channels(&self) -> ChannelSet {
         ChannelSet::ALL
     }
 
     /// Returns the channels that a node with a View as output can supply with no setting at all.
-    fn lacks(&self) -> ChannelSet {
+    fn impossible_channels(&self) -> ChannelSet {
         ChannelSet::EMPTY
     }
 
@@ -199,17 +199,17 @@ pub trait Stage {
 
     /// Returns the region of interest for the samples after a pixel's first one, if [`Prepared::find`] has already
     /// used the rest. Never larger than [`regions_of_interest`](Self::regions_of_interest).
-    fn regions_once_found(&self, port: PortId, window: Window, format: Format) -> Window {
+    fn regions_after_find(&self, port: PortId, window: Window, format: Format) -> Window {
         self.regions_of_interest(port, window, format)
     }
 
     /// Whether the result depends on the frame's time even if no knob is keyed.
-    fn timed(&self) -> bool {
+    fn depends_on_time(&self) -> bool {
         false
     }
 
     /// Whether the result depends on the picture's format.
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         true
     }
 
@@ -222,8 +222,8 @@ pub trait Stage {
     /// Estimates the memory that the node takes at a frame, if knobs, the format or files can make it large. Plans
     /// add the estimates up, and refuse a frame that takes too much before anything is prepared. May read headers of
     /// files; a file that cannot be read counts as nothing, since [`prepare`](Self::prepare) reports it.
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        let _ = reckoning;
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        let _ = context;
         MemoryUse::default()
     }
 
@@ -232,7 +232,7 @@ pub trait Stage {
     /// # Errors
     /// The errors that [`prepare`](Self::prepare) would report for the headers. Never called for files that do not
     /// exist.
-    fn examine(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+    fn check_headers(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         let _ = (frame, wanted);
         Ok(())
     }
@@ -281,7 +281,7 @@ pub trait Prepared: Send + Sync {
     ///
     /// # Errors
     /// As [`Prepared::fill`].
-    fn find(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Option<Found>, NodeError> {
+    fn find(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Option<SharedResult>, NodeError> {
         let _ = (block, inputs);
         Ok(None)
     }
@@ -348,7 +348,7 @@ pub struct Omission {
 }
 
 /// Result of [`Prepared::find`], shared by several samples of a block's pixels.
-pub type Found = Arc<dyn Any + Send + Sync>;
+pub type SharedResult = Arc<dyn Any + Send + Sync>;
 
 /// A surface, camera or light that one front-end node makes and another takes.
 pub type Handle = Arc<dyn Any + Send + Sync>;

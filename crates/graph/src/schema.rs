@@ -1,6 +1,6 @@
 //! The JSON Schema of documents, generated from the declarations.
 
-use crate::{Accepts, Arity, Default, Item, Knob, Precision, Registry, Takes};
+use crate::{Accepts, Arity, Item, Knob, KnobDefault, KnobType, Precision, Registry};
 use serde_json::{Map, Value, json};
 use trochoid_image::{MAX_SIDE, Shading, WorkingSpace};
 
@@ -199,23 +199,23 @@ fn keyed(value: Value) -> Value {
 
 fn knob_schema(knob: &Knob) -> Value {
     let plain = match knob.takes {
-        Takes::Number { min, max } => range(json!({ "type": "number" }), min, max),
-        Takes::Integer { min, max } => json!({ "type": "integer", "minimum": min, "maximum": max }),
-        Takes::Bool => json!({ "type": "boolean" }),
-        Takes::Choice(words) => json!({ "enum": words }),
-        Takes::Color => json!({ "$ref": "#/$defs/color" }),
-        Takes::Vector(n) => json!({ "type": "array", "items": { "type": "number" }, "minItems": n, "maxItems": n }),
-        Takes::Text | Takes::Path => json!({ "type": "string", "minLength": 1 }),
-        Takes::Numbers { min, max } => {
+        KnobType::Number { min, max } => range(json!({ "type": "number" }), min, max),
+        KnobType::Integer { min, max } => json!({ "type": "integer", "minimum": min, "maximum": max }),
+        KnobType::Bool => json!({ "type": "boolean" }),
+        KnobType::Choice(words) => json!({ "enum": words }),
+        KnobType::Color => json!({ "$ref": "#/$defs/color" }),
+        KnobType::Vector(n) => json!({ "type": "array", "items": { "type": "number" }, "minItems": n, "maxItems": n }),
+        KnobType::Text | KnobType::Path => json!({ "type": "string", "minLength": 1 }),
+        KnobType::Numbers { min, max } => {
             json!({ "type": "array", "items": { "type": "number" }, "minItems": min, "maxItems": max })
         }
-        Takes::Texts { max } => {
+        KnobType::Texts { max } => {
             json!({ "type": "array", "items": { "type": "string" }, "minItems": 1, "maxItems": max })
         }
     };
     let mut schema = if knob.animated {
         let mut keyed = keyed(plain.clone());
-        if knob.held {
+        if knob.hold_keys {
             keyed["properties"]["interpolation"] = json!({ "const": "hold", "default": "hold" });
         }
         json!({ "anyOf": [plain, keyed] })
@@ -223,11 +223,11 @@ fn knob_schema(knob: &Knob) -> Value {
         plain
     };
     match knob.default {
-        Some(Default::Number(number)) => schema["default"] = json!(number),
-        Some(Default::Bool(value)) => schema["default"] = json!(value),
-        Some(Default::Text(text)) => schema["default"] = json!(text),
-        Some(Default::Vector(values)) => schema["default"] = json!(values),
-        Some(Default::Unset) | None => {}
+        Some(KnobDefault::Number(number)) => schema["default"] = json!(number),
+        Some(KnobDefault::Bool(value)) => schema["default"] = json!(value),
+        Some(KnobDefault::Text(text)) => schema["default"] = json!(text),
+        Some(KnobDefault::Vector(values)) => schema["default"] = json!(values),
+        Some(KnobDefault::Unset) | None => {}
     }
     schema
 }

@@ -265,9 +265,9 @@ const STRIDE: usize = 1024;
 /// Line and column at regular offsets of a text, so that any place is found by a short walk: otherwise each of a
 /// thousand warnings about a long document would read all of it.
 #[derive(Clone, Debug)]
-pub(crate) struct Places(Vec<(usize, usize)>);
+pub(crate) struct LineIndex(Vec<(usize, usize)>);
 
-impl Places {
+impl LineIndex {
     pub(crate) fn new(text: &str) -> Self {
         let mut known = Vec::with_capacity(text.len() / STRIDE + 1);
         let mut at = (1, 1);
@@ -303,12 +303,12 @@ mod tests {
     #[test]
     fn known_places_give_every_place() {
         let text = "é\n\n".repeat(700) + &"xé".repeat(2000) + "\nend";
-        let places = Places::new(&text);
+        let lines = LineIndex::new(&text);
         for offset in (0..text.len() + 3).filter(|offset| *offset % 7 == 0 || text.len() - offset.min(&text.len()) < 3)
         {
-            assert_eq!(places.find(&text, offset), line_and_column(&text, offset), "{offset}");
+            assert_eq!(lines.find(&text, offset), line_and_column(&text, offset), "{offset}");
         }
-        assert_eq!(Places::new("").find("", 0), (1, 1));
+        assert_eq!(LineIndex::new("").find("", 0), (1, 1));
     }
 
     #[test]

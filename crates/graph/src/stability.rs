@@ -6,7 +6,7 @@ pub struct Stability {
     /// Verdict.
     pub verdict: Verdict,
     /// Explanation in sentences: what is stable, with which margin, and what would make it unstable.
-    pub says: Vec<String>,
+    pub explanation: Vec<String>,
     /// Numbers, the most important first.
     pub figures: Vec<Figure>,
     /// Map of the plane of the node's coefficients.

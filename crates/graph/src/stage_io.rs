@@ -1,6 +1,6 @@
 //! Inputs and outputs of stages: what the engine passes to them, and the planes that they fill.
 
-use crate::{BadData, Channel, Connected, Found, FrameContext, Handle, Kind, NodeError, NodeId, Source};
+use crate::{BadData, Channel, Connected, FrameContext, Handle, Kind, NodeError, NodeId, SharedResult, Source};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -137,7 +137,7 @@ impl<'a> Prepare<'a> {
     ///
     /// # Errors
     /// The user has cancelled the evaluation.
-    pub fn go_on(&self) -> Result<(), NodeError> {
+    pub fn check_cancelled(&self) -> Result<(), NodeError> {
         if self.cancelled() { Err(NodeError::Cancelled) } else { Ok(()) }
     }
 
@@ -209,7 +209,7 @@ pub struct Connection<'a> {
 pub struct Inputs<'a> {
     ports: &'a [Vec<Connection<'a>>],
     cancelled: &'a (dyn Fn() -> bool + Sync),
-    found: Option<&'a Found>,
+    found: Option<&'a SharedResult>,
 }
 
 impl<'a> Inputs<'a> {
@@ -220,7 +220,7 @@ impl<'a> Inputs<'a> {
 
     /// Sets the result of [`Prepared::find`](crate::Prepared::find).
     #[must_use]
-    pub fn with_found(self, found: Option<&'a Found>) -> Self {
+    pub fn with_found(self, found: Option<&'a SharedResult>) -> Self {
         Self { found, ..self }
     }
 
@@ -245,7 +245,7 @@ impl<'a> Inputs<'a> {
     ///
     /// # Errors
     /// The user has cancelled the evaluation.
-    pub fn go_on(&self) -> Result<(), NodeError> {
+    pub fn check_cancelled(&self) -> Result<(), NodeError> {
         if self.cancelled() { Err(NodeError::Cancelled) } else { Ok(()) }
     }
 
@@ -267,7 +267,7 @@ impl<'a> Inputs<'a> {
         &self.all(port)[index].planes
     }
 
-    /// Returns a channel, which the node [prefers](crate::Stage::prefers), of the view connected to a port; `None` if
+    /// Returns a channel, which the node [prefers](crate::Stage::optional_channels), of the view connected to a port; `None` if
     /// the view does not supply it.
     pub fn view_if_any(&self, port: &impl Connected, channel: Channel) -> Option<&'a [f32]> {
         self.planes(port, 0)[channel as usize]
@@ -276,7 +276,7 @@ impl<'a> Inputs<'a> {
     /// Returns a channel of the view connected to a port.
     ///
     /// # Panics
-    /// The node did not [ask](crate::Stage::asks) for the channel: a bug in the node, which its first test finds.
+    /// The node did not [ask](crate::Stage::required_channels) for the channel: a bug in the node, which its first test finds.
     pub fn view(&self, port: &impl Connected, channel: Channel) -> &'a [f32] {
         match self.planes(port, 0)[channel as usize] {
             Some(plane) => plane,

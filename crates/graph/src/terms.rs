@@ -8,8 +8,8 @@ use crate::Registry;
 pub struct Alias {
     /// The name; only letters and digits count, and case does not.
     pub word: &'static str,
-    /// How to use the node, such as `its "fit"`; empty if the node's name is enough.
-    pub how: &'static str,
+    /// Hint on how to use the node, such as `its "fit"`; empty if the node's name is enough.
+    pub hint: &'static str,
 }
 
 /// Counterpart of another program's node.
@@ -19,8 +19,8 @@ pub enum Term {
     Node {
         /// Its type.
         name: &'static str,
-        /// How, see [`Alias::how`].
-        how: &'static str,
+        /// Hint, see [`Alias::hint`].
+        hint: &'static str,
     },
     /// The document's outputs.
     Output,
@@ -39,7 +39,7 @@ impl Term {
         }
         registry.iter().map(|ty| ty.declaration()).find_map(|declaration| {
             let alias = declaration.aliases.iter().find(|alias| plain(alias.word) == wanted)?;
-            Some(Self::Node { name: declaration.name, how: alias.how })
+            Some(Self::Node { name: declaration.name, hint: alias.hint })
         })
     }
 
@@ -47,8 +47,8 @@ impl Term {
     pub fn remedy(&self) -> String {
         match self {
             Self::Output => "no node writes: name it under \"outputs\", with a \"file\"".into(),
-            Self::Node { name, how: "" } => format!("use the node \"{name}\""),
-            Self::Node { name, how } => format!("use the node \"{name}\" ({how})"),
+            Self::Node { name, hint: "" } => format!("use the node \"{name}\""),
+            Self::Node { name, hint } => format!("use the node \"{name}\" ({hint})"),
         }
     }
 

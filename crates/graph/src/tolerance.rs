@@ -16,7 +16,7 @@ pub enum Tolerance {
 
 impl Tolerance {
     /// Error below which validation warns: smaller ones take very long to certify, and are invisible.
-    pub(crate) const FINE: f64 = 1.0 / 4096.0;
+    pub(crate) const CERTIFIABLE: f64 = 1.0 / 4096.0;
 
     /// Description of the texts that [`Tolerance::parse`] accepts, for messages.
     pub const EXPECTED: &'static str =

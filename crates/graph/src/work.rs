@@ -16,11 +16,11 @@ pub struct Work {
 
 impl Work {
     /// Time above which validation warns, in seconds on one core.
-    pub const MOST: f64 = 30.0;
+    pub const HEAVY_SECONDS: f64 = 30.0;
 
     /// Whether the user should be warned.
     pub fn is_heavy(&self) -> bool {
-        self.seconds > Self::MOST
+        self.seconds > Self::HEAVY_SECONDS
     }
 
     /// Returns what was found, for messages.
@@ -30,7 +30,7 @@ impl Work {
 
     /// Returns what was expected, for messages.
     pub fn expected() -> String {
-        format!("at most {}", duration(Self::MOST))
+        format!("at most {}", duration(Self::HEAVY_SECONDS))
     }
 }
 

@@ -37,7 +37,7 @@ use trochoid_graph::NodeType;
 /// assert!(names.contains(&"Mix"));
 /// ```
 pub fn all() -> impl Iterator<Item = &'static NodeType> {
-    let rooms = [
+    let folders = [
         convex::NODES,
         field::NODES,
         filter::NODES,
@@ -53,7 +53,7 @@ pub fn all() -> impl Iterator<Item = &'static NodeType> {
         #[cfg(feature = "io")]
         files::NODES,
     ];
-    rooms.into_iter().flatten()
+    folders.into_iter().flatten()
 }
 
 #[cfg(test)]

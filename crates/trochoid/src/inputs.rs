@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
-use trochoid_graph::{CheckedGraph, Item, NodeId, Takes, resolved};
+use trochoid_graph::{CheckedGraph, Item, KnobType, NodeId, resolved};
 
 /// Two frame numbers that differ in every digit, so that the common part of their file names is the pattern.
 const PROBES: [i64; 2] = [1_111_111_111_111_111, 2_222_222_222_222_222];
@@ -120,7 +120,7 @@ impl InputFiles {
             let settled = graph.settle(id, first);
             for item in node.ty.declaration().items {
                 let Item::Knob(knob) = item else { continue };
-                if matches!(knob.takes, Takes::Path) && settled.is_set(knob.name) {
+                if matches!(knob.takes, KnobType::Path) && settled.is_set(knob.name) {
                     let path = |frame| graph.frame_context(frame, u64::MAX).path(settled.text(knob.name));
                     sequences.extend(Sequence::of(&path));
                 }

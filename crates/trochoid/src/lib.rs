@@ -92,7 +92,7 @@ pub use machine::memory_share;
 #[cfg(feature = "io")]
 pub use marks::{Form, GENERATOR, TABLE, is_ours, mark, marks};
 #[cfg(feature = "io")]
-pub use naming::{companion_files, output_files};
+pub use naming::{CompanionPattern, companion_files, output_files};
 #[cfg(feature = "io")]
 pub use output::write_output;
 #[cfg(feature = "io")]
@@ -110,11 +110,11 @@ pub use trochoid_engine::{
     ProofStep, ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{
-    Accepts, Access, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, DataPlace, Declaration,
-    Default as KnobDefault, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files,
-    Guarantee, Harmonic, Interpolation, Item, Key, Kind, Knob, List, Means, MemoryUse, NodeError, NodeId, NodeType,
-    Offer, Omission, OutputSpec, Outside, Paths, Port, Precision, REFUSALS, Refusal, Refused, Registry, Relation,
-    Right, Role, Severity, Source, Spectrum, Stability, StabilityMap, Takes, Term, Tolerance, Verdict, Work, counted,
+    Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, DataPlace, Declaration,
+    Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files,
+    Guarantee, Harmonic, Interpolation, Item, Key, Kind, Knob, KnobDefault, KnobType, List, Means, MemoryUse, NodeError, NodeId, NodeType,
+    Offer, Omission, OutputSpec, Paths, Port, Precision, REFUSALS, Refusal, RefusedFile, Registry, Relation,
+    Right, Role, Severity, Source, Spectrum, Stability, StabilityMap, Term, Tolerance, Verdict, Work, counted,
     escape_frame, expand_frame, expected, folders_to_allow, in_bytes, nearest, quoted, quoted_path, refusal, refusals,
     resolved, schema,
 };

@@ -110,7 +110,7 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
                 continue;
             };
             // A file may be missing if its node is connected but not chosen at that frame.
-            let reached = reached.get_or_insert_with(|| graph.reached(roots(), frame));
+            let reached = reached.get_or_insert_with(|| graph.dependencies(roots(), frame));
             if !connected[index] || reached[index] {
                 missing.entry(index).or_insert((frame, path, 0)).2 += 1;
             }

@@ -24,7 +24,7 @@ pub(crate) const KEY: &str = "trochoid:";
 
 /// Top-level fields that identify our JSON files.
 #[derive(Deserialize)]
-struct Marked {
+struct MarkerFields {
     /// Version of the program that wrote the file; a number in documents, which users write.
     trochoid: Option<Version>,
     trochoid_plan: Option<IgnoredAny>,
@@ -121,12 +121,12 @@ fn form_of(path: &Path, found: OpenFile) -> std::io::Result<Option<Form>> {
     }
     if head.starts_with(b"{") {
         file.seek(SeekFrom::Start(0))?;
-        let marked: Option<Marked> = serde_json::from_reader(BufReader::new(file)).ok();
+        let marked: Option<MarkerFields> = serde_json::from_reader(BufReader::new(file)).ok();
         return Ok(marked.and_then(|marked| match marked {
-            Marked { trochoid_plan: Some(_), .. } => Some(Form::Plan),
-            Marked { trochoid: Some(Version::Text(_)), digest: Some(_), .. } => Some(Form::Certificate),
-            Marked { trochoid: Some(Version::Text(_)), status: Some(_), .. }
-            | Marked { trochoid: Some(Version::Text(_)), rungs: Some(_), .. } => Some(Form::Report),
+            MarkerFields { trochoid_plan: Some(_), .. } => Some(Form::Plan),
+            MarkerFields { trochoid: Some(Version::Text(_)), digest: Some(_), .. } => Some(Form::Certificate),
+            MarkerFields { trochoid: Some(Version::Text(_)), status: Some(_), .. }
+            | MarkerFields { trochoid: Some(Version::Text(_)), rungs: Some(_), .. } => Some(Form::Report),
             _ => None,
         }));
     }

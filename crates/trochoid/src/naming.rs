@@ -159,20 +159,28 @@ pub(crate) fn own_file(graph: &CheckedGraph, spec: &OutputSpec, frame: i64) -> O
     Some(graph.folder().join(expand_frame(&template, frame)))
 }
 
-/// Names a companion, such as the certificate, for each file of a frame.
-///
-/// `pattern` is relative to the current folder and may contain `{output}` (the names of a file's outputs, joined by
-/// `+`) and `####` or `%04d`. `ending` is the required extension, such as ".json".
+/// Pattern that names the companions of files, such as certificates.
+#[derive(Clone, Copy, Debug)]
+pub struct CompanionPattern<'p> {
+    /// Path relative to the current folder. It may contain `{output}` (the names of a file's outputs, joined by `+`)
+    /// and `####` or `%04d`.
+    pub pattern: &'p str,
+    /// Required extension, such as ".json".
+    pub ending: &'p str,
+}
+
+/// Names a companion for each file of a frame.
 ///
 /// # Errors
 /// The pattern gives several files or several frames one name, or has another extension.
 pub fn companion_files(
     graph: &CheckedGraph,
     files: &[OutputFile],
-    (frame, several_frames): (i64, bool),
-    pattern: &str,
-    ending: &str,
+    frame: i64,
+    several_frames: bool,
+    pattern: CompanionPattern<'_>,
 ) -> Result<Vec<PathBuf>, OutputError> {
+    let CompanionPattern { pattern, ending } = pattern;
     let mut faults = Faults::default();
     let place = NamePlace::Pattern(pattern.into());
     if files.len() > 1 && !pattern.contains("{output}") {

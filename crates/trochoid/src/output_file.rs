@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::path::PathBuf;
-use trochoid_graph::{Means, OutputSpec, Refused, quoted};
+use trochoid_graph::{Means, OutputSpec, RefusedFile, quoted};
 
 /// File to write for one frame, with its outputs.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub enum OutputError {
     Io(#[from] trochoid_io::Error),
     /// The document may not write to the path that it names.
     #[error("{}", .0.diagnostic())]
-    Refused(Box<Refused>),
+    Refused(Box<RefusedFile>),
     /// The existing file was not written by Trochoid, is of another kind, or is truncated so that it cannot be
     /// identified.
     #[error("{0}\n  remedy: give another name, or move the existing file away")]

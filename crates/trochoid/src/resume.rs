@@ -49,7 +49,7 @@ impl Fingerprints {
     pub fn of(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: i64) -> String {
         let context = graph.frame_context(frame, u64::MAX);
         let roots = file.outputs.iter().map(|index| graph.outputs()[*index].node);
-        let reached = graph.reached(roots, frame);
+        let reached = graph.dependencies(roots, frame);
         let mut hasher = KeyHasher::new();
         (RECIPE, VERSION, graph.document_hash(), frame, &file.outputs).feed(&mut hasher);
         graph.format().feed(&mut hasher);

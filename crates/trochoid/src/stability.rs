@@ -35,15 +35,15 @@ pub fn stability_of(graph: &CheckedGraph, id: NodeId, frame: i64) -> Option<Stab
         return None;
     }
     let settled = graph.settle(id, frame);
-    let timed = settled.stage().is_some_and(Stage::timed);
-    settled.node().dynamics().and_then(Dynamics::stability).or_else(|| timed.then(stateless))
+    let depends_on_time = settled.stage().is_some_and(Stage::depends_on_time);
+    settled.node().dynamics().and_then(Dynamics::stability).or_else(|| depends_on_time.then(stateless))
 }
 
 /// Returns the stability of a node that carries no state.
 fn stateless() -> Stability {
     Stability {
         verdict: Verdict::ClosedForm,
-        says: vec![
+        explanation: vec![
             "Every frame is computed from its own time: no state is carried from frame to frame, so no error can grow."
                 .into(),
         ],

@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::path::Path;
-use trochoid::certificate::{Made, certify};
+use trochoid::certificate::{CertificateInputs, certify};
 use trochoid::io::{ExrChannel, ExrImage, PngImage, Samples, write_exr, write_png8, write_png16};
 use trochoid::{Buffers, Cache, Certifier, OutputFile, Plan, Plane, Settings, Silent, Window, write_output};
 
@@ -106,7 +106,7 @@ fn certificate(folder: &Path) -> Result {
     write_output(&graph, &frame, &file, &[])?;
     let certified = Certifier::new(&graph, &[], 1, &[], &settings)?.certify(&Buffers::new(), &mut cache, &Silent)?;
     let made =
-        Made { graph: &graph, file: &file, frame: &frame, certified: &certified, settings: &settings, required: None };
+        CertificateInputs { graph: &graph, file: &file, frame: &frame, certified: &certified, settings: &settings, required: None };
     let path = folder.join("certificate");
     certify(&made, &path)?.write(&path)?;
     Ok(())

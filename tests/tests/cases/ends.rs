@@ -7,14 +7,14 @@ use libtest_mimic::Trial;
 use serde_json::{Value, json};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use trochoid::{Buffers, Cache, End, Item, Kind, Plan, Silent, Takes, parse, registry};
+use trochoid::{Buffers, Cache, End, Item, Kind, KnobType, Plan, Silent, parse, registry};
 
 /// Returns the smallest and largest value of each number of these items, with its key.
 fn ends(items: &[Item]) -> Vec<(&'static str, [Value; 2])> {
     let numbers = items.iter().filter_map(|item| match item {
         Item::Knob(knob) => match knob.takes {
-            Takes::Number { min, max } => Some((knob.name, [json!(min), json!(max)])),
-            Takes::Integer { min, max } => Some((knob.name, [json!(min), json!(max)])),
+            KnobType::Number { min, max } => Some((knob.name, [json!(min), json!(max)])),
+            KnobType::Integer { min, max } => Some((knob.name, [json!(min), json!(max)])),
             _ => None,
         },
         _ => None,

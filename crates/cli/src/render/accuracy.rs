@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use crate::shell::printable;
 use serde_json::{Value, json};
 use std::path::Path;
-use trochoid::accuracy::{PlanFile, Planned, allowed};
+use trochoid::accuracy::{PlanFile, PlannedSettings, allowed};
 use trochoid::{Certified, CheckedGraph, Item, Kind, LoadError, Settings, Tolerance, quoted_path};
 
 /// Requested tolerance of a run, and the settings chosen for it.
@@ -18,7 +18,7 @@ pub(super) struct Accuracy {
     /// Assignments in addition to `--set`.
     pub(super) set: Vec<String>,
     /// First frame, and the settings found for it.
-    planned: Option<(i64, Planned)>,
+    planned: Option<(i64, PlannedSettings)>,
 }
 
 impl Accuracy {

@@ -64,7 +64,7 @@ pub(crate) struct Args {
     #[arg(long)]
     pub(super) resume: bool,
     #[command(flatten)]
-    pub(super) files: Files,
+    pub(super) files: FileOptions,
     /// Print nothing on stdout, and show no progress
     #[arg(long, conflicts_with = "json")]
     pub(super) quiet: bool,

@@ -4,23 +4,23 @@ use super::accuracy::Accuracy;
 use super::args::Args;
 use super::written::{Written, take};
 use crate::failure::{FAILED, Failure};
-use crate::files::Over;
+use crate::files::OverwriteOptions;
 use serde_json::{Value, json};
 use std::path::PathBuf;
-use trochoid::certificate::{Certificate, Made, certify, error_image};
+use trochoid::certificate::{Certificate, CertificateInputs, certify, error_image};
 use trochoid::{
-    Buffers, Cache, Certified, Certifier, CheckedGraph, EvalError, Fingerprints, Form, Frame, Guarantee, InputFiles,
-    Monitor, OutputFile, Settings, companion_files, quoted_path, write_guarded,
+    Buffers, Cache, Certified, Certifier, CheckedGraph, CompanionPattern, EvalError, Fingerprints, Form, Frame,
+    Guarantee, InputFiles, Monitor, OutputFile, Settings, companion_files, quoted_path, write_guarded,
 };
 
 /// Companions of an output file: its certificate and error image, if requested.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Beside {
+pub(super) struct Companions {
     pub(super) certificate: Option<PathBuf>,
     pub(super) error: Option<PathBuf>,
 }
 
-impl Beside {
+impl Companions {
     /// Returns the companions of each file of a frame.
     pub(super) fn of(
         graph: &CheckedGraph,
@@ -30,9 +30,12 @@ impl Beside {
         several: bool,
     ) -> Result<Vec<Self>, Failure> {
         let names = |option: &str, pattern: &Option<String>, ending: &str| match pattern {
-            Some(pattern) => companion_files(graph, files, (frame, several), pattern, ending)
-                .map_err(|error| Failure::written(&error, option))
-                .map(|names| names.into_iter().map(Some).collect::<Vec<_>>()),
+            Some(pattern) => {
+                let pattern = CompanionPattern { pattern, ending };
+                companion_files(graph, files, frame, several, pattern)
+                    .map_err(|error| Failure::written(&error, option))
+                    .map(|names| names.into_iter().map(Some).collect::<Vec<_>>())
+            }
             None => Ok(vec![None; files.len()]),
         };
         let (certificates, errors) =
@@ -79,19 +82,19 @@ impl Beside {
 }
 
 /// Data of a run that certifying needs.
-pub(super) struct Certifying<'a> {
+pub(super) struct CertifyContext<'a> {
     pub(super) graph: &'a CheckedGraph,
     pub(super) settings: &'a Settings,
     pub(super) required: Option<Guarantee>,
-    pub(super) over: Over,
+    pub(super) over: OverwriteOptions,
 }
 
-impl Certifying<'_> {
+impl CertifyContext<'_> {
     /// Certifies the files that were written for a frame, and writes their companions.
     pub(super) fn run(
         &self,
         frame: &Frame,
-        files: &[(&OutputFile, &Beside)],
+        files: &[(&OutputFile, &Companions)],
         accuracy: &Accuracy,
         cache: &mut Cache,
         fingerprints: &mut Fingerprints,
@@ -115,13 +118,13 @@ impl Certifying<'_> {
                 })?
             }
         };
-        for (file, beside) in files {
-            if let Some(path) = &beside.error {
+        for (file, companions) in files {
+            if let Some(path) = &companions.error {
                 let metadata = fingerprints.metadata(graph, file, frame);
                 error_image(graph, file, &certified, &metadata, path)?;
             }
-            if let Some(path) = &beside.certificate {
-                let made = Made { graph, file, frame, certified: &certified, settings, required };
+            if let Some(path) = &companions.certificate {
+                let made = CertificateInputs { graph, file, frame, certified: &certified, settings, required };
                 let certificate = certify(&made, path).map_err(|error| failed(&error))?;
                 write_guarded(path, certificate.sealed().as_bytes(), Form::Certificate, over.overwrite)?;
             }
@@ -145,12 +148,12 @@ pub(super) fn described(certified: &Certified) -> Value {
 }
 
 /// Monitor for one half of a frame's work: rendering, then certifying.
-pub(super) struct Half<'m> {
+pub(super) struct HalfMonitor<'m> {
     pub(super) monitor: &'m dyn Monitor,
     pub(super) second: bool,
 }
 
-impl Monitor for Half<'_> {
+impl Monitor for HalfMonitor<'_> {
     fn preparing(&self, node: &str) {
         self.monitor.preparing(node);
     }

@@ -1,7 +1,7 @@
 //! Checks of the files of a run before anything is evaluated.
 
 use super::args::Args;
-use super::certify::Beside;
+use super::certify::Companions;
 use super::written::Written;
 use crate::failure::{FAILED, Failure};
 use crate::files;
@@ -13,19 +13,19 @@ use trochoid::{
 };
 
 /// Outputs and frames that a run is to write.
-pub(super) struct Wanted<'a> {
+pub(super) struct RequestedFiles<'a> {
     pub(super) graph: &'a CheckedGraph,
     pub(super) args: &'a Args,
     pub(super) outputs: &'a [usize],
     pub(super) frames: &'a [i64],
 }
 
-impl Wanted<'_> {
+impl RequestedFiles<'_> {
     /// Checks that every file can be written, that none is an input or the document itself, that no two are the same,
     /// and that none replaces a foreign file or outputs that this run does not write. Returns the folders of the files.
     pub(super) fn check(&self, faults: &mut Vec<Failure>) -> BTreeSet<PathBuf> {
         let Self { graph, args, .. } = *self;
-        let (files, beside) = match self.named() {
+        let (files, companions) = match self.named() {
             Ok(named) => named,
             // A fault in a pattern is the same at every frame.
             Err(fault) => {
@@ -43,7 +43,7 @@ impl Wanted<'_> {
         faults.extend(files.iter().filter_map(|(_, file)| files::input(&file.path, &inputs)));
         faults.extend(files.iter().filter_map(|(_, file)| no_file(&file.path)));
         faults.extend(files.iter().filter_map(|(_, file)| taken_twice(&file.path, &mut written)));
-        faults.extend(beside.iter().flat_map(|beside| beside.refusals(&inputs, &mut written)));
+        faults.extend(companions.iter().flat_map(|companions| companions.refusals(&inputs, &mut written)));
         let report = args.report.as_ref().filter(|_| !args.report_on_stdout());
         if let Some(report) = report {
             faults.extend(files::ending("--report", report, "json"));
@@ -63,19 +63,19 @@ impl Wanted<'_> {
 
     /// Returns the files of all frames that the run may write, and the companions of all files.
     #[expect(clippy::type_complexity, reason = "a pair of lists")]
-    fn named(&self) -> Result<(Vec<(i64, OutputFile)>, Vec<Beside>), Failure> {
+    fn named(&self) -> Result<(Vec<(i64, OutputFile)>, Vec<Companions>), Failure> {
         // Files that the document may not write are named as well, so that all faults are reported at once.
         let named = self.graph.clone().with_access(Access::everything());
         let pattern = self.args.out.as_deref();
         let may_write = |path: &Path| pattern.is_some() || self.graph.access().check_for(path, Right::Write).is_ok();
         let several = self.frames.len() > 1;
-        let (mut written, mut beside) = (Vec::new(), Vec::new());
+        let (mut written, mut companions) = (Vec::new(), Vec::new());
         for &frame in self.frames {
             let files = output_files(&named, self.outputs, frame, several, pattern)?;
-            beside.extend(Beside::of(self.graph, self.args, &files, frame, several)?);
+            companions.extend(Companions::of(self.graph, self.args, &files, frame, several)?);
             written.extend(files.into_iter().filter(|file| may_write(&file.path)).map(|file| (frame, file)));
         }
-        Ok((written, beside))
+        Ok((written, companions))
     }
 
     /// Returns failures for files with outputs of the document that this run would not write again. Of consecutive

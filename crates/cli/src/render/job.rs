@@ -2,8 +2,8 @@
 
 use super::accuracy::Accuracy;
 use super::args::Args;
-use super::certify::{self, Beside, Certifying, Half};
-use super::files::Wanted;
+use super::certify::{self, CertifyContext, Companions, HalfMonitor};
+use super::files::RequestedFiles;
 use super::line;
 use crate::failure::{FAILED, Failure, MISSED};
 use crate::progress::Progress;
@@ -36,7 +36,7 @@ pub(super) struct Job<'a> {
 }
 
 /// Result of a frame.
-struct Done {
+struct FrameResult {
     report: Value,
     line: String,
     /// Messages about missed requirements.
@@ -63,7 +63,7 @@ impl<'a> Job<'a> {
         }
         let (required, accuracy) = (args.required(), Accuracy::default());
         let mut job = Self { graph, args, required, settings, outputs, frames, folders: BTreeSet::new(), accuracy };
-        job.folders = Wanted { graph, args, outputs: &job.outputs, frames: &job.frames }.check(faults);
+        job.folders = RequestedFiles { graph, args, outputs: &job.outputs, frames: &job.frames }.check(faults);
         job
     }
 
@@ -83,8 +83,8 @@ impl<'a> Job<'a> {
     }
 
     /// Returns the companions of each file of a frame.
-    fn beside(&self, files: &[OutputFile], frame: i64) -> Result<Vec<Beside>, Failure> {
-        Beside::of(self.graph, self.args, files, frame, self.frames.len() > 1)
+    fn companions(&self, files: &[OutputFile], frame: i64) -> Result<Vec<Companions>, Failure> {
+        Companions::of(self.graph, self.args, files, frame, self.frames.len() > 1)
     }
 
     fn certifies(&self) -> bool {
@@ -177,26 +177,28 @@ impl<'a> Job<'a> {
         cache: &mut Cache,
         fingerprints: &mut Fingerprints,
         progress: &Progress,
-    ) -> Result<Done, Failure> {
+    ) -> Result<FrameResult, Failure> {
         let started = Instant::now();
         stop_if_asked()?;
         let all = self.files(number)?;
-        let beside = self.beside(&all, number)?;
-        type Files = Vec<(OutputFile, Beside)>;
-        let (current, open): (Files, Files) = all.into_iter().zip(beside).partition(|(file, beside)| {
-            self.args.resume
-                && fingerprints.is_current(self.graph, file, number, self.required)
-                && (!self.certifies() || beside.is_current(self.graph, file, number, fingerprints))
-        });
-        let up_to_date = || current.iter().map(|(file, beside)| self.describe(file, "up to date", Some(beside)));
+        let companions = self.companions(&all, number)?;
+        type PairedFiles = Vec<(OutputFile, Companions)>;
+        let (current, open): (PairedFiles, PairedFiles) =
+            all.into_iter().zip(companions).partition(|(file, companions)| {
+                self.args.resume
+                    && fingerprints.is_current(self.graph, file, number, self.required)
+                    && (!self.certifies() || companions.is_current(self.graph, file, number, fingerprints))
+            });
+        let up_to_date =
+            || current.iter().map(|(file, companions)| self.describe(file, "up to date", Some(companions)));
         if open.is_empty() {
             let files: Vec<Value> = up_to_date().collect();
             let report = json!({ "frame": number, "skipped": true, "files": files });
             let current: Vec<OutputFile> = current.into_iter().map(|(file, _)| file).collect();
             let line = line::skipped(self.graph, number, &current);
-            return Ok(Done { report, line, misses: Vec::new(), replaced: Vec::new(), skipped: true });
+            return Ok(FrameResult { report, line, misses: Vec::new(), replaced: Vec::new(), skipped: true });
         }
-        let (open, beside): (Vec<OutputFile>, Vec<Beside>) = open.into_iter().unzip();
+        let (open, companions): (Vec<OutputFile>, Vec<Companions>) = open.into_iter().unzip();
         let names: Vec<&str> = open
             .iter()
             .flat_map(|file| &file.outputs)
@@ -214,7 +216,7 @@ impl<'a> Job<'a> {
             let refused = plan.check_memory(&account).err();
             refused.map_or(Ok(()), |error| Err(Failure::evaluated(&format!("frame {number}: "), &error)))?;
         }
-        let [rendering, certifying] = [false, true].map(|second| Half { monitor: progress, second });
+        let [rendering, certifying] = [false, true].map(|second| HalfMonitor { monitor: progress, second });
         let monitor: &dyn Monitor = if self.certifies() { &rendering } else { progress };
         let into = sink.as_ref().map(|sink| sink as &dyn Sink);
         let frame = if self.accuracy.by_reference() {
@@ -257,8 +259,9 @@ impl<'a> Job<'a> {
         let mut certified = Vec::new();
         if self.certifies() {
             let certifying_started = Instant::now();
-            let kept: Vec<(&OutputFile, &Beside)> = open.iter().zip(&beside).filter(|(file, _)| keeps(file)).collect();
-            let run = Certifying {
+            let kept: Vec<(&OutputFile, &Companions)> =
+                open.iter().zip(&companions).filter(|(file, _)| keeps(file)).collect();
+            let run = CertifyContext {
                 graph: self.graph,
                 settings: &self.settings,
                 required: self.required,
@@ -271,8 +274,8 @@ impl<'a> Job<'a> {
                 report["outputs"][name]["certified"] = certify::described(certified);
             }
         }
-        let described = open.iter().zip(&beside).map(|(file, beside)| match keeps(file) {
-            true => self.describe(file, "written", Some(beside)),
+        let described = open.iter().zip(&companions).map(|(file, companions)| match keeps(file) {
+            true => self.describe(file, "written", Some(companions)),
             false => self.describe(file, "required guarantee missed", None),
         });
         let described: Vec<Value> = described.chain(up_to_date()).collect();
@@ -292,13 +295,13 @@ impl<'a> Job<'a> {
         let replaced =
             frame.nodes.iter().filter(|node| node.repaired > 0).map(|node| (node.name.clone(), node.repaired));
         let replaced = replaced.collect();
-        Ok(Done { report, line, misses: misses.collect(), replaced, skipped: false })
+        Ok(FrameResult { report, line, misses: misses.collect(), replaced, skipped: false })
     }
 
-    fn describe(&self, file: &OutputFile, state: &str, beside: Option<&Beside>) -> Value {
+    fn describe(&self, file: &OutputFile, state: &str, companions: Option<&Companions>) -> Value {
         let outputs: Vec<&str> = file.outputs.iter().map(|index| self.graph.outputs()[*index].name.as_str()).collect();
         let mut entry = json!({ "path": file.path.display().to_string(), "outputs": outputs, "state": state });
-        beside.into_iter().for_each(|beside| beside.describe(&mut entry));
+        companions.into_iter().for_each(|companions| companions.describe(&mut entry));
         entry
     }
 }

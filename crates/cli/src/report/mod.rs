@@ -29,7 +29,7 @@ mod tests;
 mod text;
 
 use crate::failure::{FAILED, Failure};
-use crate::files::{self, Files};
+use crate::files::{self, FileOptions};
 use crate::progress::Progress;
 use crate::remedies;
 use crate::shell::{self, printable};
@@ -82,7 +82,7 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
-    files: Files,
+    files: FileOptions,
     /// Print nothing on stdout, and show no progress
     #[arg(long, conflicts_with = "json")]
     quiet: bool,

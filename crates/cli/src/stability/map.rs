@@ -1,7 +1,7 @@
 //! The stability map over two coefficients: growth of the sea at each point, the stable region, and the node's own
 //! point.
 
-use crate::files::Over;
+use crate::files::OverwriteOptions;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 use std::error::Error;
@@ -35,7 +35,7 @@ fn color(growth: f64) -> RGBColor {
 ///
 /// # Errors
 /// The plot cannot be laid out or written.
-pub(super) fn write(path: &Path, over: Over, name: &str, map: &StabilityMap) -> Result<(), Box<dyn Error>> {
+pub(super) fn write(path: &Path, over: OverwriteOptions, name: &str, map: &StabilityMap) -> Result<(), Box<dyn Error>> {
     let pixels = draw(name, map)?;
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
@@ -177,7 +177,7 @@ mod tests {
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("maps/map.png");
-        write(&path, Over::default(), "sea", &map).unwrap();
+        write(&path, OverwriteOptions::default(), "sea", &map).unwrap();
         let info = trochoid::io::info(&path, &trochoid::io::Limits::default()).unwrap();
         assert_eq!((info.parts[0].data.width(), info.parts[0].data.height()), (WIDTH, HEIGHT));
         let around = |map: &StabilityMap| draw("sea", map).unwrap();

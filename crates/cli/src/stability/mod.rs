@@ -4,7 +4,7 @@ mod map;
 mod text;
 
 use crate::failure::{FAILED, Failure};
-use crate::files::{self, Over};
+use crate::files::{self, OverwriteOptions};
 use crate::remedies;
 use crate::shell;
 use serde_json::{Value, json};
@@ -39,7 +39,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NODE.KNOB=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
-    over: Over,
+    over: OverwriteOptions,
 }
 
 /// Document that is analyzed if none is named.
@@ -175,7 +175,7 @@ fn to_json(graph: &CheckedGraph, found: &[(NodeId, Stability)], maps: &[(NodeId,
             "node": graph.node(*id).name,
             "type": graph.node(*id).ty.declaration().name,
             "verdict": report.verdict.name(),
-            "says": report.says,
+            "says": report.explanation,
             "figures": figures.collect::<Vec<_>>(),
             "plane": region,
             "map": map,

@@ -18,7 +18,7 @@ pub(super) fn report(graph: &CheckedGraph, found: &[(NodeId, Stability)], maps: 
         let gap = if index > 0 { "\n" } else { "" };
         let title = format!("{} ({})", printable(&node.name), node.ty.declaration().name);
         let _ = writeln!(text, "{gap}{HEADING}{title}{HEADING:#}: {}", report.verdict.name());
-        report.says.iter().for_each(|sentence| text.push_str(&wrap(sentence, 2)));
+        report.explanation.iter().for_each(|sentence| text.push_str(&wrap(sentence, 2)));
         if !report.figures.is_empty() {
             let _ = writeln!(text, "\n  {:NAME$}{:>NUMBER$}{:>NUMBER$}", "", "predicted", "measured");
             report.figures.iter().for_each(|figure| text.push_str(&row(figure)));

@@ -1,7 +1,7 @@
 //! Permissions given to a document: folders it may read or write outside its own.
 
 use std::path::{Path, PathBuf};
-use trochoid::{Refused, Right};
+use trochoid::{RefusedFile, Right};
 
 /// Permission to read or write in a folder and everything below it. Serialized in the remembered form: a bare path
 /// means reading.
@@ -19,7 +19,7 @@ pub enum Grant {
 
 impl Grant {
     /// Returns the permission that lifts a refusal.
-    pub(crate) fn of(refused: &Refused) -> Self {
+    pub(crate) fn of(refused: &RefusedFile) -> Self {
         let folder = refused.outside.folder().to_path_buf();
         match refused.right() {
             Right::Read => Self::Read(folder),

@@ -79,7 +79,7 @@ pub(super) fn behind(sheet: &Sheet, mut nodes: Rect) -> (Edit, String) {
 /// Adds a note near a place of the canvas: a backdrop with nothing on it. Also returns its name.
 pub(super) fn note(sheet: &Sheet, at: Pos2) -> (Edit, String) {
     let size = vec2(180.0, 90.0);
-    let mut boxes = super::place::boxes(sheet, &mut super::place::Laid::default());
+    let mut boxes = super::place::boxes(sheet, &mut super::place::GraphLayout::default());
     boxes.extend(sheet.backdrops.values().map(area));
     let at = super::place::nearest(Rect::from_center_size(at, size), &boxes).min;
     let body = Backdrop { at: [at.x.round(), at.y.round()], size: size.into(), text: NOTE.into(), tint: YELLOW };
@@ -159,7 +159,7 @@ impl Canvas {
             self.write(Subject::Backdrop(name.into()), &body.text, false);
         }
         if grip.secondary_clicked() {
-            self.open_menu(ui, super::menu::About::Backdrop(name.into()));
+            self.open_menu(ui, super::menu::MenuTarget::Backdrop(name.into()));
         }
     }
 

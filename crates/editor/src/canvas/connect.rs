@@ -213,7 +213,7 @@ fn between(
 
 /// Connection requested for a new node.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Wanted {
+pub(super) enum NewNodeLink {
     /// Nothing.
     Nothing,
     /// The new node takes this output (node name, output index).
@@ -225,14 +225,14 @@ pub(super) enum Wanted {
 }
 
 /// Returns whether a node of this type can be connected as requested.
-pub(super) fn suits(sheet: &Sheet, declaration: &Declaration, wanted: &Wanted) -> bool {
+pub(super) fn suits(sheet: &Sheet, declaration: &Declaration, wanted: &NewNodeLink) -> bool {
     match wanted {
-        Wanted::Nothing | Wanted::Below(..) => true,
-        Wanted::Takes(name, output) => {
+        NewNodeLink::Nothing | NewNodeLink::Below(..) => true,
+        NewNodeLink::Takes(name, output) => {
             let kind = sheet.find(name).and_then(|node| kind(sheet, (node, *output)));
             kind.is_some_and(|kind| taken(declaration.items, kind))
         }
-        Wanted::Feeds(name, pin) => {
+        NewNodeLink::Feeds(name, pin) => {
             let pin = sheet.node(name).and_then(|node| node.pins.get(*pin));
             pin.is_some_and(|pin| declaration.outputs.iter().any(|output| takes(pin.accepts, output.kind)))
         }
@@ -252,7 +252,7 @@ pub(super) fn added(
     session: &Session,
     declaration: &'static Declaration,
     at: Point,
-    wanted: &Wanted,
+    wanted: &NewNodeLink,
 ) -> (Edit, String) {
     let (edit, name) = edit::added(session.sheet(), declaration, at);
     let joined = session.after(&edit).ok().and_then(|after| joins(&after.sheet, &name, wanted));
@@ -262,23 +262,23 @@ pub(super) fn added(
     }
 }
 
-fn joins(sheet: &Sheet, name: &str, wanted: &Wanted) -> Option<Edit> {
+fn joins(sheet: &Sheet, name: &str, wanted: &NewNodeLink) -> Option<Edit> {
     let node = sheet.find(name)?;
     let new = &sheet.nodes[node];
     match wanted {
-        Wanted::Nothing => None,
-        Wanted::Feeds(below, pin) => {
+        NewNodeLink::Nothing => None,
+        NewNodeLink::Feeds(below, pin) => {
             let below = sheet.find(below)?;
             let accepts = sheet.nodes[below].pins.get(*pin)?.accepts;
             let output = new.makes.iter().position(|(_, made)| made.is_some_and(|made| takes(accepts, made)))?;
             Some(edit::connected(sheet, (node, output), (below, *pin)))
         }
-        Wanted::Takes(above, output) | Wanted::Below(above, output) => {
+        NewNodeLink::Takes(above, output) | NewNodeLink::Below(above, output) => {
             let from = (sheet.find(above)?, *output);
             let kind = kind(sheet, from)?;
             let pin = new.pins.iter().position(|pin| takes(pin.accepts, kind))?;
             let mut edit = edit::connected(sheet, from, (node, pin));
-            if matches!(wanted, Wanted::Below(..)) {
+            if matches!(wanted, NewNodeLink::Below(..)) {
                 let made = new.makes.first().and_then(|(_, made)| *made)?;
                 let made = if made == Kind::ANY { kind } else { made };
                 let below = sheet.wires.iter().filter(|wire| wire.from == from);

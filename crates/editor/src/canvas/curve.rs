@@ -8,7 +8,7 @@ const TOLERANCE: f32 = 0.2;
 
 /// Way in which a wire passes the points between its ends.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Through {
+pub(super) enum WireShape {
     /// Vertically, as along a route of the automatic layout.
     Down,
     /// By the shortest way, as through dots.
@@ -26,17 +26,17 @@ pub(super) struct Curve {
 
 impl Curve {
     /// Creates a smooth curve that leaves its first point and reaches its last one vertically.
-    pub(super) fn new(points: &[Pos2], through: Through) -> Self {
+    pub(super) fn new(points: &[Pos2], through: WireShape) -> Self {
         let mut line = Vec::new();
         for (index, ends) in points.windows(2).enumerate() {
             let [from, to] = [ends[0], ends[1]];
             let (first, last) = (index == 0, index + 2 == points.len());
-            let out = if first || through == Through::Down {
+            let out = if first || through == WireShape::Down {
                 vertical(from, to)
             } else {
                 toward(points[index - 1], to, from.distance(to))
             };
-            let back = if last || through == Through::Down {
+            let back = if last || through == WireShape::Down {
                 vertical(from, to)
             } else {
                 toward(from, points[index + 2], from.distance(to))
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn a_curve_is_drawn_where_it_runs_with_few_points() {
-        let curve = Curve::new(&[pos2(20.0, 10.0), pos2(300.0, 250.0)], Through::Down);
+        let curve = Curve::new(&[pos2(20.0, 10.0), pos2(300.0, 250.0)], WireShape::Down);
         for zoom in [0.1, 0.5, 1.0] {
             let pieces = curve.seen(&view(zoom));
             assert_eq!(pieces.len(), 1);
@@ -162,9 +162,9 @@ mod tests {
 
     #[test]
     fn what_is_out_of_view_is_not_drawn() {
-        let out = Curve::new(&[pos2(20.0, 310.0), pos2(300.0, 450.0)], Through::Down);
+        let out = Curve::new(&[pos2(20.0, 310.0), pos2(300.0, 450.0)], WireShape::Down);
         assert!(out.seen(&view(1.0)).is_empty());
-        let through = Curve::new(&[pos2(-50.0, -200.0), pos2(100.0, 900.0)], Through::Down);
+        let through = Curve::new(&[pos2(-50.0, -200.0), pos2(100.0, 900.0)], WireShape::Down);
         let pieces = through.seen(&view(1.0));
         assert!(!pieces.is_empty() && pieces.concat().iter().all(|at| at.y > -60.0 && at.y < 360.0));
     }

@@ -1,7 +1,7 @@
 //! Pointer gestures on the canvas, from press to release.
 
 use super::Canvas;
-use super::connect::{self, Wanted};
+use super::connect::{self, NewNodeLink};
 use super::plan::{End, Plan};
 use crate::actions::Action;
 use crate::document::{Edit, Point, Wire, decor, edit};
@@ -326,8 +326,8 @@ impl Canvas {
             (None, None) if pull.began.distance(pointer.at) > 20.0 => {
                 let node = plan.sheet.nodes[pull.held.node()].name.clone();
                 let wanted = match pull.held {
-                    End::Output(_, output) => Wanted::Takes(node, output),
-                    End::Pin(_, pin) => Wanted::Feeds(node, pin),
+                    End::Output(_, output) => NewNodeLink::Takes(node, output),
+                    End::Pin(_, pin) => NewNodeLink::Feeds(node, pin),
                 };
                 self.open_search(pointer.at, wanted);
             }

@@ -3,7 +3,7 @@
 use super::Canvas;
 use super::backdrop::Subject;
 use super::drag::Gesture;
-use super::menu::About;
+use super::menu::MenuTarget;
 use super::plan::{End, Plan};
 use crate::actions::Action;
 use crate::document::output;
@@ -58,7 +58,7 @@ impl Canvas {
                 look(plan, name, actions);
             }
             if response.secondary_clicked() {
-                self.open_menu(ui, About::Output(name.clone()));
+                self.open_menu(ui, MenuTarget::Output(name.clone()));
             }
             if response.drag_started_by(PointerButton::Primary) && matches!(self.gesture, Gesture::Idle) {
                 self.gesture = Gesture::Output(name.clone());

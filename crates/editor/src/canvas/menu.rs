@@ -14,7 +14,7 @@ use egui::{
 
 /// Item that was right-clicked.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum About {
+pub(super) enum MenuTarget {
     /// The selected nodes.
     Nodes,
     /// A backdrop.
@@ -28,7 +28,7 @@ pub(super) enum About {
 /// A context menu at a place on the screen.
 pub(super) struct Menu {
     at: Pos2,
-    about: About,
+    about: MenuTarget,
     /// Number of menus opened before, used in its id so that no menu inherits the size of another.
     serial: u64,
 }
@@ -64,7 +64,7 @@ pub(super) fn lined_up(boxes: &[Rect], line: Line) -> Vec<Point> {
 
 impl Canvas {
     /// Opens a context menu at the pointer.
-    pub(super) fn open_menu(&mut self, ui: &Ui, about: About) {
+    pub(super) fn open_menu(&mut self, ui: &Ui, about: MenuTarget) {
         let at = ui.input(|input| input.pointer.latest_pos()).unwrap_or(self.view.rect.center());
         self.menus += 1;
         self.menu = Some(Menu { at, about, serial: self.menus });
@@ -83,10 +83,10 @@ impl Canvas {
         popup.show(|ui| {
             ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
             match &menu.about {
-                About::Nodes => self.nodes_menu(plan, ui, state, actions, menu.at),
-                About::Backdrop(name) => self.backdrop_menu(plan, ui, name, actions),
-                About::Output(name) => self.output_menu(plan, ui, name, actions),
-                About::Empty => self.empty_menu(ui, actions, menu.at),
+                MenuTarget::Nodes => self.nodes_menu(plan, ui, state, actions, menu.at),
+                MenuTarget::Backdrop(name) => self.backdrop_menu(plan, ui, name, actions),
+                MenuTarget::Output(name) => self.output_menu(plan, ui, name, actions),
+                MenuTarget::Empty => self.empty_menu(ui, actions, menu.at),
             }
         });
         if open {
@@ -96,7 +96,7 @@ impl Canvas {
 
     fn empty_menu(&mut self, ui: &mut Ui, actions: &mut Vec<Action>, at: Pos2) {
         if ui.button("Add node …").clicked() {
-            self.open_search(at, super::connect::Wanted::Nothing);
+            self.open_search(at, super::connect::NewNodeLink::Nothing);
         }
         for (name, action) in [
             ("Add note", Action::Note),

@@ -38,7 +38,7 @@ use std::sync::Arc;
 pub struct Canvas {
     view: view::View,
     plan: Option<Plan>,
-    laid: place::Laid,
+    laid: place::GraphLayout,
     pictures: picture::Pictures,
     gesture: Gesture,
     /// The pin that was clicked, unless the click ended a gesture.
@@ -160,7 +160,7 @@ impl Canvas {
         }
         if std::mem::take(&mut self.wants_search) {
             let at = ui.input(|input| input.pointer.hover_pos()).filter(|at| rect.contains(*at));
-            self.open_search(at.unwrap_or(rect.center()), connect::Wanted::Nothing);
+            self.open_search(at.unwrap_or(rect.center()), connect::NewNodeLink::Nothing);
         }
         let replaced = std::mem::take(&mut self.wants_replacement).then(|| state.chosen()).flatten();
         if let Some(node) = replaced.and_then(|name| plan.sheet.find(name)) {
@@ -236,7 +236,7 @@ impl Canvas {
             }
         }
         if response.secondary_clicked() {
-            self.open_menu(ui, menu::About::Empty);
+            self.open_menu(ui, menu::MenuTarget::Empty);
         }
     }
 
@@ -344,12 +344,12 @@ pub fn placed(sheet: &Arc<Sheet>) -> Arc<Sheet> {
 /// Returns an edit that keeps nodes where they are drawn: it first writes all places, if the document does not have
 /// them.
 pub fn freezing(sheet: &Sheet, then: Edit) -> Edit {
-    place::freezing(sheet, &place::boxes(sheet, &mut place::Laid::default()), then)
+    place::freezing(sheet, &place::boxes(sheet, &mut place::GraphLayout::default()), then)
 }
 
 /// Deletes nodes; the others keep the places where they are drawn.
 pub fn deleting(sheet: &Sheet, names: &[String]) -> Edit {
-    let mut boxes = place::boxes(sheet, &mut place::Laid::default());
+    let mut boxes = place::boxes(sheet, &mut place::GraphLayout::default());
     let mut rest = sheet.clone();
     let stays = |node: &crate::document::Node| node.placed || !names.contains(&node.name);
     let mut kept = sheet.nodes.iter().map(stays);
@@ -360,7 +360,7 @@ pub fn deleting(sheet: &Sheet, names: &[String]) -> Edit {
 
 /// Aligns or distributes the selected nodes.
 pub fn lined_up(sheet: &Sheet, chosen: &BTreeSet<String>, line: Line) -> Edit {
-    let boxes = place::boxes(sheet, &mut place::Laid::default());
+    let boxes = place::boxes(sheet, &mut place::GraphLayout::default());
     let nodes: Vec<usize> = chosen.iter().filter_map(|name| sheet.find(name)).collect();
     let own: Vec<Rect> = nodes.iter().map(|node| boxes[*node]).collect();
     let names = nodes.iter().map(|node| sheet.nodes[*node].name.clone());
@@ -371,7 +371,7 @@ pub fn lined_up(sheet: &Sheet, chosen: &BTreeSet<String>, line: Line) -> Edit {
 /// Adds a backdrop behind the selected nodes; returns the edit, its name, and its initial text, or `None` if no node is
 /// selected.
 pub fn backdrop(sheet: &Sheet, chosen: &BTreeSet<String>) -> Option<(Edit, String, &'static str)> {
-    let boxes = place::boxes(sheet, &mut place::Laid::default());
+    let boxes = place::boxes(sheet, &mut place::GraphLayout::default());
     let some = chosen.iter().filter_map(|name| Some(boxes[sheet.find(name)?]));
     let (edit, name) = backdrop::behind(sheet, some.reduce(Rect::union)?);
     Some((edit, name, backdrop::BACKDROP))
@@ -379,7 +379,7 @@ pub fn backdrop(sheet: &Sheet, chosen: &BTreeSet<String>) -> Option<(Edit, Strin
 
 /// Returns the backdrop that the selection refers to: the smallest one behind all selected nodes, or else the only one.
 pub fn backdrop_of<'s>(sheet: &'s Sheet, chosen: &BTreeSet<String>) -> Option<&'s String> {
-    let boxes = place::boxes(sheet, &mut place::Laid::default());
+    let boxes = place::boxes(sheet, &mut place::GraphLayout::default());
     let nodes = chosen.iter().filter_map(|name| Some(boxes[sheet.find(name)?])).reduce(Rect::union);
     let behind = |own: Rect| nodes.is_some_and(|nodes| own.contains_rect(nodes));
     let all = sheet.backdrops.iter().map(|(name, body)| (name, backdrop::area(body)));

@@ -2,7 +2,7 @@
 
 use super::Canvas;
 use super::drag::{Gesture, Move};
-use super::menu::About;
+use super::menu::MenuTarget;
 use super::place::{HEAD, has_picture};
 use super::plan::Plan;
 use super::wire::{faded, left_out};
@@ -54,7 +54,7 @@ impl Canvas {
     pub(super) fn nodes_ui(&mut self, plan: &Plan, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         let paint = Paint::of(ui);
         self.marks.clear();
-        let total: f64 = state.seen.nodes.values().map(|node| node.seconds).sum();
+        let total: f64 = state.evaluated.nodes.values().map(|node| node.seconds).sum();
         for index in 0..plan.boxes.len() {
             if !plan.is_seen(index, &self.view) {
                 continue;
@@ -82,7 +82,7 @@ impl Canvas {
                 if !chosen {
                     actions.push(Action::Select([node.name.clone()].into()));
                 }
-                self.open_menu(ui, About::Nodes);
+                self.open_menu(ui, MenuTarget::Nodes);
             }
             if response.drag_started_by(PointerButton::Primary) && matches!(self.gesture, Gesture::Idle) {
                 self.grab(plan, ui, state, index, actions);
@@ -275,7 +275,7 @@ fn draw_text(ui: &Ui, node: &Node, head: Rect, zoom: f32, colors: [Color32; 2], 
     }
     let line = pos2(left, head.top() + 20.5 * zoom);
     let mut width = width;
-    let seconds = state.seen.nodes.get(&node.name).map_or(0.0, |node| node.seconds);
+    let seconds = state.evaluated.nodes.get(&node.name).map_or(0.0, |node| node.seconds);
     if total > 0.0 && seconds > COSTLY * total {
         let text = format::seconds(seconds);
         let at = pos2(head.right() - 6.0 * zoom, line.y);
@@ -312,7 +312,7 @@ fn about_ui(plan: &Plan, ui: &mut Ui, state: &State, index: usize, total: f64) {
         Some(known) => ui.label(known.summary),
         None => ui.colored_label(theme::error(ui.visuals()), format!("Unknown node type \"{}\".", node.ty)),
     };
-    if let Some(seen) = state.seen.nodes.get(&node.name) {
+    if let Some(seen) = state.evaluated.nodes.get(&node.name) {
         match &seen.state {
             Fate::Evaluated => {
                 let share = if total > 0.0 { 100.0 * seen.seconds / total } else { 0.0 };

@@ -15,7 +15,7 @@ pub(super) struct Pictures {
 impl Pictures {
     /// Returns the thumbnail of a node, uploading it when it is first drawn.
     pub(super) fn of(&mut self, context: &Context, state: &State, name: &str) -> Option<&TextureHandle> {
-        let screen = state.seen.thumbnails.get(name)?;
+        let screen = state.evaluated.thumbnails.get(name)?;
         let fresh = self.known.get(name).is_some_and(|(known, _)| Arc::ptr_eq(known, screen));
         if !fresh {
             let [width, height] = screen.size;
@@ -31,8 +31,8 @@ impl Pictures {
 
     /// Drops thumbnails of nodes that no longer exist.
     pub(super) fn tidy(&mut self, state: &State) {
-        if self.known.len() > state.seen.thumbnails.len() {
-            self.known.retain(|name, _| state.seen.thumbnails.contains_key(name));
+        if self.known.len() > state.evaluated.thumbnails.len() {
+            self.known.retain(|name, _| state.evaluated.thumbnails.contains_key(name));
         }
     }
 }

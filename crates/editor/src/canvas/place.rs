@@ -38,7 +38,7 @@ pub(super) fn along(index: usize, count: usize, width: f32) -> f32 {
 
 /// A layered layout: positions of nodes and routes of wires.
 #[derive(Default)]
-pub(super) struct Laid {
+pub(super) struct GraphLayout {
     /// Hash of the wires and node sizes that were laid out.
     key: u64,
     /// Upper left corner of each node.
@@ -47,7 +47,7 @@ pub(super) struct Laid {
     pub(super) routes: HashMap<usize, Vec<Pos2>>,
 }
 
-impl Laid {
+impl GraphLayout {
     /// Lays out all nodes of a document, unless wires and sizes are unchanged since the last layout.
     pub(super) fn update(&mut self, sheet: &Sheet) {
         let mut hasher = DefaultHasher::new();
@@ -65,7 +65,7 @@ impl Laid {
 }
 
 /// Lays out some nodes in layers, with wires running down.
-fn lay(sheet: &Sheet, members: &[usize]) -> Laid {
+fn lay(sheet: &Sheet, members: &[usize]) -> GraphLayout {
     let place: HashMap<usize, usize> = members.iter().enumerate().map(|(at, node)| (*node, at)).collect();
     let boxes: Vec<[f64; 2]> = members
         .iter()
@@ -102,7 +102,7 @@ fn lay(sheet: &Sheet, members: &[usize]) -> Laid {
             routes.extend(wires.iter().map(|wire| (*wire, through.clone())));
         }
     }
-    Laid { key: 0, corners, routes }
+    GraphLayout { key: 0, corners, routes }
 }
 
 /// Returns all wires except those that close a cycle, which an invalid document may have.
@@ -137,7 +137,7 @@ fn acyclic(sheet: &Sheet) -> Vec<usize> {
 }
 
 /// Returns the area of each node. Nodes that the document does not place are laid out.
-pub(super) fn boxes(sheet: &Sheet, laid: &mut Laid) -> Vec<Rect> {
+pub(super) fn boxes(sheet: &Sheet, laid: &mut GraphLayout) -> Vec<Rect> {
     let at = |node: &Node, at: Pos2| Rect::from_min_size(at, size(node));
     let placed = sheet.nodes.iter().filter(|node| node.placed).count();
     let mut boxes: Vec<Rect> = sheet.nodes.iter().map(|node| at(node, pos2(node.at[0], node.at[1]))).collect();
@@ -173,7 +173,7 @@ pub(super) fn boxes(sheet: &Sheet, laid: &mut Laid) -> Vec<Rect> {
 
 /// Returns the document with a place for every node: the place where it is drawn.
 pub(super) fn placed(sheet: &Sheet) -> Sheet {
-    let boxes = boxes(sheet, &mut Laid::default());
+    let boxes = boxes(sheet, &mut GraphLayout::default());
     let mut sheet = sheet.clone();
     sheet.nodes.iter_mut().zip(&boxes).for_each(|(node, own)| node.at = own.min.into());
     sheet
@@ -218,7 +218,7 @@ pub(super) fn arrange(sheet: &Sheet, chosen: &BTreeSet<String>) -> Vec<(String, 
     let some: Vec<usize> = chosen.iter().filter_map(|name| sheet.find(name)).collect();
     let some = if some.len() < 2 { (0..sheet.nodes.len()).collect() } else { some };
     let laid = lay(sheet, &some);
-    let boxes = boxes(sheet, &mut Laid::default());
+    let boxes = boxes(sheet, &mut GraphLayout::default());
     let corner = |corners: &mut dyn Iterator<Item = Pos2>| corners.reduce(Pos2::min).unwrap_or_default();
     let shift = corner(&mut some.iter().map(|node| boxes[*node].min)) - corner(&mut laid.corners.iter().copied());
     let places = some.iter().zip(&laid.corners).map(|(node, at)| {

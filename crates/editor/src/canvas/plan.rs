@@ -1,7 +1,7 @@
 //! Geometry and faults of a document as drawn, computed once per version of its text.
 
-use super::curve::{Curve, Through};
-use super::place::{self, Laid};
+use super::curve::{Curve, WireShape};
+use super::place::{self, GraphLayout};
 use super::view::View;
 use crate::document::{Edit, Point, Sheet, Wire, decor};
 use crate::state::State;
@@ -66,7 +66,7 @@ pub(super) struct Plan {
 
 impl Plan {
     /// Computes the plan of a document.
-    pub(super) fn new(state: &State, laid: &mut Laid) -> Self {
+    pub(super) fn new(state: &State, laid: &mut GraphLayout) -> Self {
         let sheet = state.sheet().clone();
         let boxes = place::boxes(&sheet, laid);
         if boxes.len() <= MOST {
@@ -146,7 +146,7 @@ impl Plan {
     }
 
     fn curve(&self, wire: usize) -> Curve {
-        let through = if self.dots[wire].is_empty() { Through::Down } else { Through::Dots };
+        let through = if self.dots[wire].is_empty() { WireShape::Down } else { WireShape::Dots };
         Curve::new(&self.points(wire), through)
     }
 
@@ -247,7 +247,7 @@ impl Plan {
 const MOST: usize = 300;
 
 /// Returns routes for wires whose ends have the same relative position as in the layout.
-fn routes(sheet: &Sheet, boxes: &[Rect], laid: &Laid) -> HashMap<usize, Vec<Pos2>> {
+fn routes(sheet: &Sheet, boxes: &[Rect], laid: &GraphLayout) -> HashMap<usize, Vec<Pos2>> {
     if laid.corners.len() != boxes.len() {
         return HashMap::new();
     }

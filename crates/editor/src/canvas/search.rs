@@ -1,7 +1,7 @@
 //! Search for a node type by name, to add or replace a node.
 
 use super::Canvas;
-use super::connect::{self, Wanted};
+use super::connect::{self, NewNodeLink};
 use super::place;
 use super::plan::Plan;
 use crate::actions::Action;
@@ -26,7 +26,7 @@ pub(super) struct Search {
 
 enum Purpose {
     /// Add a node, connected this way.
-    Add(Wanted),
+    Add(NewNodeLink),
     /// Replace the type of the node with this name.
     Replace(String),
 }
@@ -57,8 +57,8 @@ impl Search {
 
     fn title(&self) -> String {
         match &self.purpose {
-            Purpose::Add(Wanted::Takes(name, _)) => format!("Add node after {name} …"),
-            Purpose::Add(Wanted::Feeds(name, _)) => format!("Add node before {name} …"),
+            Purpose::Add(NewNodeLink::Takes(name, _)) => format!("Add node after {name} …"),
+            Purpose::Add(NewNodeLink::Feeds(name, _)) => format!("Add node before {name} …"),
             Purpose::Add(_) => "Add node …".into(),
             Purpose::Replace(name) => format!("Replace {name} with …"),
         }
@@ -67,7 +67,7 @@ impl Search {
 
 impl Canvas {
     /// Opens the search for a node to add at a place on the screen.
-    pub(super) fn open_search(&mut self, at: Pos2, wanted: Wanted) {
+    pub(super) fn open_search(&mut self, at: Pos2, wanted: NewNodeLink) {
         self.search = Some(Search::new(at, Purpose::Add(wanted)));
     }
 
@@ -108,12 +108,12 @@ impl Canvas {
                 actions.push(Action::Seal);
             }
             Purpose::Add(wanted) => {
-                let below = Wanted::Below(state.chosen().unwrap_or_default().into(), 0);
-                let wanted = if *wanted == Wanted::Nothing && state.chosen().is_some() { &below } else { wanted };
+                let below = NewNodeLink::Below(state.chosen().unwrap_or_default().into(), 0);
+                let wanted = if *wanted == NewNodeLink::Nothing && state.chosen().is_some() { &below } else { wanted };
                 // The pointer ends up in the middle of the new node's head.
                 let at = self.view.canvas(search.at) - vec2(place::WIDTH / 2.0, place::HEAD / 2.0);
                 let below = match wanted {
-                    Wanted::Below(name, _) => plan.sheet.find(name).map(|node| plan.boxes[node]),
+                    NewNodeLink::Below(name, _) => plan.sheet.find(name).map(|node| plan.boxes[node]),
                     _ => None,
                 };
                 let at = below.map_or(at, |own| own.center_bottom() + vec2(-place::WIDTH / 2.0, 40.0));

@@ -1,7 +1,7 @@
 //! Drawing of wires, their accessible names, and their dots.
 
 use super::Canvas;
-use super::curve::{Curve, Through};
+use super::curve::{Curve, WireShape};
 use super::drag::Gesture;
 use super::plan::{End, Plan};
 use crate::actions::Action;
@@ -128,7 +128,7 @@ impl Canvas {
             (true, End::Output(node, output)) => theme::kind(super::connect::kind(&plan.sheet, (node, output))),
             (true, End::Pin(node, pin)) => theme::accepts(plan.sheet.nodes[node].pins[pin].accepts),
         };
-        self.draw(ui, &Curve::new(&points, Through::Down), Stroke::new(2.5, color));
+        self.draw(ui, &Curve::new(&points, WireShape::Down), Stroke::new(2.5, color));
         if let Some(target) = pull.target {
             ui.painter().circle_stroke(self.view.screen(plan.end(target)), 8.0, Stroke::new(2.0, color));
         }
@@ -137,7 +137,7 @@ impl Canvas {
 
 /// Returns whether the last evaluation left a node out.
 pub(super) fn left_out(state: &State, name: &str) -> bool {
-    state.seen.nodes.get(name).is_some_and(|node| matches!(node.state, Fate::LeftOut(_)))
+    state.evaluated.nodes.get(name).is_some_and(|node| matches!(node.state, Fate::LeftOut(_)))
 }
 
 /// Blends a color with its background by a share.

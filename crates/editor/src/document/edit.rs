@@ -8,7 +8,7 @@ use super::json::{Op, Path, quoted};
 use super::sheet::{Node, Point, Sheet, Wire};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, HashMap, HashSet};
-use trochoid::{Accepts, Declaration, Item, Kind, Knob, KnobDefault, Takes};
+use trochoid::{Accepts, Declaration, Item, Kind, Knob, KnobDefault, KnobType};
 
 /// Formats a count: `2 nodes`, `1 node`.
 pub fn count(n: usize, what: &str) -> String {
@@ -102,7 +102,7 @@ pub fn record(items: &[Item], index: usize) -> Value {
     fill(items, &mut body);
     // Stops of a ramp ascend, as far as their range allows.
     for item in items {
-        if let Item::Knob(Knob { name: "at", takes: Takes::Number { min, max }, .. }) = item {
+        if let Item::Knob(Knob { name: "at", takes: KnobType::Number { min, max }, .. }) = item {
             body.insert("at".into(), json!((index as f64).clamp(*min, *max)));
         }
     }
@@ -110,17 +110,17 @@ pub fn record(items: &[Item], index: usize) -> Value {
 }
 
 /// Returns a valid value for a knob without a default.
-fn stand_in(takes: &Takes) -> Value {
+fn stand_in(takes: &KnobType) -> Value {
     match takes {
-        Takes::Number { min, max } => json!(0.0_f64.clamp(*min, *max)),
-        Takes::Integer { min, max } => json!(0_i64.clamp(*min, *max)),
-        Takes::Bool => json!(false),
-        Takes::Choice(words) => json!(words.first()),
-        Takes::Color => json!("#808080"),
-        Takes::Vector(n) => json!(vec![0; *n]),
-        Takes::Text | Takes::Path => json!(""),
-        Takes::Numbers { min, .. } => json!(vec![0; *min]),
-        Takes::Texts { .. } => json!([]),
+        KnobType::Number { min, max } => json!(0.0_f64.clamp(*min, *max)),
+        KnobType::Integer { min, max } => json!(0_i64.clamp(*min, *max)),
+        KnobType::Bool => json!(false),
+        KnobType::Choice(words) => json!(words.first()),
+        KnobType::Color => json!("#808080"),
+        KnobType::Vector(n) => json!(vec![0; *n]),
+        KnobType::Text | KnobType::Path => json!(""),
+        KnobType::Numbers { min, .. } => json!(vec![0; *min]),
+        KnobType::Texts { .. } => json!([]),
     }
 }
 

@@ -30,13 +30,13 @@ pub struct Keeper {
 enum Task {
     Keep(String),
     /// Take over from the copy of an ended editor: remove it once the new copy is written.
-    Replace(Kept),
+    Replace(UnsavedCopy),
     Drop,
 }
 
 /// A backup left by an ended editor.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Kept {
+pub struct UnsavedCopy {
     /// File of the backup.
     pub path: PathBuf,
     /// File of the document; `None` if it was never saved.
@@ -49,7 +49,7 @@ pub struct Kept {
     pub overtaken: bool,
 }
 
-impl Kept {
+impl UnsavedCopy {
     /// Returns whether the document's file already has this text, so that there is nothing to recover.
     pub fn is_saved(&self) -> bool {
         let text = self.file.as_ref().and_then(|file| trochoid::io::read_text(file, MOST_BYTES).ok());
@@ -99,7 +99,7 @@ impl Keeper {
     }
 
     /// Removes a recovered backup once the latest text is written to this editor's own.
-    pub fn replace(&self, old: Kept) {
+    pub fn replace(&self, old: UnsavedCopy) {
         self.send(Task::Replace(old));
     }
 
@@ -127,7 +127,7 @@ impl Drop for Keeper {
 
 fn write(path: &Path, inbox: &Receiver<Task>) {
     // Recovered backups whose text is not yet written to the new copy.
-    let mut old: Vec<Kept> = Vec::new();
+    let mut old: Vec<UnsavedCopy> = Vec::new();
     while let Ok(first) = inbox.recv() {
         // Only the newest text is written.
         let mut newest = None;
@@ -154,16 +154,16 @@ fn write(path: &Path, inbox: &Receiver<Task>) {
 }
 
 /// Returns the backups of ended editors in a folder, newest first.
-pub fn kept(folder: &Path) -> Vec<Kept> {
+pub fn kept(folder: &Path) -> Vec<UnsavedCopy> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let paths = entries.flatten().map(|entry| entry.path());
-    let mut found: Vec<Kept> =
+    let mut found: Vec<UnsavedCopy> =
         paths.filter(|path| path.extension().is_some_and(|end| end == "json")).filter_map(read).collect();
     found.sort_by_key(|kept| std::cmp::Reverse(kept.when));
     found
 }
 
-fn read(path: PathBuf) -> Option<Kept> {
+fn read(path: PathBuf) -> Option<UnsavedCopy> {
     if let Ok(lock) = File::open(path.with_extension("lock"))
         && lock.try_lock().is_err()
     {
@@ -175,7 +175,7 @@ fn read(path: PathBuf) -> Option<Kept> {
     let file = value.get("file").and_then(Value::as_str).map(PathBuf::from).filter(|file| file.is_absolute());
     let changed = file.as_ref().and_then(|file| std::fs::metadata(file).ok()?.modified().ok());
     let overtaken = changed.is_some_and(|changed| changed > when);
-    Some(Kept { file, text: value.get("text")?.as_str()?.into(), when, overtaken, path })
+    Some(UnsavedCopy { file, text: value.get("text")?.as_str()?.into(), when, overtaken, path })
 }
 
 /// Minimum age of an unheld lock file before it is removed; a younger one may be about to be locked.
@@ -194,7 +194,7 @@ fn tidy(folder: &Path) {
 }
 
 /// Deletes a backup and its lock file.
-pub fn discard(kept: &Kept) {
+pub fn discard(kept: &UnsavedCopy) {
     let _ = std::fs::remove_file(&kept.path);
     let _ = std::fs::remove_file(kept.path.with_extension("lock"));
 }

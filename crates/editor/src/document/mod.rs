@@ -22,4 +22,4 @@ pub use change::{Edit, spoken};
 pub use json::{Op, Path, Step};
 pub use session::Session;
 pub use sheet::{Node, Pin, Point, Sheet, Wire};
-pub use version::Standing;
+pub use version::VersionStatus;

@@ -6,7 +6,7 @@ use super::json::{Op, Path as ValuePath, quoted};
 use super::sheet::Sheet;
 use serde_json::Value;
 use std::path::{Component, Path, PathBuf};
-use trochoid::{Item, Takes, escape_frame, expand_frame};
+use trochoid::{Item, KnobType, escape_frame, expand_frame};
 
 /// Maximum number of frames of a sequence to look for.
 const FRAMES: usize = 1000;
@@ -76,7 +76,7 @@ fn paths(sheet: &Sheet, outputs: bool) -> Vec<(ValuePath, String)> {
 fn collect(items: &[Item], body: &Value, place: &ValuePath, found: &mut Vec<(ValuePath, String)>) {
     for item in items {
         match (item, body.get(item.name())) {
-            (Item::Knob(knob), Some(Value::String(path))) if matches!(knob.takes, Takes::Path) => {
+            (Item::Knob(knob), Some(Value::String(path))) if matches!(knob.takes, KnobType::Path) => {
                 found.push((place.to(knob.name), path.clone()));
             }
             (Item::List(list), Some(Value::Array(records))) => {

@@ -7,7 +7,7 @@ use trochoid::FORMAT_VERSION;
 
 /// Relation between a document's format version and the supported one.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Standing {
+pub enum VersionStatus {
     /// The supported version.
     Current,
     /// A newer version, as written in the document; its meaning is unknown to this program.
@@ -16,7 +16,7 @@ pub enum Standing {
     Unknown(Option<String>),
 }
 
-impl Standing {
+impl VersionStatus {
     /// Reads the version from a parsed document.
     pub fn of(document: &Value) -> Self {
         let Some(entries) = document.as_object() else { return Self::Current };

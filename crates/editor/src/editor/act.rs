@@ -25,7 +25,7 @@ impl Editor {
             Action::Output(name) => self.choose_output(name),
             Action::Visit(name) => self.visit(name),
             Action::Look(node, output) => self.look_at(node, output),
-            Action::Slot(slot) => self.look_at_slot(slot),
+            Action::Slot(slot) => self.view_slot(slot),
             Action::Display(display) => state.look.display = display,
             Action::Proxy(proxy) => state.look.proxy = proxy.clamp(1, 8),
             Action::Region(region) => state.look.region = region,
@@ -128,7 +128,7 @@ impl Editor {
         self.lost = None;
     }
 
-    fn look_at_slot(&mut self, slot: usize) {
+    fn view_slot(&mut self, slot: usize) {
         let state = &mut self.state;
         if let Some(name) = state.chosen().map(String::from) {
             state.look.slots[slot] = Some(name);

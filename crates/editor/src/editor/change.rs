@@ -25,7 +25,7 @@ impl Editor {
 
     pub(super) fn rewrite(&mut self, text: &str) {
         self.state.session.replace(text, "Edit the text");
-        self.panels.source.take();
+        self.panels.text.take();
         self.changed();
     }
 
@@ -196,13 +196,13 @@ impl Editor {
     /// Applies pending text of the text panel before another operation on the document. If it is not JSON, shows an
     /// error that begins with `outcome` and returns false.
     pub(super) fn settle(&mut self, outcome: &str) -> bool {
-        let Some(text) = self.panels.source.pending() else { return true };
+        let Some(text) = self.panels.text.pending() else { return true };
         if let Err(error) = serde_json::from_str::<serde_json::Value>(text) {
             let why = "the text in the Text panel is not JSON";
             self.notices.error(format!("{outcome}: {why}: {error}. Correct it there, or revert it"));
             return false;
         }
-        if let Some(text) = self.panels.source.take() {
+        if let Some(text) = self.panels.text.take() {
             self.state.session.replace(&text, "Edit the text");
             self.changed();
         }

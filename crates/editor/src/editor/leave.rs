@@ -2,8 +2,8 @@
 
 use super::Editor;
 use crate::actions::After;
-use crate::document::keep::Kept;
-use crate::document::{Session, Standing, edit};
+use crate::document::keep::UnsavedCopy;
+use crate::document::{Session, VersionStatus, edit};
 use egui::Context;
 use std::path::Path;
 
@@ -52,7 +52,7 @@ impl Editor {
             return;
         }
         let session = &self.state.session;
-        let newer = Standing::of(&session.sheet().value).is_newer();
+        let newer = VersionStatus::of(&session.sheet().value).is_newer();
         match session.file().map(Path::to_path_buf) {
             // Checked even if the file could not be watched.
             Some(_) if session.differs_on_disk() == Some(true) => self.prompts.external(Some(after)),
@@ -94,7 +94,7 @@ impl Editor {
     }
 
     /// Restores a backup of an editor that ended unexpectedly.
-    pub(crate) fn recover(&mut self, kept: &Kept, context: &Context) {
+    pub(crate) fn recover(&mut self, kept: &UnsavedCopy, context: &Context) {
         let session = kept.file.as_deref().and_then(|file| Session::open(file).ok());
         let mut session = session.unwrap_or_else(|| Session::new(String::new(), kept.file.clone()));
         session.recover(&kept.text, kept.overtaken);

@@ -10,7 +10,7 @@ mod rendering;
 use crate::actions::{Action, Grant, Pane};
 use crate::canvas::Canvas;
 use crate::commands::Space;
-use crate::document::keep::{Keeper, Kept, discard, kept};
+use crate::document::keep::{Keeper, UnsavedCopy, discard, kept};
 use crate::document::{Session, Sheet};
 use crate::evaluate::Worker;
 use crate::layout;
@@ -21,8 +21,8 @@ use crate::reach;
 use crate::refusal;
 use crate::render::Renderer;
 use crate::report::Report;
-use crate::source::Source;
 use crate::state::State;
+use crate::text_panel::TextPanel;
 use crate::timeline::Timeline;
 use crate::viewer::Viewer;
 use crate::watch::Watcher;
@@ -90,7 +90,7 @@ pub(crate) struct Panels {
     pub(crate) timeline: Timeline,
     pub(crate) waves: Waves,
     pub(crate) report: Report,
-    pub(crate) source: Source,
+    pub(crate) text: TextPanel,
 }
 
 impl Editor {
@@ -144,12 +144,13 @@ impl Editor {
         let folder = self.prompts.data().map(|data| data.join("unsaved"));
         let file = self.state.session.file().map(reach::whole);
         let all = folder.as_deref().map(kept).unwrap_or_default();
-        let (saved, all): (Vec<Kept>, Vec<Kept>) = all.into_iter().partition(Kept::is_saved);
+        let (saved, all): (Vec<UnsavedCopy>, Vec<UnsavedCopy>) = all.into_iter().partition(UnsavedCopy::is_saved);
         saved.iter().for_each(discard);
         // No other document would offer a backup whose file no longer exists.
-        let is_homeless = |kept: &Kept| file.is_none() && kept.file.as_deref().is_none_or(|file| !file.is_file());
-        let is_own = |kept: &Kept| is_homeless(kept) || kept.file.as_deref().map(reach::whole) == file;
-        let (own, others): (Vec<Kept>, Vec<Kept>) = all.into_iter().partition(is_own);
+        let is_homeless =
+            |kept: &UnsavedCopy| file.is_none() && kept.file.as_deref().is_none_or(|file| !file.is_file());
+        let is_own = |kept: &UnsavedCopy| is_homeless(kept) || kept.file.as_deref().map(reach::whole) == file;
+        let (own, others): (Vec<UnsavedCopy>, Vec<UnsavedCopy>) = all.into_iter().partition(is_own);
         if !own.is_empty() {
             self.prompts.recover(own);
         }
@@ -199,7 +200,7 @@ impl Editor {
 
     /// Returns whether there is work that is not in the document's file.
     pub fn is_unsaved(&self) -> bool {
-        self.state.session.is_changed() || self.panels.source.pending().is_some()
+        self.state.session.is_changed() || self.panels.text.pending().is_some()
     }
 
     /// Returns whether the window may close now.
@@ -331,7 +332,7 @@ impl Editor {
             keeper.forget();
         }
         self.kept = Backup::default();
-        self.panels.source = Source::default();
+        self.panels.text = TextPanel::default();
         self.notices.leave();
         self.known = session.sheet().clone();
         self.state = State::new(session);
@@ -350,7 +351,7 @@ impl Editor {
             }
             return;
         }
-        let what = Some((self.state.session.revision(), self.panels.source.typings()));
+        let what = Some((self.state.session.revision(), self.panels.text.typings()));
         if self.kept.what == what {
             return;
         }
@@ -363,7 +364,7 @@ impl Editor {
 
     /// Backs up the current work, including typed text that is not applied yet.
     fn copy(&mut self) {
-        let (session, source) = (&self.state.session, &self.panels.source);
+        let (session, source) = (&self.state.session, &self.panels.text);
         if let Some(keeper) = &self.keeper {
             keeper.keep(session.file(), source.pending().unwrap_or(session.text()));
             self.kept = Backup { what: Some((session.revision(), source.typings())), since: None };

@@ -2,7 +2,7 @@
 
 use super::Editor;
 use crate::evaluate::{Job, News, Question, Subject};
-use crate::state::Past;
+use crate::state::PastEvaluation;
 use egui::Context;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -61,9 +61,9 @@ impl Editor {
         }
         let Some(subject) = self.subject() else {
             // Also clears the message about a text that was not JSON.
-            if self.asked.what.take().is_some() || self.state.seen.failed.is_some() {
+            if self.asked.what.take().is_some() || self.state.evaluated.failed.is_some() {
                 self.worker.stop();
-                let seen = &mut self.state.seen;
+                let seen = &mut self.state.evaluated;
                 (seen.result, seen.last, seen.progress, seen.failed) = (None, None, None, None);
                 self.forget_frames();
             }
@@ -92,16 +92,16 @@ impl Editor {
             }
             self.asked.what = Some(what);
             self.asked.display = look.display;
-            match self.state.seen.frames.get(&self.state.frame).filter(|seen| seen.display == look.display) {
+            match self.state.evaluated.frames.get(&self.state.frame).filter(|seen| seen.display == look.display) {
                 Some(ready) => {
-                    self.state.seen.result = Some(ready.clone());
-                    self.state.seen.last = None;
-                    self.state.seen.failed = None;
-                    self.state.seen.progress = None;
+                    self.state.evaluated.result = Some(ready.clone());
+                    self.state.evaluated.last = None;
+                    self.state.evaluated.failed = None;
+                    self.state.evaluated.progress = None;
                 }
                 None => {
                     self.worker.evaluate(job(self.asked.generation, self.state.frame, !self.state.playing));
-                    self.state.seen.progress = Some(0.0);
+                    self.state.evaluated.progress = Some(0.0);
                     self.asked.ahead = None;
                     self.asked.blame = None;
                 }
@@ -109,12 +109,12 @@ impl Editor {
         } else if self.asked.display != look.display {
             self.asked.display = look.display;
             self.forget_frames();
-            if let Some(result) = &self.state.seen.result {
+            if let Some(result) = &self.state.evaluated.result {
                 let space = result.lens.graph.space();
                 self.worker.show(self.asked.generation, result.picture.clone(), space, look.display);
             }
         }
-        if self.state.seen.progress.is_some() {
+        if self.state.evaluated.progress.is_some() {
             return;
         }
         let revision = subject.revision;
@@ -140,8 +140,8 @@ impl Editor {
             self.forget_frames();
         }
         let why = self.state.session.meaning().errors().next().map(|fault| fault.found.clone()).unwrap_or_default();
-        let seen = &mut self.state.seen;
-        seen.failed = Some(format!("found text that is not JSON: {why}"));
+        let evaluated = &mut self.state.evaluated;
+        evaluated.failed = Some(format!("found text that is not JSON: {why}"));
         (seen.culprit, seen.broken, seen.progress) = (None, false, None);
         seen.refused.clear();
         seen.last = seen.result.take().or(seen.last.take());
@@ -155,7 +155,7 @@ impl Editor {
 
     /// Drops cached frames, because they show something other than the viewed result.
     pub(super) fn forget_frames(&mut self) {
-        self.state.seen.frames.clear();
+        self.state.evaluated.frames.clear();
         self.asked.failed.clear();
         self.asked.ahead = None;
         self.asked.series = (self.asked.series + 1).max(SERIES);
@@ -163,7 +163,7 @@ impl Editor {
 
     /// Requests the held picture with the display of the current one.
     pub(super) fn ask_held(&mut self) {
-        let Some(result) = &self.state.seen.result else { return };
+        let Some(result) = &self.state.evaluated.result else { return };
         let Some((number, picture, space, display)) = self.panels.viewer.held_wanted(result) else {
             self.asked.held = None;
             return;
@@ -178,11 +178,11 @@ impl Editor {
     pub(super) fn ask_blame(&mut self) {
         let Some(at) = self.state.look.pick else {
             self.asked.blame = None;
-            self.state.seen.blame = None;
+            self.state.evaluated.blame = None;
             return;
         };
-        let result = self.state.seen.result.as_ref();
-        let Some(result) = result.filter(|result| result.finished && self.state.seen.progress.is_none()) else {
+        let result = self.state.evaluated.result.as_ref();
+        let Some(result) = result.filter(|result| result.finished && self.state.evaluated.progress.is_none()) else {
             return;
         };
         let what = Some((result.generation, result.frame, at));
@@ -201,7 +201,7 @@ impl Editor {
     /// Receives news from the worker and the file watcher.
     pub(super) fn hear(&mut self, context: &Context) {
         let news: Vec<News> = self.worker.news().collect();
-        let seen = &mut self.state.seen;
+        let seen = &mut self.state.evaluated;
         for news in news {
             match news {
                 News::Picture(result) if result.generation == self.asked.generation => {
@@ -213,7 +213,7 @@ impl Editor {
                     if result.finished {
                         seen.progress = None;
                         let audit = &result.picture.audit;
-                        seen.past.push(Past {
+                        seen.past.push(PastEvaluation {
                             node: result.subject.sheet.nodes[result.subject.node].name.clone(),
                             frame: result.frame,
                             shrunk: result.shrunk,
@@ -224,14 +224,14 @@ impl Editor {
                         seen.past.drain(..most);
                         seen.nodes = result.nodes.iter().map(|node| (node.name.clone(), node.clone())).collect();
                         let range = self.state.playing.then_some(self.state.range);
-                        keep_frame(&mut seen.frames, &result, (self.state.frame, range), self.room);
+                        keep_frame(&mut seen.frames, &result, self.state.frame, range, self.room);
                     }
                     seen.result = Some(result);
                 }
                 News::Ahead(result) if result.generation == self.asked.series => {
                     if result.display == self.state.look.display {
                         let range = self.state.playing.then_some(self.state.range);
-                        keep_frame(&mut seen.frames, &Arc::new(*result), (self.state.frame, range), self.room);
+                        keep_frame(&mut seen.frames, &Arc::new(*result), self.state.frame, range, self.room);
                     }
                     self.asked.ahead = None;
                 }
@@ -286,7 +286,8 @@ pub(super) fn bytes(result: &crate::evaluate::Result) -> usize {
 fn keep_frame(
     frames: &mut std::collections::BTreeMap<i64, Arc<crate::evaluate::Result>>,
     result: &Arc<crate::evaluate::Result>,
-    (present, range): (i64, Option<(i64, i64)>),
+    present: i64,
+    range: Option<(i64, i64)>,
     room: usize,
 ) {
     frames.insert(result.frame, result.clone());

@@ -82,10 +82,10 @@ impl Editor {
     /// Goes to the next frame once it is due and evaluated; waits for it however long that takes.
     pub(super) fn play(&mut self, context: &Context) {
         if !self.state.playing {
-            self.state.seen.rate = None;
+            self.state.evaluated.rate = None;
             return;
         }
-        let seen = &self.state.seen;
+        let seen = &self.state.evaluated;
         let frame = self.state.frame;
         if seen.failed.is_some() {
             // Waits while the document has errors; stops at a frame that fails.
@@ -99,7 +99,7 @@ impl Editor {
         let ready = next != frame && (self.is_made(next) || self.asked.failed.contains(&next));
         let (now, fps) = (context.input(|input| input.time), self.state.sheet().frames.2);
         let step = self.playback.step(now, is_shown.then_some(frame), ready, fps);
-        self.state.seen.rate = self.playback.rate();
+        self.state.evaluated.rate = self.playback.rate();
         match step {
             Step::Wait => {}
             // Frames may be arbitrarily far apart at low rates.
@@ -113,13 +113,13 @@ impl Editor {
 
     /// Returns whether a frame is cached with the current display.
     pub(super) fn is_made(&self, frame: i64) -> bool {
-        self.state.seen.frames.get(&frame).is_some_and(|made| made.display == self.state.look.display)
+        self.state.evaluated.frames.get(&frame).is_some_and(|made| made.display == self.state.look.display)
     }
 
     /// Returns the upcoming frames that are not cached, as many as fit in the cache.
     pub(super) fn missing(&self) -> Vec<i64> {
         let range = self.state.range;
-        let largest = self.state.seen.frames.values().map(|made| super::pictures::bytes(made)).max().unwrap_or(0);
+        let largest = self.state.evaluated.frames.values().map(|made| super::pictures::bytes(made)).max().unwrap_or(0);
         let room = self.room.checked_div(largest).map_or(AHEAD, |room| room.saturating_sub(1).clamp(1, AHEAD));
         let mut next = Vec::new();
         let mut frame = self.state.frame;

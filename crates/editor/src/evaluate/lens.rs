@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use std::path;
 use trochoid::{
-    CheckedGraph, Diagnostic, DocumentPlace, EvalError, Format, FormatError, Kind, LoadError, NodeId, Refused, Role,
+    CheckedGraph, Diagnostic, DocumentPlace, EvalError, Format, FormatError, Kind, LoadError, NodeId, RefusedFile, Role,
     Severity, parse, registry,
 };
 
@@ -33,10 +33,10 @@ pub struct Lens {
 
 impl Lens {
     /// Returns the files that evaluation at a frame may not read; the first one of each node.
-    pub(super) fn refused(&self, frame: i64) -> Vec<Refused> {
+    pub(super) fn refused(&self, frame: i64) -> Vec<RefusedFile> {
         let graph = &self.graph;
         let context = graph.frame_context(frame, u64::MAX);
-        let reached = graph.reached(graph.outputs().iter().map(|output| output.node), frame);
+        let reached = graph.dependencies(graph.outputs().iter().map(|output| output.node), frame);
         let nodes = (0..reached.len()).filter(|index| reached[*index] && !graph.nodes()[*index].disabled);
         nodes.filter_map(|index| graph.refused(NodeId(index), &context)).collect()
     }
@@ -51,7 +51,7 @@ impl Lens {
         // Coarse previews are visible only briefly: one sample per pixel is enough.
         let samples = if finished { whole.samples() } else { 1 };
         let format = Format::new(side(whole.width()), side(whole.height()), samples)?;
-        Ok(Cow::Owned(self.graph.clone().drawn_at(format.with_shading(whole.shading()))))
+        Ok(Cow::Owned(self.graph.clone().with_scaled_format(format.with_shading(whole.shading()))))
     }
 
     /// Translates the place in an error to the user's document; in the lens, everything is on one line.

@@ -5,16 +5,16 @@ mod evaluator;
 pub mod lens;
 mod picture;
 mod queue;
+mod request;
 pub mod shown;
 mod subject;
 #[cfg(test)]
 mod tests;
-mod wish;
 mod worker;
 
 pub use blame::{Blamed, Question, Share};
 pub use lens::{Lens, lens};
+pub use request::{Job, News, Result, Thumbnail};
 pub use shown::{Channel, Display, Screen};
 pub use subject::Subject;
-pub use wish::{Job, News, Result, Thumbnail};
 pub use worker::Worker;

@@ -2,8 +2,8 @@
 
 use super::lens::{Lens, LensError, OUTPUT};
 use super::queue::Cancellation;
+use super::request::{Job, Result};
 use super::shown;
-use super::wish::{Job, Result};
 use std::sync::Arc;
 use std::time::Instant;
 #[cfg(test)]

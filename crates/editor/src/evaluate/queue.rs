@@ -1,9 +1,9 @@
 //! Pending requests for the evaluation thread by urgency, and the cancellation of tasks.
 
 use super::blame::Question;
+use super::request::Job;
 use super::shown::Display;
 use super::subject::Subject;
-use super::wish::Job;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};

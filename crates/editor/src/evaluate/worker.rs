@@ -3,9 +3,9 @@
 use super::blame::Question;
 use super::evaluator::Evaluator;
 use super::queue::{Queue, Requests};
+use super::request::{Job, News};
 use super::shown::Display;
 use super::subject::Subject;
-use super::wish::{Job, News};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;

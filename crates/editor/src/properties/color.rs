@@ -1,11 +1,11 @@
 //! Color fields: swatch, text, dropper, and a reference painting to pick colors from.
 
-use super::place::{Place, Properties};
+use super::context::{Properties, WidgetContext};
 use crate::actions::Action;
 use crate::document::Edit;
 use crate::document::color::{hex, rgb};
 use crate::evaluate::Screen;
-use crate::field::{self, Gesture, Told};
+use crate::field::{self, FieldResponse, Gesture};
 use crate::state::State;
 use egui::{ColorImage, Sense, TextEdit, TextureOptions, Ui};
 use egui_file_dialog::{DialogState, FileDialog, Filter};
@@ -34,7 +34,12 @@ pub(super) fn space(state: &State) -> WorkingSpace {
 }
 
 /// Draws a color field: a swatch that opens a picker, the color's text, and the dropper.
-pub(super) fn color_ui(ui: &mut Ui, value: &Value, place: &Place<'_>, actions: &mut Vec<Action>) -> Told<Value> {
+pub(super) fn color_ui(
+    ui: &mut Ui,
+    value: &Value,
+    place: &WidgetContext<'_>,
+    actions: &mut Vec<Action>,
+) -> FieldResponse<Value> {
     let shown = display(value, space(place.state)).unwrap_or_default();
     let swatch = field::swatch_ui(ui, shown).map(|color| json!(hex(color)));
     let written = match value {
@@ -42,7 +47,7 @@ pub(super) fn color_ui(ui: &mut Ui, value: &Value, place: &Place<'_>, actions: &
         other => crate::document::change::style(other),
     };
     let salt = place.path.to_string();
-    let text = field::draft_ui(ui, (&salt, &written), read_color, |text| {
+    let text = field::draft_ui(ui, &salt, &written, read_color, |text| {
         TextEdit::singleline(text).desired_width(72.0).font(egui::TextStyle::Monospace)
     });
     let mut taking = place.state.dropper.as_ref() == Some(&place.path);
@@ -50,7 +55,7 @@ pub(super) fn color_ui(ui: &mut Ui, value: &Value, place: &Place<'_>, actions: &
     if dropper.on_hover_text("Pick the next color clicked in the picture or the reference painting").clicked() {
         actions.push(Action::Dropper(taking.then(|| place.path.clone())));
     }
-    Told { response: field::joined(swatch.response, text.response), given: swatch.given.or(text.given) }
+    FieldResponse { response: field::joined(swatch.response, text.response), given: swatch.given.or(text.given) }
 }
 
 /// Error in a typed color: what was expected.

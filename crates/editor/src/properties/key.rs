@@ -1,8 +1,8 @@
 //! Keyframed values: keys, interpolation, and the curve editor.
 
-use super::place::{Place, Properties};
+use super::context::{Properties, WidgetContext};
 use crate::actions::Action;
-use crate::field::{self, Gesture, Told};
+use crate::field::{self, FieldResponse, Gesture};
 use crate::refusal::refusal_ui;
 use egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
 use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Points, VLine};
@@ -87,9 +87,9 @@ impl KeyedValue {
 /// frame at which typing began, however far playback has moved since.
 pub(super) fn typed_ui(
     ui: &mut Ui,
-    place: &Place<'_>,
-    content: impl FnOnce(&mut Ui, f64) -> Told<Value>,
-) -> (Told<Value>, f64) {
+    place: &WidgetContext<'_>,
+    content: impl FnOnce(&mut Ui, f64) -> FieldResponse<Value>,
+) -> (FieldResponse<Value>, f64) {
     let id = ui.id().with(("typed since", place.path.to_string()));
     let since = ui.data(|data| data.get_temp::<f64>(id));
     let frame = since.unwrap_or(place.state.frame as f64);
@@ -106,10 +106,10 @@ pub(super) fn typed_ui(
 
 /// Requests the edit of a given value: as a key at the frame if the value is keyframed.
 pub(super) fn tell(
-    told: Told<Value>,
+    told: FieldResponse<Value>,
     keyed: Option<&KeyedValue>,
     frame: f64,
-    place: &Place<'_>,
+    place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
 ) {
     told.edit(actions, |value| match keyed {
@@ -124,7 +124,7 @@ pub(super) fn button_ui(
     ui: &mut Ui,
     keyed: Option<&KeyedValue>,
     shown: &Value,
-    place: &Place<'_>,
+    place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
 ) {
     let frame = place.state.frame as f64;
@@ -185,7 +185,7 @@ const COMPONENTS: [Color32; 4] = [
 
 /// The key being dragged.
 #[derive(Clone, Copy)]
-struct Held {
+struct DraggedKey {
     key: usize,
     component: usize,
     /// Bounds of the plot during the drag.
@@ -200,7 +200,13 @@ fn pressed(input: &egui::InputState) -> Option<egui::Pos2> {
 }
 
 /// Draws the curve editor: keys can be dragged, and a double-click sets a new key.
-pub(super) fn curve_ui(ui: &mut Ui, keyed: &KeyedValue, unit: &str, place: &Place<'_>, actions: &mut Vec<Action>) {
+pub(super) fn curve_ui(
+    ui: &mut Ui,
+    keyed: &KeyedValue,
+    unit: &str,
+    place: &WidgetContext<'_>,
+    actions: &mut Vec<Action>,
+) {
     let Some(animated) = keyed.animated() else { return };
     let (first, last) = (place.state.range.0 as f64, place.state.range.1 as f64);
     let first = first.min(keyed.keys.first().map_or(first, |key| key.0));
@@ -213,7 +219,7 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &KeyedValue, unit: &str, place: &Plac
         })
         .collect();
     let id = ui.id().with(("dragged key", place.path.to_string()));
-    let mut held = ui.data_mut(|data| data.get_temp::<Option<Held>>(id)).flatten();
+    let mut held = ui.data_mut(|data| data.get_temp::<Option<DraggedKey>>(id)).flatten();
     // A press is resolved against the plot as last drawn, so movement before the next frame does not matter.
     let before = ui.data(|data| data.get_temp::<egui_plot::PlotTransform>(id));
     if let (Some(before), Some(at)) = (before, ui.input(pressed)) {
@@ -223,7 +229,7 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &KeyedValue, unit: &str, place: &Plac
         };
         let all = (0..keyed.keys.len()).flat_map(|key| (0..count).map(move |component| (key, component)));
         let nearest = all.min_by(|a, b| near(a).total_cmp(&near(b))).filter(|key| near(key) < 9.0);
-        held = nearest.map(|(key, component)| Held { key, component, bounds: *before.bounds(), auto: None });
+        held = nearest.map(|(key, component)| DraggedKey { key, component, bounds: *before.bounds(), auto: None });
     }
     let plot = Plot::new("curve").id(id.with("plot")).height(150.0);
     let plot = crate::plots::even(plot, "frame", unit).allow_drag(held.is_none()).allow_boxed_zoom(false);
@@ -247,7 +253,8 @@ pub(super) fn curve_ui(ui: &mut Ui, keyed: &KeyedValue, unit: &str, place: &Plac
     let response = shown.response;
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Other, true, "Keys over frames"));
     let pointer = ui.input(|input| input.pointer.latest_pos()).map(|at| shown.transform.value_from_position(at));
-    if let (Some(Held { key, component, .. }), Some(at), Some(gesture)) = (held, pointer, Gesture::dragged(&response))
+    if let (Some(DraggedKey { key, component, .. }), Some(at), Some(gesture)) =
+        (held, pointer, Gesture::dragged(&response))
         && key < keyed.keys.len()
     {
         let mut moved = keyed.clone();

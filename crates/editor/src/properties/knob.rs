@@ -1,20 +1,20 @@
 //! Knob fields: a widget for each type of value.
 
-use super::place::{Place, Properties, label_ui};
+use super::context::{Properties, WidgetContext, label_ui};
 use super::{color, key};
 use crate::actions::Action;
 use crate::document::edit::default_value;
-use crate::field::{self, Gesture, Number, Told};
+use crate::field::{self, FieldResponse, Gesture, Number};
 use egui::{ComboBox, TextEdit, Ui};
 use serde_json::{Value, json};
-use trochoid::{Knob, Takes, expected};
+use trochoid::{Knob, KnobType, expected};
 
 /// Draws a knob, with its keys if it can be animated.
 pub(super) fn knob_ui(
     panel: &mut Properties,
     ui: &mut Ui,
     knob: &'static Knob,
-    place: &Place<'_>,
+    place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
 ) {
     let keyed = place.value.and_then(key::KeyedValue::read);
@@ -56,7 +56,7 @@ fn help(knob: &Knob, default: &Value) -> String {
     format!("{}\n\n{}; {default}.", knob.help, knob.takes_in_words())
 }
 
-fn menu_ui(ui: &mut Ui, knob: &'static Knob, place: &Place<'_>, shown: &Value, actions: &mut Vec<Action>) {
+fn menu_ui(ui: &mut Ui, knob: &'static Knob, place: &WidgetContext<'_>, shown: &Value, actions: &mut Vec<Action>) {
     let has_default = knob.default.is_some();
     let reset = ui.add_enabled(has_default && place.value.is_some(), egui::Button::new("Reset to default"));
     if let Some(gesture) = Gesture::click(&reset) {
@@ -75,53 +75,55 @@ fn widget_ui(
     knob: &Knob,
     value: &Value,
     unset: bool,
-    place: &Place<'_>,
+    place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
-) -> Told<Value> {
+) -> FieldResponse<Value> {
     if unset {
         let button = ui.button(format!("Add {}", knob.name.replace('_', " ")));
         let button = button.on_hover_text("Not set: the node works without a value or determines one itself");
         let given = Gesture::click(&button).map(|gesture| (value.clone(), gesture));
-        return Told { response: button, given };
+        return FieldResponse { response: button, given };
     }
     let suffix = unit(knob.unit);
     match (&knob.takes, value) {
-        (Takes::Number { min, max }, Value::Number(_)) => number_ui(ui, value, (*min, *max), &suffix),
-        (Takes::Integer { min, max }, Value::Number(number)) => {
+        (KnobType::Number { min, max }, Value::Number(_)) => number_ui(ui, value, (*min, *max), &suffix),
+        (KnobType::Integer { min, max }, Value::Number(number)) => {
             let number = Number::new(number.as_f64().unwrap_or_default()).whole();
             number.range(*min as f64, *max as f64).suffix(&suffix).ui(ui).map(whole)
         }
-        (Takes::Bool, Value::Bool(on)) => field::switch_ui(ui, *on, "").map(Value::from),
-        (Takes::Choice(words), Value::String(chosen)) => choice_ui(ui, words, chosen, place),
-        (Takes::Color, _) => color::color_ui(ui, value, place, actions),
-        (Takes::Vector(count), Value::Array(items)) if items.len() == *count && items.iter().all(Value::is_number) => {
+        (KnobType::Bool, Value::Bool(on)) => field::switch_ui(ui, *on, "").map(Value::from),
+        (KnobType::Choice(words), Value::String(chosen)) => choice_ui(ui, words, chosen, place),
+        (KnobType::Color, _) => color::color_ui(ui, value, place, actions),
+        (KnobType::Vector(count), Value::Array(items))
+            if items.len() == *count && items.iter().all(Value::is_number) =>
+        {
             vector_ui(ui, items)
         }
-        (Takes::Text | Takes::Path, Value::String(text)) => {
+        (KnobType::Text | KnobType::Path, Value::String(text)) => {
             field::text_ui(ui, text, |text| TextEdit::singleline(text).desired_width(180.0)).map(Value::from)
         }
-        (takes, value) => field::value_ui(ui, (&place.path.to_string(), value), 180.0, |text| read(text, takes)),
+        (takes, value) => field::value_ui(ui, &place.path.to_string(), value, 180.0, |text| read(text, takes)),
     }
 }
 
 /// Error in a typed value: what the knob expects.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", expected(.0))]
-struct Unfit<'t>(&'t Takes);
+struct Unfit<'t>(&'t KnobType);
 
 /// Parses typed text as a value of a knob.
-fn read<'t>(text: &str, takes: &'t Takes) -> Result<Value, Unfit<'t>> {
+fn read<'t>(text: &str, takes: &'t KnobType) -> Result<Value, Unfit<'t>> {
     let wanted = || Unfit(takes);
     match takes {
-        Takes::Text | Takes::Path | Takes::Choice(_) => Ok(text.into()),
+        KnobType::Text | KnobType::Path | KnobType::Choice(_) => Ok(text.into()),
         _ => {
             let value: Value = serde_json::from_str(text).map_err(|_| wanted())?;
             let fits = match takes {
-                Takes::Numbers { .. } => value.as_array().is_some_and(|items| items.iter().all(Value::is_number)),
-                Takes::Texts { .. } => value.as_array().is_some_and(|items| items.iter().all(Value::is_string)),
-                Takes::Vector(count) => value.as_array().is_some_and(|items| items.len() == *count),
-                Takes::Bool => value.is_boolean(),
-                Takes::Number { .. } | Takes::Integer { .. } => value.is_number(),
+                KnobType::Numbers { .. } => value.as_array().is_some_and(|items| items.iter().all(Value::is_number)),
+                KnobType::Texts { .. } => value.as_array().is_some_and(|items| items.iter().all(Value::is_string)),
+                KnobType::Vector(count) => value.as_array().is_some_and(|items| items.len() == *count),
+                KnobType::Bool => value.is_boolean(),
+                KnobType::Number { .. } | KnobType::Integer { .. } => value.is_number(),
                 _ => true,
             };
             fits.then_some(value).ok_or_else(wanted)
@@ -134,7 +136,7 @@ fn whole(number: f64) -> Value {
     if number.abs() < 9e15 { json!(number as i64) } else { json!(number) }
 }
 
-fn choice_ui(ui: &mut Ui, words: &[&str], chosen: &str, place: &Place<'_>) -> Told<Value> {
+fn choice_ui(ui: &mut Ui, words: &[&str], chosen: &str, place: &WidgetContext<'_>) -> FieldResponse<Value> {
     let mut given = None;
     let combo = ComboBox::from_id_salt(place.path.to_string())
         .width((ui.available_size_before_wrap().x - 8.0).clamp(40.0, 100.0))
@@ -146,11 +148,11 @@ fn choice_ui(ui: &mut Ui, words: &[&str], chosen: &str, place: &Place<'_>) -> To
             given = given.take().or(Gesture::click(&entry).map(|gesture| (json!(word), gesture)));
         }
     });
-    Told { response: response.response, given }
+    FieldResponse { response: response.response, given }
 }
 
-fn vector_ui(ui: &mut Ui, items: &[Value]) -> Told<Value> {
-    let mut all: Option<Told<Value>> = None;
+fn vector_ui(ui: &mut Ui, items: &[Value]) -> FieldResponse<Value> {
+    let mut all: Option<FieldResponse<Value>> = None;
     for (index, item) in items.iter().enumerate() {
         // Each component has its own id, so that widgets that come and go nearby do not disturb typing.
         let own = ui.push_id(("component", index), |ui| number_ui(ui, item, (f64::NEG_INFINITY, f64::INFINITY), ""));
@@ -160,11 +162,13 @@ fn vector_ui(ui: &mut Ui, items: &[Value]) -> Told<Value> {
             Value::Array(items)
         });
         all = Some(match all {
-            Some(all) => Told { response: field::joined(all.response, own.response), given: all.given.or(own.given) },
+            Some(all) => {
+                FieldResponse { response: field::joined(all.response, own.response), given: all.given.or(own.given) }
+            }
             None => own,
         });
     }
-    all.unwrap_or_else(|| Told::nothing(ui.weak("—")))
+    all.unwrap_or_else(|| FieldResponse::nothing(ui.weak("—")))
 }
 
 /// Returns a unit as the suffix of a number.
@@ -178,7 +182,7 @@ fn unit(unit: &str) -> String {
 }
 
 /// Draws a number field: with a slider if the range is small enough, otherwise without. Shift drags finely.
-pub(super) fn number_ui(ui: &mut Ui, value: &Value, (min, max): (f64, f64), suffix: &str) -> Told<Value> {
+pub(super) fn number_ui(ui: &mut Ui, value: &Value, (min, max): (f64, f64), suffix: &str) -> FieldResponse<Value> {
     let mut number = Number::new(value.as_f64().unwrap_or_default()).range(min, max).suffix(suffix);
     // The number and the key button follow the slider.
     let room = ui.available_size_before_wrap().x - 84.0;

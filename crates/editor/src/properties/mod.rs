@@ -1,11 +1,11 @@
 //! The properties panel: knobs and connections of the selected node, generated from its declaration.
 
 mod color;
+mod context;
 mod key;
 mod knob;
 mod notes;
 mod output;
-mod place;
 mod port;
 mod ramp;
 mod record;
@@ -16,9 +16,9 @@ use crate::document::{Edit, Path, edit};
 use crate::field::{self, Gesture, Number};
 use crate::prose::{prose, prose_ui};
 use crate::state::State;
+pub(crate) use context::Properties;
+use context::WidgetContext;
 use egui::{RichText, ScrollArea, Ui};
-use place::Place;
-pub(crate) use place::Properties;
 use serde_json::Value;
 use trochoid::{Role, Severity};
 
@@ -133,7 +133,7 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
         if node.is(Role::Patch) {
             surface::patch_ui(ui, state, &path, actions);
         }
-        record::items_ui(panel, ui, state, (declaration.items, &path, body), actions);
+        record::items_ui(panel, ui, state, declaration.items, &path, body, actions);
         ui.separator();
         notes::notes_ui(ui, state, &path, actions);
     });
@@ -166,7 +166,7 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let narrow = ui.available_width() < 280.0;
     let number = |ui: &mut Ui, label: &str, path: Path, number: Number<'_>, actions: &mut Vec<Action>| {
         ui.label(label);
-        let place = Place { state, path, value: None };
+        let place = WidgetContext { state, path, value: None };
         number.ui(ui).edit(actions, |number| place.set(&number.into()));
         if narrow {
             ui.end_row();

@@ -1,6 +1,6 @@
 //! Notes on a node, an output, or the document.
 
-use super::place::Place;
+use super::context::WidgetContext;
 use crate::actions::Action;
 use crate::document::{Edit, Path};
 use crate::field;
@@ -10,7 +10,7 @@ use serde_json::Value;
 
 /// Draws the notes at a path, with a field to edit them.
 pub(super) fn notes_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec<Action>) {
-    let place = Place { state, path: path.to("notes"), value: state.sheet().get(&path.to("notes")) };
+    let place = WidgetContext { state, path: path.to("notes"), value: state.sheet().get(&path.to("notes")) };
     let text = place.value.and_then(Value::as_str).unwrap_or_default();
     let told = field::text_ui(ui, text, |text| {
         egui::TextEdit::multiline(text).hint_text("Notes").desired_rows(2).desired_width(f32::INFINITY)

@@ -101,14 +101,14 @@ pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Ve
                 actions.push(Action::Seal);
             }
         };
-        if let Some(chosen) = choice_ui(ui, ("Precision", "default"), &Precision::NAMES, precision) {
+        if let Some(chosen) = choice_ui(ui, "Precision", "default", &Precision::NAMES, precision) {
             set(chosen, "precision", |word| word.into(), actions);
         }
         // Only color outputs have a palette guarantee.
         if body.is_some_and(|body| body.get("color").is_some()) {
             let required = body.and_then(|body| body.get("require")?.get("guarantee")?.as_str());
             let words = [Guarantee::Hull, Guarantee::Box].map(Guarantee::name);
-            if let Some(chosen) = choice_ui(ui, ("Require", "nothing"), &words, required) {
+            if let Some(chosen) = choice_ui(ui, "Require", "nothing", &words, required) {
                 set(chosen, "require", |word| json!({ "guarantee": word }), actions);
             }
         }
@@ -131,7 +131,7 @@ fn look(sheet: &Sheet, source: &str, actions: &mut Vec<Action>) {
 }
 
 /// Draws a text setting; an empty field removes it.
-fn text_ui(ui: &mut Ui, sheet: &Sheet, (name, key, label): (&str, &str, &str), help: &str, actions: &mut Vec<Action>) {
+fn text_ui(ui: &mut Ui, sheet: &Sheet, name: &str, key: &str, label: &str, help: &str, actions: &mut Vec<Action>) {
     ui.label(label).on_hover_text(help);
     let path = output::path(name).to(key);
     let text = sheet.get(&path).and_then(Value::as_str).unwrap_or_default();
@@ -154,7 +154,8 @@ fn text_ui(ui: &mut Ui, sheet: &Sheet, (name, key, label): (&str, &str, &str), h
 /// Draws a choice between some words and a default.
 fn choice_ui<'w>(
     ui: &mut Ui,
-    (label, none): (&str, &str),
+    label: &str,
+    none: &str,
     words: &[&'w str],
     chosen: Option<&str>,
 ) -> Option<(Option<&'w str>, Gesture)> {

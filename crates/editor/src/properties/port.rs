@@ -1,6 +1,6 @@
 //! Port fields: the connection, or the constant used in its place.
 
-use super::place::{Place, Properties, label_ui};
+use super::context::{Properties, WidgetContext, label_ui};
 use super::{color, key, knob};
 use crate::actions::Action;
 use crate::document::{Edit, Path, edit};
@@ -14,7 +14,7 @@ pub(super) fn port_ui(
     panel: &mut Properties,
     ui: &mut Ui,
     port: &'static Port,
-    place: &Place<'_>,
+    place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
 ) {
     let many = matches!(port.arity, Arity::Many { .. });
@@ -23,7 +23,7 @@ pub(super) fn port_ui(
     }
     let elements = place.value.and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
     for (index, element) in elements.iter().enumerate() {
-        let own = Place { state: place.state, path: place.path.to(index), value: Some(element) };
+        let own = WidgetContext { state: place.state, path: place.path.to(index), value: Some(element) };
         source_ui(panel, ui, port, &format!("{}[{index}]", port.name), &own, actions);
     }
     let Arity::Many { max, .. } = port.arity else { return };
@@ -42,7 +42,7 @@ fn source_ui(
     ui: &mut Ui,
     port: &'static Port,
     name: &str,
-    place: &Place<'_>,
+    place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
 ) {
     let sheet = place.state.sheet();
@@ -109,7 +109,7 @@ fn source_ui(
 }
 
 /// Disconnects a pin in the same way as the canvas.
-fn disconnect(gesture: Gesture, place: &Place<'_>, actions: &mut Vec<Action>) {
+fn disconnect(gesture: Gesture, place: &WidgetContext<'_>, actions: &mut Vec<Action>) {
     let sheet = place.state.sheet();
     let [_, crate::document::Step::Key(name), steps @ ..] = place.path.0.as_slice() else { return };
     let Some(node) = sheet.find(name) else { return };

@@ -1,7 +1,7 @@
 //! Widgets for the items of a node, including the records of its lists, such as the stops of a ramp or the waves of a
 //! sea.
 
-use super::place::{Place, Properties};
+use super::context::{Properties, WidgetContext};
 use super::{knob, port};
 use crate::actions::Action;
 use crate::document::{Edit, Op, Path, change, edit};
@@ -16,7 +16,7 @@ pub(super) fn list_ui(
     panel: &mut Properties,
     ui: &mut Ui,
     list: &'static List,
-    place: &Place<'_>,
+    place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
 ) {
     let records = place.value.and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
@@ -42,7 +42,7 @@ pub(super) fn list_ui(
                     }
                 });
                 ui.indent("record", |ui| {
-                    items_ui(panel, ui, place.state, (list.items, &path, Some(record)), actions);
+                    items_ui(panel, ui, place.state, list.items, &path, Some(record), actions);
                 });
             });
         }
@@ -62,11 +62,14 @@ pub(super) fn items_ui(
     panel: &mut Properties,
     ui: &mut Ui,
     state: &State,
-    (items, path, body): (&'static [Item], &Path, Option<&Value>),
+    items: &'static [Item],
+    path: &Path,
+    body: Option<&Value>,
     actions: &mut Vec<Action>,
 ) {
     for item in items {
-        let place = Place { state, path: path.to(item.name()), value: body.and_then(|body| body.get(item.name())) };
+        let place =
+            WidgetContext { state, path: path.to(item.name()), value: body.and_then(|body| body.get(item.name())) };
         match item {
             Item::Knob(knob) => knob::knob_ui(panel, ui, knob, &place, actions),
             Item::Port(port) => port::port_ui(panel, ui, port, &place, actions),

@@ -197,7 +197,7 @@ fn a_document_saved_elsewhere_shows_the_same_picture_and_says_what_it_rewrote() 
     // From there they lead out of its folder.
     act(&mut window, Action::Allow(crate::actions::Grant::Read(folder.path().join("shot"))));
     finished(&mut window);
-    assert_eq!(editor(&window).state().seen.failed, None);
+    assert_eq!(editor(&window).state().evaluated.failed, None);
     assert!(editor(&window).state().session.text().contains("\"../shot/plate.png\""));
     assert!(editor(&window).state().session.text().contains("\"../shot/dusk.####.png\""));
     // From here on the new file is what counts.

@@ -31,7 +31,7 @@ fn frames_are_stepped_and_played() {
     window.key_press(Key::Home);
     window.run_steps(2);
     window.key_press(Key::Space);
-    until(&mut window, "all frames", |editor| editor.state().seen.frames.len() == 8);
+    until(&mut window, "all frames", |editor| editor.state().evaluated.frames.len() == 8);
     assert!(editor(&window).state().playing);
     window.key_press(Key::Space);
     window.run_steps(2);

@@ -24,7 +24,7 @@ fn after_an_error_the_last_picture_stays_until_there_is_another() {
     act(&mut window, broken());
     finished(&mut window);
     window.run_steps(2);
-    let seen = &editor(&window).state().seen;
+    let seen = &editor(&window).state().evaluated;
     assert!(seen.failed.is_some() && seen.result.is_none());
     assert_eq!(seen.last.as_ref().map(|last| last.frame), Some(1));
     // What is held is shown beside it, and the fault above both.
@@ -35,11 +35,11 @@ fn after_an_error_the_last_picture_stays_until_there_is_another() {
     // Another fault does not blank it either.
     act(&mut window, Action::Rewrite(DUSK.replace("\"dusk\": {", "\"dusk\": { \"unheard\": 1,")));
     finished(&mut window);
-    assert!(editor(&window).state().seen.last.is_some());
+    assert!(editor(&window).state().evaluated.last.is_some());
     act(&mut window, Action::Undo);
     act(&mut window, Action::Undo);
     finished(&mut window);
-    assert!(editor(&window).state().seen.last.is_none() && editor(&window).state().seen.result.is_some());
+    assert!(editor(&window).state().evaluated.last.is_none() && editor(&window).state().evaluated.result.is_some());
     window.get_by_label("Wipe line");
 }
 
@@ -65,7 +65,7 @@ fn undo_brings_back_what_was_looked_at() {
     act(&mut window, Action::Undo);
     finished(&mut window);
     assert_eq!(editor(&window).state().look.node, Some(("sky".into(), 0)));
-    assert!(editor(&window).state().seen.result.is_some());
+    assert!(editor(&window).state().evaluated.result.is_some());
     // Not over what was chosen since.
     act(&mut window, Action::Select(["sky".to_string()].into()));
     act(&mut window, Action::Delete);
@@ -99,10 +99,10 @@ fn another_document_has_nothing_of_the_one_before() {
     let mut window = window(Session::open(&one).unwrap(), None);
     act(&mut window, Action::Panel(Pane::Text));
     finished(&mut window);
-    let first = editor(&window).state().seen.result.as_ref().unwrap().screen.clone();
+    let first = editor(&window).state().evaluated.result.as_ref().unwrap().screen.clone();
     act(&mut window, Action::OpenFile(two));
     finished(&mut window);
-    assert_ne!(editor(&window).state().seen.result.as_ref().unwrap().screen, first);
+    assert_ne!(editor(&window).state().evaluated.result.as_ref().unwrap().screen, first);
     assert!(window.query_by_label("Not applied yet").is_none(), "the text is that of this document");
 }
 
@@ -239,6 +239,6 @@ fn an_error_of_an_evaluation_names_the_place_in_the_text() {
     let column = text.lines().nth(line).unwrap().find("\"nothing.png\"").unwrap();
     let mut window = window(Session::new(text, None), None);
     finished(&mut window);
-    let failed = editor(&window).state().seen.failed.clone().unwrap();
+    let failed = editor(&window).state().evaluated.failed.clone().unwrap();
     assert!(failed.contains(&format!("untitled.json:{}:{}: node \"down\"", line + 1, column + 1)), "{failed}");
 }

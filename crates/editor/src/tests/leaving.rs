@@ -210,11 +210,11 @@ fn work_of_a_document_that_is_gone_is_offered_all_the_same() {
 fn a_document_that_is_mended_after_opening_is_looked_at_from_its_beginning() {
     let mut window = window(Session::new(DUSK.replace("\"nodes\"", "nodes"), None), None);
     window.run_steps(3);
-    assert!(editor(&window).state().seen.failed.is_some());
+    assert!(editor(&window).state().evaluated.failed.is_some());
     act(&mut window, Action::Rewrite(DUSK.into()));
     finished(&mut window);
     let state = editor(&window).state();
-    assert_eq!((state.seen.failed.as_deref(), state.frame, state.range), (None, 1, (1, 8)));
+    assert_eq!((state.evaluated.failed.as_deref(), state.frame, state.range), (None, 1, (1, 8)));
     assert_eq!(state.look.node, Some(("dusk".into(), 0)));
 }
 

@@ -28,7 +28,7 @@ fn nothing_is_said_of_a_picture_that_is_gone() {
     act(&mut window, Action::Rewrite(broken));
     finished(&mut window);
     window.run_steps(2);
-    assert!(editor(&window).state().seen.failed.is_some());
+    assert!(editor(&window).state().evaluated.failed.is_some());
     assert!(window.query_by_label("0 outside the palette").is_none());
     act(&mut window, Action::Undo);
     finished(&mut window);
@@ -38,7 +38,7 @@ fn nothing_is_said_of_a_picture_that_is_gone() {
     finished(&mut window);
     window.run_steps(2);
     assert!(window.query_by_label("0 outside the palette").is_none());
-    assert!(editor(&window).state().seen.last.is_some(), "it stays in sight");
+    assert!(editor(&window).state().evaluated.last.is_some(), "it stays in sight");
     act(&mut window, Action::Undo);
     finished(&mut window);
     window.run_steps(2);
@@ -114,7 +114,7 @@ fn a_faulty_document_says_where() {
     window.get_by_label("1 error").click();
     window.run_steps(3);
     assert!(editor(&window).state().selection.contains("dusk"), "the culprit is chosen");
-    assert!(editor(&window).state().seen.failed.is_some());
+    assert!(editor(&window).state().evaluated.failed.is_some());
 }
 
 #[test]

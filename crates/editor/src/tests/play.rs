@@ -21,7 +21,7 @@ fn slow(session: Session, milliseconds: u64) -> Window {
 /// The frame whose picture is shown, whole.
 fn shown(window: &Window) -> Option<i64> {
     let state = editor(window).state();
-    let result = state.seen.result.as_ref().filter(|result| result.finished && state.seen.failed.is_none());
+    let result = state.evaluated.result.as_ref().filter(|result| result.finished && state.evaluated.failed.is_none());
     result.map(|result| result.frame)
 }
 
@@ -52,11 +52,11 @@ fn every_frame_is_shown_in_order_however_long_it_takes() {
     ask(&mut window, Action::Play(true));
     let count = 2 * FRAMES as usize + 3;
     assert_eq!(follow(&mut window, count), wanted(1, (1, FRAMES), count));
-    assert!(editor(&window).state().seen.rate.is_some_and(|rate| rate > 0.0 && rate < 30.0));
-    assert_eq!(editor(&window).state().seen.frames.len(), FRAMES as usize, "all are kept");
+    assert!(editor(&window).state().evaluated.rate.is_some_and(|rate| rate > 0.0 && rate < 30.0));
+    assert_eq!(editor(&window).state().evaluated.frames.len(), FRAMES as usize, "all are kept");
     ask(&mut window, Action::Play(false));
     window.step();
-    assert_eq!(editor(&window).state().seen.rate, None);
+    assert_eq!(editor(&window).state().evaluated.rate, None);
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn a_range_that_cannot_be_kept_is_played_all_the_same() {
     ask(&mut window, Action::Play(true));
     let count = 2 * FRAMES as usize + 3;
     assert_eq!(follow(&mut window, count), wanted(1, (1, FRAMES), count));
-    assert!(editor(&window).state().seen.frames.len() <= 2);
+    assert!(editor(&window).state().evaluated.frames.len() <= 2);
 }
 
 #[test]
@@ -80,13 +80,13 @@ fn an_edit_while_frames_are_played_shows_in_those_that_follow() {
     let from = shown(&window).unwrap();
     let frames = follow(&mut window, 12);
     assert_eq!(frames, wanted(from, (1, FRAMES), 12));
-    assert_eq!(editor(&window).state().seen.result.as_ref().unwrap().subject.revision, revision);
+    assert_eq!(editor(&window).state().evaluated.result.as_ref().unwrap().subject.revision, revision);
     // A fault of the document is waited for.
     let broken = editor(&window).state().session.text().replace("\"sky\", \"b\"", "\"skyy\", \"b\"");
     ask(&mut window, Action::Rewrite(broken));
     finished(&mut window);
     window.run_steps(5);
-    assert!(editor(&window).state().playing && editor(&window).state().seen.failed.is_some());
+    assert!(editor(&window).state().playing && editor(&window).state().evaluated.failed.is_some());
     ask(&mut window, Action::Undo);
     let from = editor(&window).state().frame;
     finished(&mut window);
@@ -112,12 +112,12 @@ fn a_frame_that_cannot_be_made_ends_it_and_says_why() {
     crate::testing::until(&mut window, "the end", |editor| !editor.state().playing);
     let state = editor(&window).state();
     assert_eq!(state.frame, 3);
-    let why = state.seen.failed.clone().unwrap();
+    let why = state.evaluated.failed.clone().unwrap();
     assert!(why.contains("plate.0003.png"), "{why}");
-    assert_eq!(state.seen.last.as_ref().map(|last| last.frame), Some(2), "the last picture stays in sight");
+    assert_eq!(state.evaluated.last.as_ref().map(|last| last.frame), Some(2), "the last picture stays in sight");
     ask(&mut window, Action::Frame(4));
     finished(&mut window);
-    assert_eq!((shown(&window), editor(&window).state().seen.last.is_none()), (Some(4), true));
+    assert_eq!((shown(&window), editor(&window).state().evaluated.last.is_none()), (Some(4), true));
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn look(window: &mut Window) {
 }
 
 fn is_seen(window: &Window) -> bool {
-    let seen = &editor(window).state().seen;
+    let seen = &editor(window).state().evaluated;
     seen.failed.is_none() && seen.result.is_some()
 }
 
@@ -65,7 +65,7 @@ fn a_file_elsewhere_is_read_once_it_is_allowed_and_that_is_remembered() {
     let (one, two) = (shot.document("one"), shot.document("two"));
     let text = std::fs::read_to_string(&one).unwrap();
     let mut first = shot.open(&one);
-    let fault = editor(&first).state().seen.failed.clone().unwrap();
+    let fault = editor(&first).state().evaluated.failed.clone().unwrap();
     assert!(fault.contains("node \"down\" (Read)") && fault.contains("plate.png"), "{fault}");
     let (told, button) = (first.get_by_label(&fault).rect(), first.get_by_label(&shot.reading()).rect());
     assert!(button.top() >= told.bottom(), "{button:?} below {told:?}");
@@ -74,7 +74,7 @@ fn a_file_elsewhere_is_read_once_it_is_allowed_and_that_is_remembered() {
     first.get_by_label(&shot.reading()).click();
     first.run_steps(2);
     look(&mut first);
-    assert!(is_seen(&first), "{:?}", editor(&first).state().seen.failed);
+    assert!(is_seen(&first), "{:?}", editor(&first).state().evaluated.failed);
     assert!(first.query_by_label(&shot.reading()).is_none());
     assert!(!editor(&first).state().session.is_changed());
     assert_eq!(std::fs::read_to_string(&one).unwrap(), text);
@@ -116,7 +116,7 @@ fn a_document_saved_under_another_path_is_asked_about_anew() {
     window.get_by_label(&shot.reading()).click();
     window.run_steps(2);
     look(&mut window);
-    assert!(is_seen(&window), "{:?}", editor(&window).state().seen.failed);
+    assert!(is_seen(&window), "{:?}", editor(&window).state().evaluated.failed);
 }
 
 fn path(shot: &Shot) -> String {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Draws until nothing on the window changes any more: thumbnails as well.
 fn still(window: &mut Window) {
     finished(window);
-    crate::testing::until(window, "thumbnails", |editor| !editor.state().seen.thumbnails.is_empty());
+    crate::testing::until(window, "thumbnails", |editor| !editor.state().evaluated.thumbnails.is_empty());
     // Times differ from run to run.
     window.run_steps(8);
 }

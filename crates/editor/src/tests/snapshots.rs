@@ -58,12 +58,12 @@ const KINDS: &str = r##"{
 fn seen(text: &str) -> State {
     let mut window = sized(Session::new(text.into(), None), None, [800.0, 600.0]);
     finished(&mut window);
-    until(&mut window, "thumbnails", |editor| !editor.state().seen.thumbnails.is_empty());
+    until(&mut window, "thumbnails", |editor| !editor.state().evaluated.thumbnails.is_empty());
     let editor: Editor = window.into_state().unwrap();
     let mut state = editor.state;
     let plane = ["down", "curved", "band", "sky", "dusk"];
-    state.seen.thumbnails.retain(|name, _| plane.contains(&name.as_str()));
-    state.seen.nodes.values_mut().for_each(|node| node.seconds = 1e-3);
+    state.evaluated.thumbnails.retain(|name, _| plane.contains(&name.as_str()));
+    state.evaluated.nodes.values_mut().for_each(|node| node.seconds = 1e-3);
     state
 }
 

@@ -80,7 +80,7 @@ fn a_picture_of_the_size_of_the_document_is_seen_at_every_size() {
     for proxy in [1, 2, 4] {
         act(&mut window, Action::Proxy(proxy));
         finished(&mut window);
-        let seen = &editor(&window).state().seen;
+        let seen = &editor(&window).state().evaluated;
         assert_eq!(seen.failed, None);
         assert_eq!(seen.result.as_ref().unwrap().shrunk, proxy);
     }
@@ -92,7 +92,7 @@ fn what_evaluation_alone_shows_is_counted_and_marked_and_names_the_documents_siz
     let mut window = window(Session::open(&reading(folder.path(), [20, 10])).unwrap(), None);
     finished(&mut window);
     window.run_steps(3);
-    let failed = editor(&window).state().seen.failed.clone().unwrap();
+    let failed = editor(&window).state().evaluated.failed.clone().unwrap();
     assert!(failed.contains("20 × 10 pixels, expected 48 × 27"), "{failed}");
     window.get_by_label("Error in down");
     window.get_by_label("Error above dusk");
@@ -114,7 +114,7 @@ fn a_node_that_is_no_picture_is_no_error() {
     act(&mut window, Action::Look("eye".into(), 0));
     finished(&mut window);
     window.run_steps(3);
-    assert!(editor(&window).state().seen.failed.is_some());
+    assert!(editor(&window).state().evaluated.failed.is_some());
     window.get_by_label("No errors");
 }
 

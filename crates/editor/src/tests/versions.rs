@@ -1,6 +1,6 @@
 use super::DUSK;
 use crate::actions::{Action, Pane};
-use crate::document::{Path, Session, Standing};
+use crate::document::{Path, Session, VersionStatus};
 use crate::testing::{Window, act, editor, finished, window};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -59,7 +59,7 @@ fn a_newer_document_is_shown_and_never_written_unasked() {
 fn a_newer_document_says_what_was_found_in_which_field() {
     let mut window = window(Session::new(newer(), None), None);
     finished(&mut window);
-    let failed = editor(&window).state().seen.failed.clone().unwrap();
+    let failed = editor(&window).state().evaluated.failed.clone().unwrap();
     assert!(failed.contains("found 2, a newer version of the document format"), "{failed}");
     act(&mut window, Action::Panel(Pane::Text));
     window.get_by_label_contains("2:15: trochoid: found 2, a newer version of the document format; expected 1");
@@ -89,13 +89,13 @@ fn a_document_without_a_known_version_says_so_and_can_be_given_one() {
 
 #[test]
 fn versions_are_told_apart() {
-    let of = |text: &str| Standing::of(&serde_json::from_str(text).unwrap());
-    assert_eq!(of("{ \"trochoid\": 1 }"), Standing::Current);
-    assert_eq!(of("{ \"trochoid\": 1.0 }"), Standing::Current);
-    assert_eq!(of("{ \"trochoid\": 7 }"), Standing::Newer("7".into()));
-    assert_eq!(of("{ \"trochoid\": -1 }"), Standing::Unknown(Some("-1".into())));
-    assert_eq!(of("{}"), Standing::Unknown(None));
-    assert_eq!(of("[]"), Standing::Current, "what is no document at all has other faults");
+    let of = |text: &str| VersionStatus::of(&serde_json::from_str(text).unwrap());
+    assert_eq!(of("{ \"trochoid\": 1 }"), VersionStatus::Current);
+    assert_eq!(of("{ \"trochoid\": 1.0 }"), VersionStatus::Current);
+    assert_eq!(of("{ \"trochoid\": 7 }"), VersionStatus::Newer("7".into()));
+    assert_eq!(of("{ \"trochoid\": -1 }"), VersionStatus::Unknown(Some("-1".into())));
+    assert_eq!(of("{}"), VersionStatus::Unknown(None));
+    assert_eq!(of("[]"), VersionStatus::Current, "what is no document at all has other faults");
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub(super) enum Mode {
 /// The held picture and the comparison.
 #[derive(Default)]
 pub(super) struct Compare {
-    pub(super) held: Option<Held>,
+    pub(super) held: Option<HeldPicture>,
     pub(super) gain: f32,
     image: Image,
     difference: Option<Difference>,
@@ -29,7 +29,7 @@ pub(super) struct Compare {
 }
 
 /// The held picture.
-pub(super) struct Held {
+pub(super) struct HeldPicture {
     pub(super) name: String,
     pub(super) mode: Mode,
     number: u64,
@@ -51,7 +51,7 @@ struct Difference {
     screen: Arc<Screen>,
 }
 
-impl Held {
+impl HeldPicture {
     /// Returns whether the picture is shown with these display settings, ignoring the value range.
     pub(super) fn is_shown(&self, display: Display) -> bool {
         Display { range: self.display.range, ..display } == self.display
@@ -62,7 +62,7 @@ impl Compare {
     /// Holds a picture.
     pub(super) fn hold(&mut self, name: &str, result: &Result) {
         self.count += 1;
-        self.held = Some(Held {
+        self.held = Some(HeldPicture {
             name: format!("{name}, frame {}", result.frame),
             mode: self.held.as_ref().map_or(Mode::Wipe, |held| held.mode),
             number: self.count,

@@ -116,7 +116,7 @@ fn has_role(node: &CheckedNode, role: Role) -> bool {
 fn camera(result: &Result, sea: NodeId) -> Option<NodeId> {
     let graph = &result.lens.graph;
     graph.nodes().iter().enumerate().find_map(|(index, node)| {
-        let is_render = has_role(node, Role::Render) && graph.reached([NodeId(index)], result.frame)[sea.0];
+        let is_render = has_role(node, Role::Render) && graph.dependencies([NodeId(index)], result.frame)[sea.0];
         let settled = is_render.then(|| graph.settle(NodeId(index), result.frame))?;
         settled.sources().into_iter().find_map(|source| match source {
             Source::Output { node, .. } if has_role(graph.node(*node), Role::Camera) => Some(*node),
@@ -126,13 +126,13 @@ fn camera(result: &Result, sea: NodeId) -> Option<NodeId> {
 }
 
 /// A path: its place in the document, and its control points as x, z pairs relative to the sea's origin.
-struct Way {
+struct SeaPath {
     name: String,
     path: Path,
     points: [f64; 8],
 }
 
-fn ways(state: &State, sea: &str, paths: &Paths) -> Vec<Way> {
+fn ways(state: &State, sea: &str, paths: &Paths) -> Vec<SeaPath> {
     let body = Path::node(sea);
     let mut ways = Vec::new();
     for list in paths.lists.iter().map(|list| list.as_str()) {
@@ -142,7 +142,7 @@ fn ways(state: &State, sea: &str, paths: &Paths) -> Vec<Way> {
             let numbers: Vec<f64> = numbers.iter().filter_map(Value::as_f64).collect();
             if let Ok(points) = <[f64; 8]>::try_from(numbers) {
                 let name = format!("{list}[{index}]");
-                ways.push(Way { name, path: body.to(list).to(index).to(paths.knob.as_str()), points });
+                ways.push(SeaPath { name, path: body.to(list).to(index).to(paths.knob.as_str()), points });
             }
         }
     }

@@ -101,7 +101,7 @@ pub(super) fn inspector_ui(ui: &mut Ui, state: &State, result: &Result, at: Pos2
         return;
     }
     ui.separator();
-    match &state.seen.blame {
+    match &state.evaluated.blame {
         Some(blamed) => {
             // The previous pixel's answer stays, dimmed, until the new one arrives.
             let is_old = blamed.generation != result.generation || blamed.at != [at.x, at.y];
@@ -112,7 +112,7 @@ pub(super) fn inspector_ui(ui: &mut Ui, state: &State, result: &Result, at: Pos2
                 blame_ui(ui, state, result, blamed, actions);
             });
         }
-        None if state.seen.progress.is_some() => drop(ui.weak("Composition available when the picture is finished.")),
+        None if state.evaluated.progress.is_some() => drop(ui.weak("Composition available when the picture is finished.")),
         None => drop(ui.weak("Finding the control colors …")),
     }
 }

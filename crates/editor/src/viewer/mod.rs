@@ -92,8 +92,8 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
     let mut bar = area;
     area.max.y = (area.max.y - BAR).max(area.min.y + 1.0);
     bar.min.y = area.max.y;
-    let result = state.seen.result.as_deref();
-    let size = match result.or(state.seen.last.as_deref()).map(|result| result.lens.graph.format()) {
+    let result = state.evaluated.result.as_deref();
+    let size = match result.or(state.evaluated.last.as_deref()).map(|result| result.lens.graph.format()) {
         Some(format) => [format.width(), format.height()],
         None => state.sheet().format,
     };
@@ -159,8 +159,8 @@ fn strip_ui(ui: &mut Ui, strip: Rect, content: impl FnOnce(&mut Ui)) {
 fn keys(viewer: &mut Viewer, ui: &Ui, state: &State, actions: &mut Vec<Action>) {
     let pressed = |key: Key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
     let display = state.look.display;
-    let channels = state.seen.result.as_ref().map_or(3, |result| result.picture.planes.len());
-    let is_color = state.seen.result.as_ref().is_none_or(|result| result.picture.kind == Kind::Color);
+    let channels = state.evaluated.result.as_ref().map_or(3, |result| result.picture.planes.len());
+    let is_color = state.evaluated.result.as_ref().is_none_or(|result| result.picture.kind == Kind::Color);
     let mut choose = |channel: Channel| {
         let channel = if display.channel == channel { Channel::All } else { channel };
         actions.push(Action::Display(Display { channel, ..display }));
@@ -213,8 +213,8 @@ fn picture_ui(
     let painter = ui.painter().with_clip_rect(stage.area);
     painter.rect_filled(stage.area, 0.0, picture::SURROUND);
     let Some(result) = result else {
-        if let Some(last) = &state.seen.last {
-            last_ui(viewer, ui, stage, (&response, last));
+        if let Some(last) = &state.evaluated.last {
+            last_ui(viewer, ui, stage, &response, last);
         }
         message_ui(ui, stage.area, state, actions);
         return None;
@@ -229,7 +229,7 @@ fn picture_ui(
     if viewer.compare.held.as_ref().is_none_or(|held| held.mode == Mode::Wipe) {
         viewer.near.paint(ui.ctx(), &painter, rect, result);
     }
-    point(viewer, ui, rect, (&response, state, result), actions);
+    point(viewer, ui, rect, &response, state, result, actions);
     marks(viewer, ui, stage, rect, state);
     viewer.compare.wipe_ui(ui, stage, rect, zoom);
     if !viewer.no_handles && state.dropper.is_none() {
@@ -246,7 +246,7 @@ fn picture_ui(
 }
 
 /// Draws the last picture, darkened, together with the comparison.
-fn last_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, (response, last): (&Response, &Result)) {
+fn last_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, response: &Response, last: &Result) {
     move_view(viewer, ui, stage, response);
     let (rect, zoom) = (viewer.view.rect(stage), viewer.view.zoom(stage));
     let (own, shown) = (part(last), viewer.compare.shown(last));
@@ -279,7 +279,9 @@ fn point(
     viewer: &mut Viewer,
     ui: &Ui,
     rect: Rect,
-    (response, state, result): (&Response, &State, &Result),
+    response: &Response,
+    state: &State,
+    result: &Result,
     actions: &mut Vec<Action>,
 ) {
     let at = response.interact_pointer_pos().map(|at| share(rect, at));
@@ -361,7 +363,7 @@ fn marks(viewer: &Viewer, ui: &Ui, stage: &Stage, rect: Rect, state: &State) {
 
 /// Draws the message why there is no picture, with a button that goes to the node at fault.
 fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut Vec<Action>) {
-    let (text, color) = match (&state.seen.failed, &state.look.node) {
+    let (text, color) = match (&state.evaluated.failed, &state.look.node) {
         (Some(why), _) => (why.clone(), Color32::from_rgb(0xf0, 0x90, 0x80)),
         (None, None) => ("Select a node in the graph and press 1 to view it.".into(), Color32::from_gray(190)),
         (None, Some(_)) => ("Evaluating …".into(), Color32::from_gray(150)),
@@ -370,22 +372,22 @@ fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut Vec<Action>)
         Rect::from_center_size(area.center(), vec2((area.width() - 32.0).clamp(40.0, 520.0), area.height() - 24.0));
     let galley = ui.painter().layout(text.clone(), FontId::proportional(14.0), color, room.width());
     // At the top if the last picture is visible below.
-    let align = if state.seen.last.is_some() { Align2::CENTER_TOP } else { Align2::CENTER_CENTER };
+    let align = if state.evaluated.last.is_some() { Align2::CENTER_TOP } else { Align2::CENTER_CENTER };
     let place = align.align_size_within_rect(galley.size(), room);
-    if state.seen.last.is_some() {
+    if state.evaluated.last.is_some() {
         ui.painter().rect_filled(place.expand2(vec2(10.0, 6.0)), 4.0, Color32::from_black_alpha(190));
     }
     ui.scope_builder(UiBuilder::new().max_rect(place.expand(2.0)).id_salt("message"), |ui| {
         ui.label(RichText::new(text).color(color).size(14.0));
     });
-    if state.seen.failed.is_none() {
+    if state.evaluated.failed.is_none() {
         return;
     }
     let below = Rect::from_min_max(pos2(place.left(), place.bottom() + 8.0), area.max);
-    if !state.seen.refused.is_empty() {
+    if !state.evaluated.refused.is_empty() {
         ui.scope_builder(UiBuilder::new().max_rect(below).id_salt("refused"), |ui| {
             let has_file = state.session.file().is_some();
-            actions.extend(crate::reach::buttons_ui(ui, &state.seen.refused, has_file).map(Action::Allow));
+            actions.extend(crate::reach::buttons_ui(ui, &state.evaluated.refused, has_file).map(Action::Allow));
         });
         return;
     }
@@ -420,7 +422,7 @@ fn note(ui: &mut Ui, area: Rect, text: &str) {
 /// Draws the status bar: values under the pointer, and the size of the picture.
 fn bar_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, state: &State, hover: Option<Pos2>) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let result = state.seen.result.as_deref();
+        let result = state.evaluated.result.as_deref();
         if let Some(result) = result {
             let format = &result.format;
             ui.weak(format!("{} × {}", format.width(), format.height()));

@@ -3,7 +3,7 @@
 use crate::document::color::rgb;
 use crate::document::{Path, Sheet, edit};
 use serde_json::Value;
-use trochoid::{Item, Takes, WorkingSpace, srgb_decode};
+use trochoid::{Item, KnobType, WorkingSpace, srgb_decode};
 
 /// Tolerance for equal colors: rounding errors only.
 const SAME: f64 = 1e-6;
@@ -22,7 +22,7 @@ pub(super) fn origin(sheet: &Sheet, node: &str, color: [f64; 3], space: WorkingS
 /// Collects the colors written in items, with their names.
 fn gather(items: &[Item], body: &Value, before: &str, space: WorkingSpace, all: &mut Vec<(String, [f64; 3])>) {
     let counts = |item: &&Item| match item {
-        Item::Knob(knob) => matches!(knob.takes, Takes::Color),
+        Item::Knob(knob) => matches!(knob.takes, KnobType::Color),
         Item::Port(port) => port.accepts.takes_color(),
         Item::List(_) => true,
     };

@@ -21,7 +21,7 @@ impl Viewer {
 
     /// Holds the current picture, if there is one.
     pub(super) fn hold(&mut self, state: &State) {
-        if let Some(result) = &state.seen.result {
+        if let Some(result) = &state.evaluated.result {
             let name = state.look.node.as_ref().map_or("picture", |(name, _)| name.as_str());
             self.compare.hold(name, result);
         }

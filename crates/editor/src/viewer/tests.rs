@@ -54,7 +54,7 @@ fn act(window: &mut Window, action: Action) {
 fn settle(window: &mut Window) {
     window.step();
     until(window, "what is evaluated", |editor| {
-        let (seen, look) = (&editor.state().seen, &editor.state().look);
+        let (seen, look) = (&editor.state().evaluated, &editor.state().look);
         let is_color = seen.result.as_ref().is_some_and(|result| result.picture.kind == trochoid::Kind::Color);
         let is_blamed = !is_color || look.pick.is_none() || seen.blame.as_ref().map(|blamed| blamed.at) == look.pick;
         let is_done = seen.result.as_ref().is_some_and(|result| result.finished && result.display == look.display);
@@ -109,7 +109,7 @@ fn a_pixel_is_picked_and_its_colors_listed() {
     let center = picture(&window).center() + vec2(3.0, 3.0);
     click(&mut window, center);
     let state = editor(&window).state();
-    let blamed = state.seen.blame.as_ref().unwrap();
+    let blamed = state.evaluated.blame.as_ref().unwrap();
     assert_eq!(blamed.pixel, [32, 18]);
     let sum: f64 = blamed.shares.iter().map(|share| share.weight).sum();
     assert!((sum - 1.0).abs() < 1e-12);
@@ -199,7 +199,7 @@ fn a_region_is_dragged_and_cleared() {
     let region = state.look.region.unwrap();
     assert!((region[0] - 0.5).abs() < 0.02 && region[2] > 0.52 && region[3] > region[1], "{region:?}");
     assert_eq!(state.look.pick, None);
-    let evaluated = state.seen.result.as_ref().unwrap().picture.planes[0].window();
+    let evaluated = state.evaluated.result.as_ref().unwrap().picture.planes[0].window();
     assert!(evaluated.width() < 64 && evaluated.x0 >= 31, "{evaluated:?}");
     window.key_press_modifiers(Modifiers::SHIFT, Key::W);
     settle(&mut window);
@@ -273,7 +273,7 @@ fn the_held_picture_is_shown_as_the_present_one_is() {
             editor.panels.viewer.compare.held.as_ref().unwrap().is_shown(display)
         });
         let editor = window.state_mut().as_mut().unwrap();
-        let result = editor.state().seen.result.clone().unwrap();
+        let result = editor.state().evaluated.result.clone().unwrap();
         let shown = editor.panels.viewer.compare.shown(&result);
         assert!(shown.pixels.chunks(4).all(|pixel| pixel == [0, 0, 0, 255]), "{display:?}");
     }
@@ -379,7 +379,7 @@ fn what_is_projected_comes_back() {
     {
         let text = SEA.replace(r#""target": [5, 0, 5]"#, &format!(r#""target": [5, 0, 5], {knobs}"#));
         act(&mut window, Action::Rewrite(text));
-        let result = editor(&window).state().seen.result.clone().unwrap();
+        let result = editor(&window).state().evaluated.result.clone().unwrap();
         let camera = result.lens.graph.find("camera").unwrap();
         let eye = Eye::new(&result, camera);
         assert!((eye.project([5.0, 0.0, 5.0]).unwrap() - pos2(0.5, 0.5)).length() < 1e-5);

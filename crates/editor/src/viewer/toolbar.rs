@@ -12,7 +12,7 @@ use trochoid::Kind;
 
 /// Returns the kind of the viewed result.
 fn kind(state: &State) -> Option<Kind> {
-    state.seen.result.as_ref().map(|result| result.picture.kind)
+    state.evaluated.result.as_ref().map(|result| result.picture.kind)
 }
 
 /// Draws the toolbar.
@@ -246,7 +246,7 @@ fn field_ui(ui: &mut Ui, state: &State, display: &mut Display) {
         return;
     }
     let mut fixed = display.range.is_some();
-    let result = state.seen.result.as_deref();
+    let result = state.evaluated.result.as_deref();
     let toggle = ui
         .toggle_value(&mut fixed, "Range")
         .on_hover_text("Set the values shown as black and white; otherwise the range of all values");
@@ -279,7 +279,7 @@ fn proxy_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
 }
 
 fn compare_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State) {
-    let hold = ui.add_enabled(state.seen.result.is_some(), Button::new("Hold A"));
+    let hold = ui.add_enabled(state.evaluated.result.is_some(), Button::new("Hold A"));
     let help = match &viewer.compare.held {
         Some(held) => format!("Hold the current picture instead of {}", held.name),
         None => "Hold the current picture, to compare others with it".into(),

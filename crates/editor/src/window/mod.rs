@@ -10,7 +10,7 @@ mod recover;
 
 use crate::actions::{Action, Pane};
 use crate::commands::{COMMANDS, MENUS};
-use crate::document::Standing;
+use crate::document::VersionStatus;
 use crate::editor::{Editor, Panels};
 use crate::state::State;
 use egui::{Align, Layout, MenuBar, Panel, RichText, Ui, WidgetText};
@@ -63,7 +63,7 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::Properties => crate::properties::properties_ui(&mut panels.properties, ui, state, actions),
             Pane::Waves => crate::waves::waves_ui(&mut panels.waves, ui, state, actions),
             Pane::Report => crate::report::report_ui(&mut panels.report, ui, state, actions),
-            Pane::Text => crate::source::source_ui(&mut panels.source, ui, state, actions),
+            Pane::Text => crate::text_panel::text_panel_ui(&mut panels.text, ui, state, actions),
         });
         UiResponse::None
     }
@@ -137,7 +137,7 @@ fn unreadable_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
 
 /// Shows the message about an unsupported format version.
 fn version_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
-    let standing = Standing::of(&state.sheet().value);
+    let standing = VersionStatus::of(&state.sheet().value);
     let Some(notice) = standing.notice() else { return };
     Panel::top("version").show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
@@ -204,10 +204,10 @@ fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
                 let text = format!("Rendering {} of {total}", (done + 1).min(total));
                 ui.add(egui::ProgressBar::new(share).desired_width(180.0).text(text));
             }
-            if let Some(share) = state.seen.progress {
+            if let Some(share) = state.evaluated.progress {
                 ui.add(egui::ProgressBar::new(share).desired_width(100.0));
                 ui.weak("Evaluating");
-            } else if let Some(result) = state.seen.result.as_deref().filter(|result| result.finished) {
+            } else if let Some(result) = state.evaluated.result.as_deref().filter(|result| result.finished) {
                 // Only the time of the picture shown.
                 ui.weak(crate::format::seconds(result.seconds.1));
                 if result.picture.guarantee.is_some() {

@@ -7,7 +7,7 @@ use crate::editor::Editor;
 use crate::prompts::{FileQuestion, Prompt};
 use egui::{Context, Modal, ScrollArea};
 use std::path::{Path, PathBuf};
-use trochoid::Refused;
+use trochoid::RefusedFile;
 
 /// Draws the open prompt, if any, and performs the answer.
 pub(super) fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut Vec<Action>) {
@@ -80,7 +80,7 @@ fn replace_ui(editor: &mut Editor, context: &Context, file: PathBuf, after: Opti
     (!cancel && !modal.should_close()).then_some(Prompt::Replace(file, after))
 }
 
-fn reach_ui(editor: &mut Editor, context: &Context, refused: Vec<Refused>) -> Option<Prompt> {
+fn reach_ui(editor: &mut Editor, context: &Context, refused: Vec<RefusedFile>) -> Option<Prompt> {
     let (mut allowed, mut cancel) = (None, false);
     let modal = Modal::new("reach".into()).show(context, |ui| {
         titled(ui, "Allow access to more folders?");

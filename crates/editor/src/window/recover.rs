@@ -1,14 +1,14 @@
 //! The prompt that offers backups of editors that ended unexpectedly.
 
 use super::modal::titled;
-use crate::document::keep::{Kept, discard};
+use crate::document::keep::{UnsavedCopy, discard};
 use crate::editor::Editor;
 use crate::prompts::Prompt;
 use egui::{Context, Modal, RichText, ScrollArea};
 use std::time::SystemTime;
 
 /// Draws the prompt; each backup can be recovered or discarded.
-pub(super) fn recover_ui(editor: &mut Editor, context: &Context, mut kept: Vec<Kept>) -> Option<Prompt> {
+pub(super) fn recover_ui(editor: &mut Editor, context: &Context, mut kept: Vec<UnsavedCopy>) -> Option<Prompt> {
     let (mut chosen, mut dropped, mut later) = (None, None, false);
     Modal::new("recover".into()).show(context, |ui| {
         titled(ui, "Recover unsaved work?");

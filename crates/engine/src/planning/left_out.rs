@@ -109,7 +109,7 @@ impl Reasons<'_> {
             return at;
         }
         // Look past bound nodes too: a node behind a bound one was not rejected by a switch.
-        let reached = graph.reached(self.roots.iter().copied(), self.planner.frame);
+        let reached = graph.dependencies(self.roots.iter().copied(), self.planner.frame);
         for id in passing {
             let mut open = vec![id];
             while let Some(node) = open.pop() {

@@ -117,7 +117,7 @@ impl Scheduler<'_, '_, '_> {
 
     /// Returns the channels that a view can supply.
     pub(crate) fn supplies(&self, id: NodeId) -> ChannelSet {
-        self.stage(id).map_or(ChannelSet::EMPTY, Stage::supplies)
+        self.stage(id).map_or(ChannelSet::EMPTY, Stage::supplied_channels)
     }
 
     fn stage(&self, id: NodeId) -> Option<&dyn Stage> {
@@ -149,8 +149,8 @@ impl Scheduler<'_, '_, '_> {
             }
         }
         let outputs_wanted: Vec<bool> = own.iter().map(|channels| channels.iter().any(|&channel| channel)).collect();
-        let asks = stage.asks(&outputs_wanted);
-        let prefers = stage.prefers(&outputs_wanted);
+        let asks = stage.required_channels(&outputs_wanted);
+        let prefers = stage.optional_channels(&outputs_wanted);
         let mut tap_roots: Vec<u32> = Vec::new();
         let mut inputs = Vec::new();
         for (index, (name, sources)) in settled.ports().enumerate() {

@@ -58,7 +58,7 @@ impl Planner<'_, '_> {
         };
         let Some(stage) = settled.stage() else { return (inputs(), None) };
         if node.kinds.contains(&Kind::View) {
-            let supplied = stage.supplies();
+            let supplied = stage.supplied_channels();
             let decides = SHARING_CHANNELS.iter().all(|channel| supplied.contains(*channel));
             return (decides.then(|| vec![lowered.stands_in[id.0]]), None);
         }

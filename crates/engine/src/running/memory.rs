@@ -5,7 +5,7 @@ use crate::planning::plan::{Feed, Fill, Pass};
 use crate::{EvalError, Plan};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
-use trochoid_graph::{MemoryUse, NodeId, Reckoning, Stage, Variance, in_bytes};
+use trochoid_graph::{MemoryContext, MemoryUse, NodeId, Stage, Variance, in_bytes};
 use trochoid_image::Window;
 
 /// Most consumers that a message names.
@@ -119,7 +119,7 @@ impl Plan<'_> {
         for (id, wanted) in &self.prepares {
             let Some(stage) = self.stage(*id) else { continue };
             let of = |id: NodeId| uses.get(&id).copied().unwrap_or_default();
-            let mut taken = stage.memory(&Reckoning::new(&self.context, wanted, &of));
+            let mut taken = stage.memory(&MemoryContext::new(&self.context, wanted, &of));
             if let Some(bytes) = known.get(id) {
                 (taken.held, taken.working) = (*bytes, 0);
             }

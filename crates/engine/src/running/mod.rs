@@ -9,7 +9,7 @@
 pub(crate) mod bands;
 pub(crate) mod buffers;
 pub(crate) mod certify;
-mod examine;
+mod check_headers;
 pub(crate) mod fill;
 pub(crate) mod foreign;
 pub(crate) mod frame;

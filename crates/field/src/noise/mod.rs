@@ -78,7 +78,7 @@ pub struct Noise {
 
 /// Parameters of the octaves.
 #[derive(Clone, Copy, Debug)]
-pub struct Axes {
+pub struct NoiseParameters {
     /// Size of a cell of the first octave, in the unit of the coordinates.
     pub scale: f64,
     /// Number of octaves.
@@ -112,15 +112,15 @@ const GOLDEN: u32 = 0x9e37_79b9;
 
 impl Noise {
     /// Makes the octaves for these parameters. Their weights sum to 1.
-    pub fn new(kind: NoiseKind, axes: Axes, evolution: Option<f64>) -> Self {
-        let mut octaves = Vec::with_capacity(axes.octaves);
-        let (mut frequency, mut weight) = (1.0 / axes.scale, 1.0);
-        for index in 0..axes.octaves {
-            let seed = extend(extend(0, i64::from(axes.seed)), index as i64);
+    pub fn new(kind: NoiseKind, parameters: NoiseParameters, evolution: Option<f64>) -> Self {
+        let mut octaves = Vec::with_capacity(parameters.octaves);
+        let (mut frequency, mut weight) = (1.0 / parameters.scale, 1.0);
+        for index in 0..parameters.octaves {
+            let seed = extend(extend(0, i64::from(parameters.seed)), index as i64);
             let shift = [1, 2, 3, 4].map(|axis| f64::from(mix(seed.wrapping_add(axis))) / 4_294_967_296.0);
             octaves.push(Octave { frequency, weight, seed, shift });
-            frequency *= axes.lacunarity;
-            weight *= axes.gain;
+            frequency *= parameters.lacunarity;
+            weight *= parameters.gain;
         }
         let total: f64 = octaves.iter().map(|octave| octave.weight).sum();
         octaves.iter_mut().for_each(|octave| octave.weight /= total);
@@ -287,8 +287,8 @@ mod tests {
 
     const KINDS: [NoiseKind; 4] = [NoiseKind::Fbm, NoiseKind::Ridged, NoiseKind::Cellular, NoiseKind::Edges];
 
-    fn axes(seed: u32) -> Axes {
-        Axes { scale: 0.7, octaves: 5, lacunarity: 2.17, gain: 0.6, seed }
+    fn parameters(seed: u32) -> NoiseParameters {
+        NoiseParameters { scale: 0.7, octaves: 5, lacunarity: 2.17, gain: 0.6, seed }
     }
 
     /// Points that are small, huge, on the lattice, negative, or not finite.
@@ -318,7 +318,7 @@ mod tests {
     #[test]
     fn edges_come_with_their_slopes() {
         let points: Vec<[f64; 2]> = points().into_iter().map(|[x, y, _]| [x, y]).collect();
-        for figures in [axes(7), Axes { octaves: 1, scale: 1.0, ..axes(3) }] {
+        for figures in [parameters(7), NoiseParameters { octaves: 1, scale: 1.0, ..parameters(3) }] {
             let noise = Noise::new(NoiseKind::Edges, figures, None);
             let (mut plain, mut out) = (vec![f32::NAN; points.len()], vec![f32::NAN; points.len()]);
             let mut slopes = vec![[f32::NAN; 2]; points.len()];
@@ -355,7 +355,7 @@ mod tests {
     fn agrees_with_the_reference_far_from_the_origin_too() {
         for kind in KINDS {
             for (seed, evolution) in [(0, None), (7, Some(0.0)), (1_000_000_000, Some(-123.456))] {
-                let noise = Noise::new(kind, axes(seed), evolution);
+                let noise = Noise::new(kind, parameters(seed), evolution);
                 let mut out = vec![f32::NAN; points().len()];
                 noise.fill(points().into_iter(), &[], &mut out);
                 let mut flat = out.clone();
@@ -378,7 +378,7 @@ mod tests {
     fn is_continuous_and_uses_its_range() {
         for kind in KINDS {
             for dimensions in [2, 3] {
-                let noise = Noise::new(kind, Axes { octaves: 1, scale: 1.0, ..axes(3) }, None);
+                let noise = Noise::new(kind, NoiseParameters { octaves: 1, scale: 1.0, ..parameters(3) }, None);
                 let (mut low, mut high, mut last) = (f64::INFINITY, f64::NEG_INFINITY, None::<f64>);
                 for step in 0..20_000 {
                     let t = f64::from(step) * 0.003;
@@ -400,7 +400,7 @@ mod tests {
         let points: Vec<[f64; 2]> = (0..200).map(|i| [f64::from(i) * 0.31, f64::from(i) * 0.17]).collect();
         let of = |seed: u32| {
             let mut out = vec![0.0; points.len()];
-            Noise::new(NoiseKind::Fbm, Axes { octaves: 1, ..axes(seed) }, None).fill(
+            Noise::new(NoiseKind::Fbm, NoiseParameters { octaves: 1, ..parameters(seed) }, None).fill(
                 points.iter().copied(),
                 &[],
                 &mut out,
@@ -417,7 +417,7 @@ mod tests {
     fn footprints_take_what_is_finer_and_leave_the_mean() {
         for kind in KINDS {
             for evolution in [None, Some(0.3)] {
-                let noise = Noise::new(kind, axes(3), evolution);
+                let noise = Noise::new(kind, parameters(3), evolution);
                 let points: Vec<[f64; 3]> = points();
                 let prints: Vec<f32> = (0..points.len()).map(|i| [0.0, 0.01, 0.2, 0.5, 9.0, 1e30][i % 6]).collect();
                 let mut out = vec![f32::NAN; points.len()];
@@ -443,7 +443,7 @@ mod tests {
     fn means_are_those_of_the_noise() {
         for kind in KINDS {
             for axes in 2..=4 {
-                let figures = Axes { octaves: 1, scale: 1.0, ..self::axes(5) };
+                let figures = NoiseParameters { octaves: 1, scale: 1.0, ..self::parameters(5) };
                 // Slices through the last axis differ, so average over several of them.
                 let (slices, count) = (8, 5_000);
                 let mut sum = 0.0;

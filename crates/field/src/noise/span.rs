@@ -82,7 +82,7 @@ fn gradients(octave: &Octave, place: &[f64], reach: &[f64]) -> Span {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Axes;
+    use crate::NoiseParameters;
     use trochoid_graph::Bound;
 
     #[test]
@@ -96,8 +96,8 @@ mod tests {
         let mut ratios = Vec::new();
         for (kind, evolution) in kinds.into_iter().flat_map(|kind| [None, Some(0.3)].map(|evolution| (kind, evolution)))
         {
-            let axes = Axes { scale: 0.7, octaves: 4, lacunarity: 2.1, gain: 0.5, seed: 9 };
-            let noise = Noise::new(kind, axes, evolution);
+            let parameters = NoiseParameters { scale: 0.7, octaves: 4, lacunarity: 2.1, gain: 0.5, seed: 9 };
+            let noise = Noise::new(kind, parameters, evolution);
             for round in 0..4000 {
                 let size = [1e-9, 1e-6, 1e-4, 1e-2, 0.1, 3.0][round % 6];
                 let (count, footprint) = (2 + round % 2, 0.2 * (random() + 1.0));

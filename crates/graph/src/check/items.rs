@@ -1,8 +1,8 @@
 //! Reads the ports and knobs of a node according to its declaration.
 
 use super::values::{count, expected};
-use super::{Checker, Draft, Place};
-use crate::declare::{Default, Takes};
+use super::{Checker, Draft, FaultLocation};
+use crate::declare::{KnobDefault, KnobType};
 use crate::registry::item_names;
 use crate::spanned::{Entry, Json, Spanned, number_text, shorten};
 use crate::{
@@ -29,13 +29,14 @@ impl<'a> Checker<'a> {
     /// Reads the items of a node whose type is known.
     pub(super) fn fill_in(&mut self, draft: &mut Draft<'a>, entry: &'a Entry, names: &Names<'a>) {
         let Some(ty) = draft.ty else { return };
-        let place = Place { offset: entry.offset, node: Some(draft.name), port: None };
+        let place = FaultLocation { offset: entry.offset, node: Some(draft.name), port: None };
         let Some(entries) = self.object(&entry.value, place, "an object with a \"type\"") else { return };
         if let Some(disabled) = entries.iter().find(|entry| entry.key == "disabled") {
             match disabled.value.json {
                 Json::Bool(value) => draft.disabled = value,
                 _ => {
-                    let place = Place { offset: disabled.value.offset, node: Some(draft.name), port: Some("disabled") };
+                    let place =
+                        FaultLocation { offset: disabled.value.offset, node: Some(draft.name), port: Some("disabled") };
                     self.error(place, disabled.value.brief(), "true or false", "write true or false");
                 }
             }
@@ -56,11 +57,11 @@ impl<'a> Checker<'a> {
                 let listed: Vec<String> = operands.iter().map(|entry| entry.value.brief()).collect();
                 let keys: Vec<String> = operands.iter().map(|entry| format!("\"{}\"", entry.key)).collect();
                 let remedy = format!("write \"weights\": [{}]", listed.join(", "));
-                let place = Place { port: Some("weights"), ..place.at(first.offset) };
+                let place = FaultLocation { port: Some("weights"), ..place.at(first.offset) };
                 self.error(place, keys.join(" and "), "masks in one list, \"weights\"", remedy);
             } else {
                 let offset = entries_type(&entry.value).unwrap_or(entry.offset);
-                self.refused(Place { offset, port: Some("type"), ..place }, ty.declaration().name, refusal);
+                self.refused(FaultLocation { offset, port: Some("type"), ..place }, ty.declaration().name, refusal);
             }
             // The node counts as one of unknown type: its record has none of the declared items.
             (draft.ty, draft.faulty) = (None, true);
@@ -70,7 +71,13 @@ impl<'a> Checker<'a> {
         draft.faulty = self.diagnostics[before..].iter().any(|found| found.severity == Severity::Error);
     }
 
-    fn record(&mut self, items: &'static [Item], entries: &[&'a Entry], place: Place<'_>, names: &Names<'a>) -> Record {
+    fn record(
+        &mut self,
+        items: &'static [Item],
+        entries: &[&'a Entry],
+        place: FaultLocation<'_>,
+        names: &Names<'a>,
+    ) -> Record {
         for entry in entries {
             if !item_names(items).any(|name| name == entry.key) {
                 let known: Vec<&str> = item_names(items).collect();
@@ -80,7 +87,8 @@ impl<'a> Checker<'a> {
         let mut record = Record::default();
         for item in items {
             let value = entries.iter().find(|entry| entry.key == item.name()).map(|entry| &entry.value);
-            let place = Place { offset: value.map_or(place.offset, |v| v.offset), port: Some(item.name()), ..place };
+            let place =
+                FaultLocation { offset: value.map_or(place.offset, |v| v.offset), port: Some(item.name()), ..place };
             match item {
                 Item::Port(port) => record.ports.push((port.name, self.port(port, value, place, names))),
                 Item::Knob(knob) => record.knobs.push((knob.name, self.knob(knob, value, place))),
@@ -94,7 +102,7 @@ impl<'a> Checker<'a> {
         &mut self,
         list: &'static List,
         value: Option<&'a Spanned>,
-        place: Place<'_>,
+        place: FaultLocation<'_>,
         names: &Names<'a>,
     ) -> Vec<Record> {
         let expected = format!("a list of {}", count(list.min, list.max, "record"));
@@ -131,7 +139,13 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn port(&mut self, port: &Port, value: Option<&'a Spanned>, place: Place<'_>, names: &Names<'a>) -> Vec<Source> {
+    fn port(
+        &mut self,
+        port: &Port,
+        value: Option<&'a Spanned>,
+        place: FaultLocation<'_>,
+        names: &Names<'a>,
+    ) -> Vec<Source> {
         match (port.arity, value) {
             (Arity::Optional, None) => Vec::new(),
             (Arity::Many { min: 0, .. }, None) => Vec::new(),
@@ -157,7 +171,13 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn source(&mut self, accepts: Accepts, value: &'a Spanned, place: Place<'_>, names: &Names<'a>) -> Option<Source> {
+    fn source(
+        &mut self,
+        accepts: Accepts,
+        value: &'a Spanned,
+        place: FaultLocation<'_>,
+        names: &Names<'a>,
+    ) -> Option<Source> {
         match &value.json {
             Json::String(text) if !accepts.takes_color() && text.starts_with('#') => {
                 let remedy = match accepts {
@@ -223,7 +243,7 @@ impl<'a> Checker<'a> {
     pub(super) fn reference(
         &mut self,
         text: &str,
-        place: Place<'_>,
+        place: FaultLocation<'_>,
         names: &Names<'a>,
         or_color: bool,
     ) -> Option<Source> {
@@ -265,7 +285,7 @@ impl<'a> Checker<'a> {
         Some(Source::Output { node: NodeId(node), output: index })
     }
 
-    fn knob(&mut self, knob: &Knob, value: Option<&'a Spanned>, place: Place<'_>) -> Setting {
+    fn knob(&mut self, knob: &Knob, value: Option<&'a Spanned>, place: FaultLocation<'_>) -> Setting {
         let Some(value) = value else {
             return match knob.default {
                 None => {
@@ -273,11 +293,11 @@ impl<'a> Checker<'a> {
                     self.error(place, format!("no \"{}\"", knob.name), expected(&knob.takes), remedy);
                     Setting::Unset
                 }
-                Some(Default::Number(number)) => Setting::Numeric(Animated::constant(vec![number])),
-                Some(Default::Bool(value)) => Setting::Bool(value),
-                Some(Default::Text(text)) => Setting::Text(text.into()),
-                Some(Default::Vector(values)) => Setting::Numeric(Animated::constant(values.to_vec())),
-                Some(Default::Unset) => Setting::Unset,
+                Some(KnobDefault::Number(number)) => Setting::Numeric(Animated::constant(vec![number])),
+                Some(KnobDefault::Bool(value)) => Setting::Bool(value),
+                Some(KnobDefault::Text(text)) => Setting::Text(text.into()),
+                Some(KnobDefault::Vector(values)) => Setting::Numeric(Animated::constant(values.to_vec())),
+                Some(KnobDefault::Unset) => Setting::Unset,
             };
         };
         if !knob.animated && matches!(value.json, Json::Object(_)) {
@@ -285,10 +305,10 @@ impl<'a> Checker<'a> {
             return Setting::Unset;
         }
         let setting = match knob.takes {
-            Takes::Number { min, max } => self
+            KnobType::Number { min, max } => self
                 .animated(value, place, |checker, value, place| Some(vec![checker.number(value, min, max, place)?]))
                 .map(Setting::Numeric),
-            Takes::Integer { min, max } => self
+            KnobType::Integer { min, max } => self
                 .animated(value, place, |checker, value, place| {
                     let number = checker.number(value, min as f64, max as f64, place)?;
                     if number.fract() != 0.0 {
@@ -298,16 +318,16 @@ impl<'a> Checker<'a> {
                     Some(vec![number])
                 })
                 .map(Setting::Numeric),
-            Takes::Color => self.animated(value, place, Self::color).map(Setting::Numeric),
-            Takes::Vector(n) => self
+            KnobType::Color => self.animated(value, place, Self::color).map(Setting::Numeric),
+            KnobType::Vector(n) => self
                 .animated(value, place, |checker, value, place| checker.vector(value, n, n, place))
                 .map(Setting::Numeric),
-            Takes::Numbers { min, max } => self.vector(value, min, max, place).map(Setting::Numbers),
-            Takes::Bool => match value.json {
+            KnobType::Numbers { min, max } => self.vector(value, min, max, place).map(Setting::Numbers),
+            KnobType::Bool => match value.json {
                 Json::Bool(value) => Some(Setting::Bool(value)),
                 _ => self.mismatch(value, &knob.takes, place),
             },
-            Takes::Choice(words) => match &value.json {
+            KnobType::Choice(words) => match &value.json {
                 Json::String(text) if words.contains(&text.as_str()) => Some(Setting::Text(text.clone())),
                 Json::String(text) => {
                     let remedy = match nearest(text, words.iter().copied()) {
@@ -319,11 +339,11 @@ impl<'a> Checker<'a> {
                 }
                 _ => self.mismatch(value, &knob.takes, place),
             },
-            Takes::Text | Takes::Path => match &value.json {
+            KnobType::Text | KnobType::Path => match &value.json {
                 Json::String(text) if !text.is_empty() && !text.contains('\0') => Some(Setting::Text(text.clone())),
                 _ => self.mismatch(value, &knob.takes, place),
             },
-            Takes::Texts { max } => match &value.json {
+            KnobType::Texts { max } => match &value.json {
                 Json::Array(items) if (1..=max).contains(&items.len()) => {
                     let texts: Vec<String> = items
                         .iter()
@@ -339,19 +359,21 @@ impl<'a> Checker<'a> {
             },
         };
         match setting {
-            Some(Setting::Numeric(animated)) if knob.held => match animated.held(is_said(value, "interpolation")) {
-                Some(held) => Setting::Numeric(held),
-                None => {
-                    let expected = "no \"interpolation\", or \"hold\"";
-                    self.error(place, "an interpolation", expected, "each key of this knob holds until the next");
-                    Setting::Unset
+            Some(Setting::Numeric(animated)) if knob.hold_keys => {
+                match animated.held(is_said(value, "interpolation")) {
+                    Some(held) => Setting::Numeric(held),
+                    None => {
+                        let expected = "no \"interpolation\", or \"hold\"";
+                        self.error(place, "an interpolation", expected, "each key of this knob holds until the next");
+                        Setting::Unset
+                    }
                 }
-            },
+            }
             setting => setting.unwrap_or(Setting::Unset),
         }
     }
 
-    fn mismatch<T>(&mut self, value: &Spanned, takes: &Takes, place: Place<'_>) -> Option<T> {
+    fn mismatch<T>(&mut self, value: &Spanned, takes: &KnobType, place: FaultLocation<'_>) -> Option<T> {
         self.error(place, value.brief(), expected(takes), "correct the value");
         None
     }
@@ -365,23 +387,23 @@ fn keys_of(list: &List) -> String {
 }
 
 /// Returns an example of a value, as JSON.
-fn example(takes: &Takes) -> String {
+fn example(takes: &KnobType) -> String {
     match takes {
-        Takes::Number { min, max } => number_text(0.0_f64.clamp(*min, *max)),
-        Takes::Integer { min, max } => 0.clamp(*min, *max).to_string(),
-        Takes::Bool => "true, or false".into(),
-        Takes::Choice(words) => {
+        KnobType::Number { min, max } => number_text(0.0_f64.clamp(*min, *max)),
+        KnobType::Integer { min, max } => 0.clamp(*min, *max).to_string(),
+        KnobType::Bool => "true, or false".into(),
+        KnobType::Choice(words) => {
             let words: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
             match &words[..] {
                 [rest @ .., last] if !rest.is_empty() => format!("{}, or {last}", rest.join(", ")),
                 words => words.join(", "),
             }
         }
-        Takes::Color => "\"#rrggbb\"".into(),
-        Takes::Vector(_) | Takes::Numbers { .. } => "[ … ], a list of numbers".into(),
-        Takes::Text => "a string in quotes".into(),
-        Takes::Path => "the path of a file in quotes, relative to the document".into(),
-        Takes::Texts { .. } => "[ … ], a list of strings in quotes".into(),
+        KnobType::Color => "\"#rrggbb\"".into(),
+        KnobType::Vector(_) | KnobType::Numbers { .. } => "[ … ], a list of numbers".into(),
+        KnobType::Text => "a string in quotes".into(),
+        KnobType::Path => "the path of a file in quotes, relative to the document".into(),
+        KnobType::Texts { .. } => "[ … ], a list of strings in quotes".into(),
     }
 }
 

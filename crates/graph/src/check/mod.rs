@@ -9,8 +9,9 @@ mod wiring;
 
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{
-    Access, Around, Check, CheckedGraph, CheckedNode, Diagnostic, Document, Fault, Item, Kind, Knob, NodeType, Record,
-    Refusal, Registry, Setting, Settled, Severity, Source, Takes, Term, Upstream, User, Work, nearest, refusal,
+    Access, Check, CheckedGraph, CheckedNode, Consumer, Diagnostic, Document, Fault, GraphContext, Item, Kind, Knob,
+    KnobType, NodeType, Record, Refusal, Registry, Setting, Settled, Severity, Source, Term, Upstream, Work, nearest,
+    refusal,
 };
 use items::Names;
 use std::collections::HashMap;
@@ -45,13 +46,13 @@ struct Checker<'a> {
 
 /// Place of a fault: byte offset, node, port or knob.
 #[derive(Clone, Copy)]
-struct Place<'a> {
+struct FaultLocation<'a> {
     offset: usize,
     node: Option<&'a str>,
     port: Option<&'a str>,
 }
 
-impl<'a> Place<'a> {
+impl<'a> FaultLocation<'a> {
     fn top(offset: usize, port: &'a str) -> Self {
         Self { offset, node: None, port: Some(port) }
     }
@@ -84,7 +85,7 @@ impl Draft<'_> {
         let items = self.ty.map_or(&[][..], |ty| ty.declaration().items);
         self.faulty
             && items.iter().any(|item| match item {
-                Item::Knob(knob @ Knob { default: None, takes: Takes::Choice(_), .. }) => {
+                Item::Knob(knob @ Knob { default: None, takes: KnobType::Choice(_), .. }) => {
                     !self.record.knobs.iter().any(|(name, value)| *name == knob.name && *value != Setting::Unset)
                 }
                 _ => false,
@@ -98,7 +99,14 @@ impl Draft<'_> {
 }
 
 impl<'a> Checker<'a> {
-    fn report(&mut self, severity: Severity, place: Place<'_>, found: String, expected: String, remedy: String) {
+    fn report(
+        &mut self,
+        severity: Severity,
+        place: FaultLocation<'_>,
+        found: String,
+        expected: String,
+        remedy: String,
+    ) {
         // Nobody reads a longer list of faults.
         if self.is_full() {
             return;
@@ -125,12 +133,18 @@ impl<'a> Checker<'a> {
         self.diagnostics.len() >= 1000
     }
 
-    fn error(&mut self, place: Place<'_>, found: impl ToString, expected: impl ToString, remedy: impl ToString) {
+    fn error(
+        &mut self,
+        place: FaultLocation<'_>,
+        found: impl ToString,
+        expected: impl ToString,
+        remedy: impl ToString,
+    ) {
         self.report(Severity::Error, place, found.to_string(), expected.to_string(), remedy.to_string());
     }
 
     /// Returns the entries of an object; reports other values and duplicate keys.
-    fn object(&mut self, value: &'a Spanned, place: Place<'_>, expected: &str) -> Option<Vec<&'a Entry>> {
+    fn object(&mut self, value: &'a Spanned, place: FaultLocation<'_>, expected: &str) -> Option<Vec<&'a Entry>> {
         let Json::Object(entries) = &value.json else {
             self.error(place.at(value.offset), value.brief(), expected, "write a JSON object: { … }");
             return None;
@@ -160,7 +174,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Reports a key that is not in `known`.
-    fn unknown_key(&mut self, place: Place<'_>, key: &str, known: &[&str]) {
+    fn unknown_key(&mut self, place: FaultLocation<'_>, key: &str, known: &[&str]) {
         let remedy = match nearest(key, known.iter().copied()) {
             Some(near) => format!("did you mean \"{near}\"?"),
             None => format!("rename it to one of these, or remove it: {}", known.join(", ")),
@@ -172,17 +186,17 @@ impl<'a> Checker<'a> {
         let document = self.document;
         let root = self.object(
             &document.root,
-            Place::top(0, "document"),
+            FaultLocation::top(0, "document"),
             "an object with \"trochoid\", \"format\", \"nodes\" and \"outputs\"",
         )?;
         let top = self.top(&root);
         let entries = match root.iter().find(|entry| entry.key == "nodes") {
             Some(entry) => {
-                self.object(&entry.value, Place::top(entry.value.offset, "nodes"), "an object of nodes by name")
+                self.object(&entry.value, FaultLocation::top(entry.value.offset, "nodes"), "an object of nodes by name")
             }
             None => {
                 self.error(
-                    Place::top(0, "nodes"),
+                    FaultLocation::top(0, "nodes"),
                     "no \"nodes\"",
                     "an object of nodes by name",
                     "add \"nodes\": { … }",
@@ -194,7 +208,7 @@ impl<'a> Checker<'a> {
         if entries.len() > crate::document::MAX_NODES {
             let found = format!("{} nodes", entries.len());
             self.error(
-                Place::top(0, "nodes"),
+                FaultLocation::top(0, "nodes"),
                 found,
                 format!("at most {} nodes", crate::document::MAX_NODES),
                 "split the scene into several documents",
@@ -219,7 +233,7 @@ impl<'a> Checker<'a> {
         let outputs = match root.iter().find(|entry| entry.key == "outputs") {
             Some(entry) => self.outputs(&entry.value, &drafts, &names),
             None => {
-                let place = Place::top(0, "outputs");
+                let place = FaultLocation::top(0, "outputs");
                 self.error(
                     place,
                     "no \"outputs\"",
@@ -252,7 +266,7 @@ impl<'a> Checker<'a> {
             name: document.name().into(),
             folder: folder.into(),
             format: top.format?,
-            whole: top.format?,
+            document_format: top.format?,
             format_place: format_place(document, &root),
             space: self.space,
             first: top.first,
@@ -270,7 +284,7 @@ impl<'a> Checker<'a> {
     /// Reads a node's name and type.
     fn draft(&mut self, entry: &'a Entry) -> Draft<'a> {
         let name = entry.key.as_str();
-        let place = Place { offset: entry.offset, node: Some(name), port: None };
+        let place = FaultLocation { offset: entry.offset, node: Some(name), port: None };
         let legal = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
             && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         if !legal {
@@ -304,11 +318,11 @@ impl<'a> Checker<'a> {
             Some(Entry { value: Spanned { json: Json::String(ty), offset }, .. }) => {
                 draft.ty = self.registry.get(ty);
                 if draft.ty.is_none() {
-                    self.unknown_type(Place { offset: *offset, node: Some(name), port: Some("type") }, ty);
+                    self.unknown_type(FaultLocation { offset: *offset, node: Some(name), port: Some("type") }, ty);
                 }
             }
             Some(item) => {
-                let place = Place { offset: item.value.offset, node: Some(name), port: Some("type") };
+                let place = FaultLocation { offset: item.value.offset, node: Some(name), port: Some("type") };
                 self.error(place, item.value.brief(), "the name of a node type", "`trochoid nodes` lists the types");
             }
         }
@@ -316,13 +330,13 @@ impl<'a> Checker<'a> {
     }
 
     /// Reports an operation on colors that leaves the hull.
-    fn refused(&mut self, place: Place<'_>, name: &str, refusal: &Refusal) {
+    fn refused(&mut self, place: FaultLocation<'_>, name: &str, refusal: &Refusal) {
         let found = format!("the operation {}", shorten(name));
         let expected = format!("a convex operation: {}; {}", refusal.reason, refusal.witness);
         self.error(place, found, expected, refusal.rewrite);
     }
 
-    fn unknown_type(&mut self, place: Place<'_>, ty: &str) {
+    fn unknown_type(&mut self, place: FaultLocation<'_>, ty: &str) {
         if let Some(refusal) = refusal(ty) {
             return self.refused(place, ty, refusal);
         }
@@ -342,12 +356,13 @@ impl<'a> Checker<'a> {
     /// Runs each node's own checks: at the first and last frame and at every key, or only once if nothing is keyed.
     fn node_rules(&mut self, drafts: &[Draft<'_>], top: &Top) {
         let (first, last) = (top.first, top.last);
-        let users = direct_users(drafts);
+        let consumers = direct_consumers(drafts);
         for (index, draft) in drafts.iter().enumerate().filter(|(_, draft)| !draft.faulty && !draft.disabled) {
             let (Some(ty), Some(settled)) = (draft.ty, &draft.settled) else { continue };
             let (mut faults, mut work): (Vec<Fault>, Option<Work>) = (Vec::new(), None);
             let mut rules = |frame: f64, settled: &Settled| {
-                let around = Surroundings { registry: self.registry, drafts, users: &users, node: index, frame };
+                let around =
+                    Surroundings { registry: self.registry, drafts, consumers: &consumers, node: index, frame };
                 let mut check = Check::new(&around);
                 settled.node().check(&mut check);
                 faults.extend(check.into_faults());
@@ -376,7 +391,7 @@ impl<'a> Checker<'a> {
             }
             for fault in faults {
                 let offset = draft.offset_of(fault.item.as_str());
-                let place = Place { offset, node: Some(draft.name), port: Some(fault.item.as_str()) };
+                let place = FaultLocation { offset, node: Some(draft.name), port: Some(fault.item.as_str()) };
                 let severity = if fault.warning { Severity::Warning } else { Severity::Error };
                 self.report(severity, place, fault.found, fault.expected, fault.remedy);
             }
@@ -393,31 +408,31 @@ fn format_place(document: &Document, root: &[&Entry]) -> [usize; 2] {
 
 /// Returns, for each node, the nodes and ports that its outputs are connected to, without disabled nodes and nodes of
 /// unknown type.
-fn direct_users(drafts: &[Draft<'_>]) -> Vec<Vec<(usize, User)>> {
-    let mut users = vec![Vec::new(); drafts.len()];
+fn direct_consumers(drafts: &[Draft<'_>]) -> Vec<Vec<(usize, Consumer)>> {
+    let mut consumers = vec![Vec::new(); drafts.len()];
     for (index, draft) in drafts.iter().enumerate().filter(|(_, draft)| !draft.disabled) {
         let Some(ty) = draft.ty else { continue };
         for item in ty.declaration().items {
             let Item::Port(port) = item else { continue };
             for source in draft.record.all(port.name) {
                 let Source::Output { node, .. } = source else { continue };
-                users[node.0].push((index, User { wants: port.wants }));
+                consumers[node.0].push((index, Consumer { wants: port.wants }));
             }
         }
     }
-    users
+    consumers
 }
 
 /// The graph around a node at a frame.
 struct Surroundings<'d, 'a> {
     registry: &'d Registry,
     drafts: &'d [Draft<'a>],
-    users: &'d [Vec<(usize, User)>],
+    consumers: &'d [Vec<(usize, Consumer)>],
     node: usize,
     frame: f64,
 }
 
-impl Around for Surroundings<'_, '_> {
+impl GraphContext for Surroundings<'_, '_> {
     fn kind(&self, source: &Source<Vec<f64>>) -> Option<Kind> {
         kind_of(source, self.drafts)
     }
@@ -432,10 +447,10 @@ impl Around for Surroundings<'_, '_> {
         self.registry
     }
 
-    fn users(&self) -> Vec<User> {
-        let direct = &self.users[self.node];
+    fn consumers(&self) -> Vec<Consumer> {
+        let direct = &self.consumers[self.node];
         let views = direct.iter().filter(|(node, _)| self.drafts[*node].kinds.contains(&Kind::View));
-        let of_views = views.flat_map(|(node, _)| &self.users[*node]);
+        let of_views = views.flat_map(|(node, _)| &self.consumers[*node]);
         direct.iter().chain(of_views).map(|(_, user)| *user).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! Reads the `outputs` of a document: what is rendered, into which files, with which guarantees.
 
 use super::items::Names;
-use super::{Checker, Draft, Place, kind_of};
+use super::{Checker, Draft, FaultLocation, kind_of};
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{Guarantee, Kind, OutputSpec, Precision, Severity, Source};
 
@@ -9,7 +9,7 @@ const KEYS: [&str; 8] = ["color", "weights", "field", "file", "layer", "precisio
 
 impl<'a> Checker<'a> {
     pub(super) fn outputs(&mut self, value: &'a Spanned, drafts: &[Draft<'a>], names: &Names<'a>) -> Vec<OutputSpec> {
-        let place = Place::top(value.offset, "outputs");
+        let place = FaultLocation::top(value.offset, "outputs");
         let Some(entries) = self.object(value, place, "an object of outputs by name") else { return Vec::new() };
         if entries.is_empty() {
             let remedy = "add one, for example \"beauty\": { \"color\": \"node\" }";
@@ -23,7 +23,7 @@ impl<'a> Checker<'a> {
     }
 
     fn output(&mut self, entry: &'a Entry, drafts: &[Draft<'a>], names: &Names<'a>) -> Option<OutputSpec> {
-        let place = Place::top(entry.offset, &entry.key);
+        let place = FaultLocation::top(entry.offset, &entry.key);
         let legal =
             !entry.key.is_empty() && entry.key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
         if !legal {
@@ -142,7 +142,7 @@ impl<'a> Checker<'a> {
         &mut self,
         mut spec: OutputSpec,
         draft: &Draft<'a>,
-        place: Place<'_>,
+        place: FaultLocation<'_>,
         drafts: &[Draft<'a>],
     ) -> Option<OutputSpec> {
         // Connections already bypass disabled nodes, so the first source is enabled.
@@ -163,7 +163,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn require(&mut self, value: &'a Spanned, place: Place<'_>) -> Option<Guarantee> {
+    fn require(&mut self, value: &'a Spanned, place: FaultLocation<'_>) -> Option<Guarantee> {
         let entries = self.object(value, place, "an object with \"guarantee\"")?;
         let mut guarantee = None;
         for entry in entries {
@@ -180,7 +180,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Checks that the file can store the output, and warns if it rounds coarsely.
-    fn stored(&mut self, spec: &OutputSpec, file: Place<'_>, precision: Place<'_>) {
+    fn stored(&mut self, spec: &OutputSpec, file: FaultLocation<'_>, precision: FaultLocation<'_>) {
         if let Some(path) = &spec.file
             && path.to_lowercase().ends_with(".png")
             && !matches!(spec.kind, Kind::Color | Kind::Weights(2))
@@ -212,7 +212,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Checks that the extension of the file is supported, and that its format has the precision.
-    fn file(&mut self, spec: &mut OutputSpec, place: Place<'_>) {
+    fn file(&mut self, spec: &mut OutputSpec, place: FaultLocation<'_>) {
         let Some(file) = &spec.file else { return };
         let lower = file.to_lowercase();
         let (png, exr) = (lower.ends_with(".png"), lower.ends_with(".exr"));

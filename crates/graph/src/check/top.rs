@@ -1,6 +1,6 @@
 //! Reads everything outside of `nodes` and `outputs`: version, format, working space, frames, tolerance.
 
-use super::{Checker, Place};
+use super::{Checker, FaultLocation};
 use crate::spanned::{Entry, Json, Spanned};
 use crate::{Severity, Tolerance};
 use trochoid_image::{Format, FormatError, MAX_PIXELS, MAX_SIDE, Shading, WorkingSpace};
@@ -27,7 +27,7 @@ impl<'a> Checker<'a> {
         let mut top = Top { format: None, first: 1, last: 1, fps: 24.0, tolerance: None };
         let mut versioned = false;
         for entry in root {
-            let place = Place::top(entry.value.offset, &entry.key);
+            let place = FaultLocation::top(entry.value.offset, &entry.key);
             match entry.key.as_str() {
                 "trochoid" => {
                     versioned = true;
@@ -38,21 +38,21 @@ impl<'a> Checker<'a> {
                 "frames" => self.frames(&entry.value, &mut top),
                 "tolerance" => top.tolerance = self.tolerance(&entry.value),
                 "nodes" | "outputs" | "ui" | "notes" => {}
-                key => self.unknown_key(Place::top(entry.offset, key), key, &KEYS),
+                key => self.unknown_key(FaultLocation::top(entry.offset, key), key, &KEYS),
             }
         }
         if !versioned {
-            let place = Place::top(0, "trochoid");
+            let place = FaultLocation::top(0, "trochoid");
             self.error(place, "no \"trochoid\"", "the version of the document format", "add \"trochoid\": 1");
         }
         if !root.iter().any(|entry| entry.key == "format") {
             let remedy = "add \"format\": { \"width\": 1920, \"height\": 1080 }";
-            self.error(Place::top(0, "format"), "no \"format\"", "the size of the pictures", remedy);
+            self.error(FaultLocation::top(0, "format"), "no \"format\"", "the size of the pictures", remedy);
         }
         top
     }
 
-    fn version(&mut self, value: &'a Spanned, place: Place<'a>) {
+    fn version(&mut self, value: &'a Spanned, place: FaultLocation<'a>) {
         match value.json {
             Json::Number(version) if version == f64::from(FORMAT_VERSION) => {}
             // The document uses a format that is unknown here; another number would not help.
@@ -69,7 +69,7 @@ impl<'a> Checker<'a> {
     }
 
     fn format(&mut self, value: &'a Spanned) -> Option<Format> {
-        let place = Place::top(value.offset, "format");
+        let place = FaultLocation::top(value.offset, "format");
         let entries = self.object(value, place, "an object with \"width\" and \"height\"")?;
         let (mut width, mut height, mut samples, mut shading) = (None, None, Some(1), Shading::default());
         for entry in entries {
@@ -83,7 +83,7 @@ impl<'a> Checker<'a> {
                 }
                 key => {
                     let keys = ["width", "height", "samples", "shading"];
-                    self.unknown_key(Place::top(entry.offset, "format"), key, &keys);
+                    self.unknown_key(FaultLocation::top(entry.offset, "format"), key, &keys);
                     continue;
                 }
             };
@@ -91,7 +91,7 @@ impl<'a> Checker<'a> {
                 // `Format` checks its own limits; here numbers only have to fit.
                 Json::Number(n) if n.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&n) => Some(n as u32),
                 _ => {
-                    let place = Place::top(entry.value.offset, &entry.key);
+                    let place = FaultLocation::top(entry.value.offset, &entry.key);
                     self.error(
                         place,
                         entry.value.brief(),
@@ -135,7 +135,7 @@ impl<'a> Checker<'a> {
             _ => None,
         };
         if found.is_none() {
-            let place = Place::top(entry.value.offset, &entry.key);
+            let place = FaultLocation::top(entry.value.offset, &entry.key);
             let remedy = "\"pixel\" evaluates smoothly varying passes once per pixel and surface; \"sample\" at each \
                           sample";
             let names = Shading::ALL.map(Shading::name);
@@ -151,7 +151,7 @@ impl<'a> Checker<'a> {
                 self.space = WorkingSpace::from_name(name).unwrap_or_default();
             }
             _ => {
-                let place = Place::top(value.offset, "working_space");
+                let place = FaultLocation::top(value.offset, "working_space");
                 self.error(place, value.brief(), format!("one of {}", names.join(", ")), "choose one of them");
             }
         }
@@ -164,11 +164,11 @@ impl<'a> Checker<'a> {
             _ => None,
         };
         if tolerance.is_none() {
-            let place = Place::top(value.offset, "tolerance");
+            let place = FaultLocation::top(value.offset, "tolerance");
             self.error(place, value.brief(), Tolerance::EXPECTED, "write the largest error that a pixel may have");
         }
-        if matches!(tolerance, Some(Tolerance::Error(error)) if error < Tolerance::FINE) {
-            let place = Place::top(value.offset, "tolerance");
+        if matches!(tolerance, Some(Tolerance::Error(error)) if error < Tolerance::CERTIFIABLE) {
+            let place = FaultLocation::top(value.offset, "tolerance");
             let remedy = "ask for 1/512, which is invisible on an 8-bit display, unless the picture is processed \
                           further";
             let expected = "an error of 1/4096 or more: smaller ones take very long to certify";
@@ -178,11 +178,11 @@ impl<'a> Checker<'a> {
     }
 
     fn frames(&mut self, value: &'a Spanned, top: &mut Top) {
-        let place = Place::top(value.offset, "frames");
+        let place = FaultLocation::top(value.offset, "frames");
         let Some(entries) = self.object(value, place, "an object with \"first\", \"last\" and \"fps\"") else { return };
         let mut last = None;
         for entry in entries {
-            let place = Place::top(entry.value.offset, &entry.key);
+            let place = FaultLocation::top(entry.value.offset, &entry.key);
             match (entry.key.as_str(), &entry.value.json) {
                 ("first", Json::Number(n)) if n.fract() == 0.0 && n.abs() <= MAX_FRAME => top.first = *n as i64,
                 ("last", Json::Number(n)) if n.fract() == 0.0 && n.abs() <= MAX_FRAME => last = Some(*n as i64),
@@ -200,7 +200,7 @@ impl<'a> Checker<'a> {
                     );
                 }
                 (key, _) => {
-                    self.unknown_key(Place::top(entry.offset, "frames"), key, &["first", "last", "fps"]);
+                    self.unknown_key(FaultLocation::top(entry.offset, "frames"), key, &["first", "last", "fps"]);
                 }
             }
         }

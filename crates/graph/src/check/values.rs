@@ -1,14 +1,14 @@
 //! Reads values: numbers, lists, colors, literal weights, and values keyed over frames.
 
-use super::{Checker, Place};
-use crate::declare::Takes;
+use super::{Checker, FaultLocation};
+use crate::declare::KnobType;
 use crate::spanned::{Json, Spanned, number_text};
 use crate::{Animated, Interpolation, Severity, Source};
 use trochoid_image::{WorkingSpace, parse_hex, srgb_decode};
 
 impl<'a> Checker<'a> {
     /// Reads numbers as weights, which must be ≥ 0 with sum 1 up to the rounding of decimal fractions.
-    pub(super) fn literal_weights(&mut self, items: &'a [Spanned], place: Place<'_>) -> Option<Source> {
+    pub(super) fn literal_weights(&mut self, items: &'a [Spanned], place: FaultLocation<'_>) -> Option<Source> {
         let mut numbers = Vec::with_capacity(items.len());
         for item in items {
             numbers.push(self.number(item, f64::MIN, f64::MAX, place.at(item.offset))?);
@@ -35,7 +35,7 @@ impl<'a> Checker<'a> {
         Some(Source::Numbers(numbers))
     }
 
-    pub(super) fn number(&mut self, value: &Spanned, min: f64, max: f64, place: Place<'_>) -> Option<f64> {
+    pub(super) fn number(&mut self, value: &Spanned, min: f64, max: f64, place: FaultLocation<'_>) -> Option<f64> {
         match value.json {
             // Adding 0 turns −0 into 0, so that pruning changes no bit of a picture.
             Json::Number(n) if (min..=max).contains(&n) => Some(n + 0.0),
@@ -45,7 +45,7 @@ impl<'a> Checker<'a> {
             }
             Json::Number(n) => {
                 let limit = n.clamp(min, max);
-                let takes = Takes::Number { min, max };
+                let takes = KnobType::Number { min, max };
                 let (expected, remedy) = match limit.abs() >= WIDE {
                     // The limit is that of f32 rather than of the knob; its two digits, 3.4e38, are within it.
                     true => (
@@ -58,13 +58,19 @@ impl<'a> Checker<'a> {
                 None
             }
             _ => {
-                self.error(place, value.brief(), expected(&Takes::Number { min, max }), "write a number");
+                self.error(place, value.brief(), expected(&KnobType::Number { min, max }), "write a number");
                 None
             }
         }
     }
 
-    pub(super) fn vector(&mut self, value: &Spanned, min: usize, max: usize, place: Place<'_>) -> Option<Vec<f64>> {
+    pub(super) fn vector(
+        &mut self,
+        value: &Spanned,
+        min: usize,
+        max: usize,
+        place: FaultLocation<'_>,
+    ) -> Option<Vec<f64>> {
         match &value.json {
             Json::Array(items) if (min..=max).contains(&items.len()) => {
                 // Kernels work in f32, so its largest value is the limit.
@@ -80,7 +86,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Reads a color, `"#rrggbb"` in sRGB or `[r, g, b]` in the working space, and returns it in the working space.
-    pub(super) fn color(&mut self, value: &Spanned, place: Place<'_>) -> Option<Vec<f64>> {
+    pub(super) fn color(&mut self, value: &Spanned, place: FaultLocation<'_>) -> Option<Vec<f64>> {
         match &value.json {
             Json::String(text) => match parse_hex(text) {
                 Ok(color) => Some(self.space.from_linear_srgb(color.map(srgb_decode)).map(|v| v.max(0.0)).to_vec()),
@@ -110,11 +116,11 @@ impl<'a> Checker<'a> {
             }
             Json::Array(items) if items.iter().any(is_color_or_list) => {
                 let remedy = "list the colors one after another, without brackets around some of them";
-                self.error(place, value.brief(), expected(&Takes::Color), remedy);
+                self.error(place, value.brief(), expected(&KnobType::Color), remedy);
                 None
             }
             _ => {
-                self.error(place, value.brief(), expected(&Takes::Color), "write a color");
+                self.error(place, value.brief(), expected(&KnobType::Color), "write a color");
                 None
             }
         }
@@ -124,8 +130,8 @@ impl<'a> Checker<'a> {
     pub(super) fn animated(
         &mut self,
         value: &'a Spanned,
-        place: Place<'_>,
-        mut read: impl FnMut(&mut Self, &'a Spanned, Place<'_>) -> Option<Vec<f64>>,
+        place: FaultLocation<'_>,
+        mut read: impl FnMut(&mut Self, &'a Spanned, FaultLocation<'_>) -> Option<Vec<f64>>,
     ) -> Option<Animated> {
         if let Json::Array(items) = &value.json
             && let [first, ..] = &items[..]
@@ -229,23 +235,23 @@ fn pair_text(value: &Spanned) -> String {
 const WIDE: f64 = 1e30;
 
 /// Describes the values that a knob takes.
-pub fn expected(takes: &Takes) -> String {
+pub fn expected(takes: &KnobType) -> String {
     match takes {
-        Takes::Number { min, max } => match (*min > -WIDE, *max < WIDE) {
+        KnobType::Number { min, max } => match (*min > -WIDE, *max < WIDE) {
             (true, true) => format!("a number from {} to {}", number_text(*min), number_text(*max)),
             (true, false) => format!("a number, at least {}", number_text(*min)),
             (false, true) => format!("a number, at most {}", number_text(*max)),
             (false, false) => "a finite number".into(),
         },
-        Takes::Integer { min, max } => format!("a whole number from {min} to {max}"),
-        Takes::Bool => "true or false".into(),
-        Takes::Choice(words) => format!("one of {}", words.join(", ")),
-        Takes::Color => "a color: \"#rrggbb\" in sRGB, or [r, g, b] in the working space".into(),
-        Takes::Vector(n) => format!("a list of {n} numbers"),
-        Takes::Text => "a string".into(),
-        Takes::Path => "a path relative to the document".into(),
-        Takes::Numbers { min, max } => format!("a list of {}", count(*min, *max, "number")),
-        Takes::Texts { max } => format!("a list of {}", count(1, *max, "string")),
+        KnobType::Integer { min, max } => format!("a whole number from {min} to {max}"),
+        KnobType::Bool => "true or false".into(),
+        KnobType::Choice(words) => format!("one of {}", words.join(", ")),
+        KnobType::Color => "a color: \"#rrggbb\" in sRGB, or [r, g, b] in the working space".into(),
+        KnobType::Vector(n) => format!("a list of {n} numbers"),
+        KnobType::Text => "a string".into(),
+        KnobType::Path => "a path relative to the document".into(),
+        KnobType::Numbers { min, max } => format!("a list of {}", count(*min, *max, "number")),
+        KnobType::Texts { max } => format!("a list of {}", count(1, *max, "string")),
     }
 }
 

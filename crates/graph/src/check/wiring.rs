@@ -1,6 +1,6 @@
 //! Checks connections: disabled nodes, kinds, views, loops, and nodes that no output needs.
 
-use super::{Checker, Draft, Place, kind_of};
+use super::{Checker, Draft, FaultLocation, kind_of};
 use crate::{
     Accepts, Arity, ChannelSet, Item, Kind, NodeId, OutputSpec, Port, Record, Settled, Severity, Source, refusal,
 };
@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 impl<'a> Checker<'a> {
     /// Bypasses disabled nodes: connects their users to what they pass through, or removes the connection.
     pub(super) fn bypass_disabled(&mut self, drafts: &mut [Draft<'a>]) {
-        let resolved = handed_on(drafts);
+        let resolved = bypass_targets(drafts);
         for draft in drafts.iter_mut() {
             bypass(&mut draft.record, &resolved);
         }
@@ -33,7 +33,7 @@ impl<'a> Checker<'a> {
             match item {
                 Item::Port(port) if is_short(port, record) => {
                     let offset = draft.offset_of(port.name);
-                    let place = Place { offset, node: Some(draft.name), port: Some(port.name) };
+                    let place = FaultLocation { offset, node: Some(draft.name), port: Some(port.name) };
                     let found = "a disabled node that passes nothing through";
                     self.error(place, found, format!("a {}", port.accepts), "enable the node, or connect another");
                 }
@@ -57,7 +57,7 @@ impl<'a> Checker<'a> {
             }
             let settled = ty.settle(draft.record.settle(0.0));
             let Some(stage) = settled.stage() else { continue };
-            let asks = stage.asks(&vec![true; draft.kinds.len()]);
+            let required_channels = stage.required_channels(&vec![true; draft.kinds.len()]);
             for (port, sources) in settled.ports() {
                 for source in sources {
                     let Source::Output { node, .. } = source else { continue };
@@ -66,8 +66,8 @@ impl<'a> Checker<'a> {
                     }
                     let view = drafts[node.0].ty.map(|ty| ty.settle(drafts[node.0].record.settle(0.0)));
                     let Some(view) = view.as_ref().and_then(Settled::stage) else { continue };
-                    let missing = asks.minus(view.supplies());
-                    let never = missing.minus(view.lacks()) != missing;
+                    let missing = required_channels.minus(view.supplied_channels());
+                    let never = missing.minus(view.impossible_channels()) != missing;
                     self.missing_channels(missing, never, port, draft, &drafts[node.0]);
                 }
             }
@@ -89,7 +89,7 @@ impl<'a> Checker<'a> {
         let mut names: Vec<&str> = missing.iter().map(|channel| channel.name()).collect();
         names.dedup();
         let offset = draft.offset_of(port);
-        let place = Place { offset, node: Some(draft.name), port: Some(port) };
+        let place = FaultLocation { offset, node: Some(draft.name), port: Some(port) };
         let found = format!("the view \"{}\", which has no {}", view.name, names.join(", no "));
         let mut expected = format!("a view with {}", names.join(", "));
         let remedy = if never {
@@ -129,7 +129,7 @@ impl<'a> Checker<'a> {
         }
         let Source::Output { node, .. } = source else { return };
         let offset = draft.offset_of(port);
-        let place = Place { offset, node: Some(draft.name), port: Some(port) };
+        let place = FaultLocation { offset, node: Some(draft.name), port: Some(port) };
         let found_text = format!("\"{}\", a {found}", drafts[node.0].name);
         let operation = draft.ty.and_then(|ty| refusal(ty.declaration().name));
         match operation.filter(|_| found == Kind::Color) {
@@ -164,7 +164,7 @@ impl<'a> Checker<'a> {
             let start = component.iter().map(|index| index.index()).min().unwrap_or(0);
             let path = walk_loop(start, drafts, &inside);
             let names: Vec<&str> = path.iter().map(|&node| drafts[node].name).collect();
-            let place = Place { offset: drafts[start].offset, node: Some(drafts[start].name), port: None };
+            let place = FaultLocation { offset: drafts[start].offset, node: Some(drafts[start].name), port: None };
             let shown = if names.len() > 12 {
                 format!("{} ← … ({} nodes) … ← {}", names[..6].join(" ← "), names.len() - 1, names[names.len() - 1])
             } else {
@@ -243,7 +243,7 @@ impl<'a> Checker<'a> {
                     names(&ends)
                 ),
             };
-            let place = Place { offset: draft.offset, node: Some(draft.name), port: None };
+            let place = FaultLocation { offset: draft.offset, node: Some(draft.name), port: None };
             self.report(Severity::Warning, place, found, "every node to be used".into(), remedy);
         }
     }
@@ -251,7 +251,7 @@ impl<'a> Checker<'a> {
 
 /// Returns the output that stands for each node: its own, or, if the node is disabled, the one that its first
 /// connection leads to if it has the same kind.
-fn handed_on(drafts: &[Draft<'_>]) -> Vec<Option<(NodeId, usize)>> {
+fn bypass_targets(drafts: &[Draft<'_>]) -> Vec<Option<(NodeId, usize)>> {
     let mut resolved: Vec<Option<(NodeId, usize)>> = vec![None; drafts.len()];
     let mut visited = vec![false; drafts.len()];
     for start in 0..drafts.len() {

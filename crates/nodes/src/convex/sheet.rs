@@ -68,13 +68,13 @@ impl Interpolation {
 impl Sheet {
     /// Returns the number of colors in a row. A keyframed number of columns larger than the number of colors means a
     /// single row.
-    fn in_a_row(&self) -> usize {
+    fn columns_used(&self) -> usize {
         (self.columns.max(1) as usize).min(self.colors.len())
     }
 
     /// Returns the positions of the columns and of the rows.
     fn places(&self) -> [Vec<f64>; 2] {
-        let columns = self.in_a_row();
+        let columns = self.columns_used();
         let evenly = |count: usize| {
             let last = (count - 1).max(1) as f64;
             (0..count).map(|index| index as f64 / last).collect()
@@ -115,7 +115,7 @@ impl Node for Sheet {
 }
 
 /// Returns a mask for each color after the first: how far it covers the colors before it.
-fn covers(build: &mut Builder<'_>, x: Scalar, places: &[f64], between: Interpolation) -> Vec<Mask> {
+fn cover_masks(build: &mut Builder<'_>, x: Scalar, places: &[f64], between: Interpolation) -> Vec<Mask> {
     let pairs = places.windows(2).map(|at| (at[0] as f32, at[1] as f32));
     let cover = |(min, max): (f32, f32)| {
         if min >= max {
@@ -128,8 +128,8 @@ fn covers(build: &mut Builder<'_>, x: Scalar, places: &[f64], between: Interpola
 }
 
 /// Mixes each color over those before it.
-fn laid(build: &mut Builder<'_>, colors: &[Color], covers: &[Mask]) -> Color {
-    colors[1..].iter().zip(covers).fold(colors[0], |below, (color, cover)| build.mix(below, *color, *cover))
+fn mix_over(build: &mut Builder<'_>, colors: &[Color], cover_masks: &[Mask]) -> Color {
+    colors[1..].iter().zip(cover_masks).fold(colors[0], |below, (color, cover)| build.mix(below, *color, *cover))
 }
 
 /// Returns the hat functions of the positions at `t`.
@@ -154,18 +154,18 @@ impl Pointwise for Sheet {
         let (u, v) = (lowering.scalar(&self.u), lowering.scalar(&self.v));
         let colors: Vec<_> = self.colors.iter().map(|source| lowering.color(source)).collect();
         let build = &mut lowering.build;
-        let across = covers(build, u, &columns, self.interpolation);
-        let rows_of_colors = colors.chunks_exact(self.in_a_row()).map(|row| laid(build, row, &across));
+        let across = cover_masks(build, u, &columns, self.interpolation);
+        let rows_of_colors = colors.chunks_exact(self.columns_used()).map(|row| mix_over(build, row, &across));
         let rows_of_colors: Vec<_> = rows_of_colors.collect();
-        let down = covers(build, v, &rows, self.interpolation);
-        Value::Color(laid(build, &rows_of_colors, &down))
+        let down = cover_masks(build, v, &rows, self.interpolation);
+        Value::Color(mix_over(build, &rows_of_colors, &down))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Reference {
         let [columns, rows] = self.places();
         let across = hats(&columns, inputs.scalar(&self.u), self.interpolation);
         let down = hats(&rows, inputs.scalar(&self.v), self.interpolation);
-        let columns = self.in_a_row();
+        let columns = self.columns_used();
         let mut sum = [0.0; 3];
         for (index, source) in self.colors.iter().enumerate() {
             let weight = across[index % columns] * down[index / columns];

@@ -21,7 +21,7 @@ pub(crate) struct Switch {
     #[port(1..=MOST)]
     inputs: Many<port::Image>,
     /// Index of the chosen input, counted from 0.
-    #[knob(default = 0, range = 0..=MOST as i64 - 1, held)]
+    #[knob(default = 0, range = 0..=MOST as i64 - 1, hold_keys)]
     which: i64,
 }
 

@@ -32,7 +32,7 @@ pub(crate) struct FieldMath {
     #[knob(required)]
     expression: String,
     /// Number of components of the result.
-    #[knob(default = 1, range = 1..=4, held)]
+    #[knob(default = 1, range = 1..=4, hold_keys)]
     components: i64,
     /// Field a of the formula.
     a: Optional<port::Field>,
@@ -94,7 +94,7 @@ impl Node for FieldMath {
 }
 
 impl Stage for FieldMath {
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 

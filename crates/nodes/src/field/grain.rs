@@ -2,7 +2,7 @@
 
 use crate::field::Screen;
 use std::f64::consts::PI;
-use trochoid_field::{Axes, Noise, NoiseKind};
+use trochoid_field::{Noise, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
 
 /// Mask of the weave of canvas or the tooth of paper, fixed on the picture, with a mean of ½.
@@ -74,8 +74,9 @@ impl Stage for Grain {
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let seed = self.seed as u32;
         let noise = |kind: NoiseKind, octaves: usize, salt: u32| {
-            let axes = Axes { scale: 1.0, octaves, lacunarity: 2.1, gain: 0.6, seed: seed.wrapping_mul(5) ^ salt };
-            Noise::new(kind, axes, None)
+            let parameters =
+                NoiseParameters { scale: 1.0, octaves, lacunarity: 2.1, gain: 0.6, seed: seed.wrapping_mul(5) ^ salt };
+            Noise::new(kind, parameters, None)
         };
         let noises = match self.kind {
             Ground::Canvas => [noise(NoiseKind::Fbm, 2, 0x53), noise(NoiseKind::Fbm, 2, 0x54)],
@@ -167,7 +168,7 @@ impl Prepared for PreparedGrain {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_at(outputs, (Only, 0), |at| self.truth(at));
+        bounding.bound_at(outputs, SoleOutput, 0, |at| self.truth(at));
         Ok(())
     }
 

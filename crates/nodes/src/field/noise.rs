@@ -1,7 +1,7 @@
 //! Noise: procedural noise, fixed on the picture, in the world or on a surface at rest.
 
 use crate::field::Screen;
-use trochoid_field::{Axes, Noise as Octaves, NoiseKind};
+use trochoid_field::{Noise as Octaves, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
 
 /// Makes procedural noise on the picture, in the world, or on the moving water.
@@ -93,14 +93,14 @@ impl Node for Noise {
 }
 
 impl Stage for Noise {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         match self.space.channels() {
             [] => ChannelSet::EMPTY,
             channels => ChannelSet::of(channels).union(Channel::Coverage.into()),
         }
     }
 
-    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+    fn optional_channels(&self, _wanted: &[bool]) -> ChannelSet {
         // The depth along the ray gives the point in the world, and thus its footprint, in rest space too.
         if self.filter && self.space != Space::Screen { Channel::Depth.into() } else { ChannelSet::EMPTY }
     }
@@ -114,7 +114,7 @@ impl Stage for Noise {
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let axes = Axes {
+        let parameters = NoiseParameters {
             scale: self.scale,
             octaves: self.octaves as usize,
             lacunarity: self.lacunarity,
@@ -123,7 +123,7 @@ impl Stage for Noise {
         };
         Ok(Box::new(PreparedNoise {
             node: self.clone(),
-            octaves: Octaves::new(self.kind, axes, self.evolution),
+            octaves: Octaves::new(self.kind, parameters, self.evolution),
             screen: Screen::of(prepare.frame.format),
             footprints: Footprints::of(self, prepare),
         }))
@@ -254,7 +254,7 @@ impl Prepared for PreparedNoise {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let (view, channels) = (&self.node.view, self.node.space.channels());
         let mut places = bounding.block.places();
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let at = places.next().unwrap_or_default();
             let moved = |(axis, along): (usize, Span)| {
                 let by = self.moved(axis);

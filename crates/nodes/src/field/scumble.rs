@@ -55,7 +55,7 @@ impl Stage for Scumble {
         Some((0.0, 1.0))
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -116,7 +116,7 @@ impl Prepared for Scumble {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let [density, noise] = [bounding.known(&self.density, 0, sample), bounding.known(&self.noise, 0, sample)]
                 .map(|span| span.unwrap_or(Span::exactly(0.0)));
             self.span(density.within(0.0, 1.0), noise)

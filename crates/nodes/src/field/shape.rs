@@ -23,7 +23,7 @@ pub(crate) struct Shape {
     #[list(1..=1000)]
     shapes: Vec<Figure>,
     /// Width of the soft edge; 1 antialiases even with one sample per pixel, 0 gives hard edges.
-    #[knob(default = 1.0, range = 0.0..=1e4, drawn)]
+    #[knob(default = 1.0, range = 0.0..=1e4, in_pixels)]
     edge: f64,
 }
 
@@ -295,7 +295,7 @@ impl Prepared for PreparedShape {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_at(outputs, (Only, 0), |at| self.truth(at));
+        bounding.bound_at(outputs, SoleOutput, 0, |at| self.truth(at));
         Ok(())
     }
 

@@ -15,7 +15,7 @@ pub(crate) struct Premultiplied {
 
 /// Interpretation of a file's colors, and the treatment of colors outside the working space.
 #[derive(Clone)]
-pub(crate) struct Meaning {
+pub(crate) struct ColorSource {
     pub(crate) path: PathBuf,
     pub(crate) part: usize,
     /// Encoding stated by the file.
@@ -63,7 +63,7 @@ pub(crate) fn convert(
         let Some(color) = uncovered else {
             let expected = "at least one covered pixel to take colors from";
             let bad = BadData::new("alpha 0 everywhere", expected, "set \"outside\" to the color to use");
-            return Err(bad.in_file(&conversion.meaning.path).in_part(conversion.meaning.part).into());
+            return Err(bad.in_file(&conversion.source.path).in_part(conversion.source.part).into());
         };
         planes.iter_mut().zip(color).for_each(|(plane, value)| plane.samples_mut().fill(*value));
     }
@@ -83,7 +83,7 @@ fn exact(stored: SampleType, value: f32) -> f64 {
 /// A conversion from stored values to a working space.
 #[derive(Clone)]
 pub(crate) struct Conversion {
-    meaning: Meaning,
+    source: ColorSource,
     pub(crate) identity: bool,
     decode: Option<Memo>,
     /// Matrix from the file's linear primaries to those of the space; `None` if they are the same.
@@ -98,16 +98,16 @@ impl Conversion {
     ///
     /// # Errors
     /// The primaries span no colors.
-    pub(crate) fn new(meaning: Meaning, encoding: Encoded) -> Result<Self, NodeError> {
+    pub(crate) fn new(source: ColorSource, encoding: Encoded) -> Result<Self, NodeError> {
         let encoded = match encoding {
             Encoded::Linear => false,
             Encoded::Srgb => true,
-            Encoded::Auto => meaning.encoding == Encoding::Srgb,
+            Encoded::Auto => source.encoding == Encoding::Srgb,
         };
-        let space = meaning.space;
+        let space = source.space;
         let wide = space == WorkingSpace::AcesCg;
         let to = if wide { WorkingSpace::AcesCg } else { WorkingSpace::LinearSrgb };
-        let matrix = match known(&meaning) {
+        let matrix = match known(&source) {
             Some(from) if from == to => None,
             Some(from) => {
                 let column = |c: usize| {
@@ -118,20 +118,20 @@ impl Conversion {
                 let columns = [column(0), column(1), column(2)];
                 Some([0, 1, 2].map(|i| [columns[0][i], columns[1][i], columns[2][i]]))
             }
-            None => Some(other(&meaning, &to.chromaticities())?),
+            None => Some(other(&source, &to.chromaticities())?),
         };
         // Decoding and encoding for display cancel if nothing changes the light between them.
         let encode = space == WorkingSpace::Srgb;
         let identity = matrix.is_none() && encoded == encode;
         let mut conversion = Self {
-            meaning,
+            source,
             identity,
             decode: (encoded && !identity).then(|| Memo::new(srgb_decode)),
             matrix,
             encode: (encode && !identity).then(|| Memo::new(srgb_encode)),
             table: None,
         };
-        if conversion.meaning.stored == SampleType::U8 && conversion.matrix.is_none() && !identity {
+        if conversion.source.stored == SampleType::U8 && conversion.matrix.is_none() && !identity {
             // No byte value is outside 0 to 1, so none is illegal.
             let value = |byte: usize| conversion.color([byte as f64 / 255.0; 3])[0] as f32 + 0.0;
             conversion.table = Some(Table(Box::new(std::array::from_fn(value))));
@@ -160,11 +160,11 @@ impl Conversion {
         alpha: f64,
         place: impl FnOnce() -> (i64, i64),
     ) -> Result<u64, NodeError> {
-        let straight = [*r, *g, *b].map(|v| exact(self.meaning.stored, v) / alpha);
+        let straight = [*r, *g, *b].map(|v| exact(self.source.stored, v) / alpha);
         let color = self.color(straight).map(|v| v as f32 + 0.0);
         let legal = color.map(|v| Rule::Color.nearest(v));
         let wrong = color.iter().zip(&legal).filter(|(found, legal)| found != legal).count();
-        let Meaning { path, part, space, repair, .. } = &self.meaning;
+        let ColorSource { path, part, space, repair, .. } = &self.source;
         if wrong > 0 && !repair {
             let [red, green, blue] = color;
             let found = format_args!("the color ({r}, {g}, {b}), which is ({red}, {green}, {blue}) in {space}");
@@ -205,8 +205,8 @@ impl Table {
 
 /// Returns the known linear space with the primaries stated by the file; Rec. 709, as the EXR specification says, if
 /// the file states none.
-fn known(meaning: &Meaning) -> Option<WorkingSpace> {
-    let Some(found) = meaning.chromaticities else { return Some(WorkingSpace::LinearSrgb) };
+fn known(source: &ColorSource) -> Option<WorkingSpace> {
+    let Some(found) = source.chromaticities else { return Some(WorkingSpace::LinearSrgb) };
     let listed = |c: Chromaticities| [c.red, c.green, c.blue, c.white];
     // Files state three decimals.
     let near = |space: &WorkingSpace| {
@@ -217,8 +217,8 @@ fn known(meaning: &Meaning) -> Option<WorkingSpace> {
 }
 
 /// Returns the matrix from any other primaries.
-fn other(meaning: &Meaning, to: &Chromaticities) -> Result<[[f64; 3]; 3], NodeError> {
-    let found = meaning.chromaticities.unwrap_or(*to);
+fn other(source: &ColorSource, to: &Chromaticities) -> Result<[[f64; 3]; 3], NodeError> {
+    let found = source.chromaticities.unwrap_or(*to);
     found.matrix_to(to).ok_or_else(|| {
         let Chromaticities { red, green, blue, white } = found;
         BadData::new(
@@ -226,8 +226,8 @@ fn other(meaning: &Meaning, to: &Chromaticities) -> Result<[[f64; 3]; 3], NodeEr
             "three primaries that span colors, with the white point inside them",
             "correct the attribute \"chromaticities\", or remove it if they are those of Rec. 709",
         )
-        .in_file(&meaning.path)
-        .in_part(meaning.part)
+        .in_file(&source.path)
+        .in_part(source.part)
         .into()
     })
 }
@@ -270,7 +270,7 @@ mod tests {
             (WorkingSpace::Srgb, Encoded::Linear),
             (WorkingSpace::AcesCg, Encoded::Auto),
         ] {
-            let meaning = Meaning {
+            let source = ColorSource {
                 path: PathBuf::new(),
                 part: 0,
                 encoding: Encoding::Srgb,
@@ -279,7 +279,7 @@ mod tests {
                 space,
                 repair: false,
             };
-            let mut conversion = Conversion::new(meaning, encoding).unwrap();
+            let mut conversion = Conversion::new(source, encoding).unwrap();
             assert_eq!(conversion.table.is_some(), conversion.matrix.is_none() && !conversion.identity);
             let bytes: Vec<f32> = (0..=255_u8).map(|byte| f32::from(byte) / 255.0).collect();
             let row = |conversion: &mut Conversion| {

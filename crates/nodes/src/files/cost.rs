@@ -5,7 +5,7 @@ use super::knobs::{FitBy, Knobs};
 use super::{Fit, Reading, limits};
 use crate::files::shared::KEPT;
 use std::path::Path;
-use trochoid_graph::{Choice, FrameContext, Kind, MemoryUse, NodeError, Reckoning};
+use trochoid_graph::{Choice, FrameContext, Kind, MemoryContext, MemoryUse, NodeError};
 use trochoid_image::Window;
 use trochoid_io::{Cost, RowReader, Selection};
 
@@ -15,18 +15,18 @@ const REMEDY: &str = "crop or scale the picture, or save it as EXR, which is rea
 /// Returns the memory of a picture that is `laid` over the document's pixels (Read) or looked up anywhere (Texture).
 ///
 /// Reads only headers and decodes no pixels. A file that cannot be read counts as nothing.
-pub(crate) fn memory_of_picture(knobs: Knobs<'_>, reckoning: &Reckoning<'_>, laid: bool) -> MemoryUse {
-    let path = reckoning.frame.path(&knobs.named.file);
-    let wanted = reckoning.wanted.first().map(Vec::as_slice).unwrap_or_default();
+pub(crate) fn memory_of_picture(knobs: Knobs<'_>, context: &MemoryContext<'_>, laid: bool) -> MemoryUse {
+    let path = context.frame.path(&knobs.named.file);
+    let wanted = context.wanted.first().map(Vec::as_slice).unwrap_or_default();
     if !wanted.contains(&true) {
         return MemoryUse::default();
     }
-    in_use(Reading { knobs, frame: reckoning.frame, path: &path, outside: None }.cost(wanted, laid))
+    in_use(Reading { knobs, frame: context.frame, path: &path, outside: None }.cost(wanted, laid))
 }
 
 /// Returns the memory of a view of passes for its file.
-pub(crate) fn memory_of_passes(file: &str, reckoning: &Reckoning<'_>) -> MemoryUse {
-    in_use(cost_of_passes(reckoning.frame, &reckoning.frame.path(file)))
+pub(crate) fn memory_of_passes(file: &str, context: &MemoryContext<'_>) -> MemoryUse {
+    in_use(cost_of_passes(context.frame, &context.frame.path(file)))
 }
 
 fn in_use(cost: Result<Cost, NodeError>) -> MemoryUse {
@@ -74,7 +74,13 @@ impl Reading<'_> {
         if premultiplied || !laid {
             return Ok((pixels, Held::Whole));
         }
-        let fit = Fit::new(self.knobs.fit, FitBy::WORDS, display, [self.frame.format, self.frame.whole], self.path)?;
+        let fit = Fit::new(
+            self.knobs.fit,
+            FitBy::WORDS,
+            display,
+            [self.frame.format, self.frame.document_format],
+            self.path,
+        )?;
         Ok((pixels, Held::Grid(Grid::new(&fit, self.frame.format, data).count() as u64)))
     }
 }

@@ -3,7 +3,7 @@
 use super::knobs::FitBy;
 use super::layer::Fit;
 use super::legal::{illegal, legalize};
-use super::palette::Gathered;
+use super::palette::ColorCollector;
 use super::reading::{Reading, selected};
 use super::{filled, limits};
 use std::ops::ControlFlow;
@@ -96,7 +96,7 @@ impl Grid {
 }
 
 /// The kept part of a picture.
-pub(crate) struct Kept {
+pub(crate) struct PartialPicture {
     pub(crate) grid: Arc<Grid>,
     pub(crate) fit: Fit,
     /// The output's wanted channels, with their samples on the grid.
@@ -119,7 +119,7 @@ impl Reading<'_> {
         kind: Kind,
         wanted: &[bool],
         budget: u64,
-    ) -> Result<Option<Kept>, NodeError> {
+    ) -> Result<Option<PartialPicture>, NodeError> {
         let io = |error: trochoid_io::Error| selected(error, None);
         let premultiplied = kind == Kind::Color && self.knobs.taken.premultiplied;
         if !wanted.contains(&true) || premultiplied || trochoid_io::kind(self.path).map_err(io)?.is_exr() {
@@ -135,8 +135,13 @@ impl Reading<'_> {
         if bytes(info.data.area()) <= budget {
             return Ok(None);
         }
-        let fit =
-            Fit::new(self.knobs.fit, FitBy::WORDS, info.display, [self.frame.format, self.frame.whole], self.path)?;
+        let fit = Fit::new(
+            self.knobs.fit,
+            FitBy::WORDS,
+            info.display,
+            [self.frame.format, self.frame.document_format],
+            self.path,
+        )?;
         let grid = Grid::new(&fit, self.frame.format, info.data);
         if 2 * grid.count() > info.data.area() {
             return Ok(None);
@@ -147,7 +152,7 @@ impl Reading<'_> {
         }
         let mut planes: Vec<(usize, Vec<f32>)> =
             made.targets.iter().map(|target| (*target, Vec::with_capacity(grid.count()))).collect();
-        let mut colors = (kind == Kind::Color).then(Gathered::default);
+        let mut colors = (kind == Kind::Color).then(ColorCollector::default);
         let mut lines = vec![vec![0.0; info.data.width()]; made.at.len().max(planes.len())];
         let (mut repaired, mut fault) = (0, None);
         let cancelled = prepare.cancellation();
@@ -188,8 +193,8 @@ impl Reading<'_> {
             return Err(fault);
         }
         decoded.map_err(io)?;
-        let mut controls = colors.map(Gathered::finish).unwrap_or_default();
+        let mut controls = colors.map(ColorCollector::finish).unwrap_or_default();
         controls.extend(self.outside.filter(|_| kind == Kind::Color));
-        Ok(Some(Kept { grid: Arc::new(grid), fit, planes, controls, repaired }))
+        Ok(Some(PartialPicture { grid: Arc::new(grid), fit, planes, controls, repaired }))
     }
 }

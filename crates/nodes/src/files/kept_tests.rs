@@ -3,7 +3,7 @@
 use crate::testing::{Frame, graph};
 use std::collections::BTreeSet;
 use std::path::Path;
-use trochoid_graph::{MemoryUse, Reckoning};
+use trochoid_graph::{MemoryContext, MemoryUse};
 use trochoid_io::{PngImage, Samples, write_png8};
 
 const WIDTH: usize = 1300;
@@ -121,7 +121,7 @@ fn what_will_be_held_is_told_beforehand() {
         let id = frame.graph.find("out").unwrap();
         let (node, wanted) = (frame.graph.settle(id, 1), [vec![true; frame.graph.node(id).kinds[0].channels()]]);
         let of = |_| MemoryUse::default();
-        let taken = node.stage().unwrap().memory(&Reckoning::new(&frame.context, &wanted, &of));
+        let taken = node.stage().unwrap().memory(&MemoryContext::new(&frame.context, &wanted, &of));
         assert_eq!(taken.held as usize, frame.node("out").bytes(), "{knobs}");
         assert!(taken.working < 2 << 20, "{taken:?}");
     }

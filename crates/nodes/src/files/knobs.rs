@@ -4,7 +4,7 @@ use trochoid_graph::{Check, Choice, ItemName, Items, Kind};
 
 /// File, and the kind of its values.
 #[derive(Clone, Items)]
-pub(crate) struct Named {
+pub(crate) struct FileKnobs {
     /// Picture file. #### or %04d stands for the frame number; write \# and \% for literal signs.
     #[knob(path)]
     pub(crate) file: String,
@@ -23,7 +23,7 @@ pub(crate) enum As {
 
 /// Selection of data in the file.
 #[derive(Clone, Items)]
-pub(crate) struct Selected {
+pub(crate) struct SelectionKnobs {
     /// Part of a multi-part EXR, by name or number.
     pub(crate) part: Option<String>,
     /// Layer of an EXR; if unset, the main one.
@@ -36,7 +36,7 @@ pub(crate) struct Selected {
 
 /// Interpretation of the values.
 #[derive(Clone, Items)]
-pub(crate) struct Taken {
+pub(crate) struct DecodeKnobs {
     /// Sets illegal values to the nearest legal one, and counts them.
     #[knob(default = false)]
     pub(crate) repair: bool,
@@ -66,9 +66,9 @@ pub(crate) enum FitBy {
 /// All of these knobs, of one node.
 #[derive(Clone, Copy)]
 pub(crate) struct Knobs<'n> {
-    pub(crate) named: &'n Named,
-    pub(crate) selected: &'n Selected,
-    pub(crate) taken: &'n Taken,
+    pub(crate) named: &'n FileKnobs,
+    pub(crate) selected: &'n SelectionKnobs,
+    pub(crate) taken: &'n DecodeKnobs,
     pub(crate) fit: Option<FitBy>,
 }
 
@@ -92,11 +92,11 @@ impl Knobs<'_> {
         match meaning {
             As::Color if !matches!(channels, 0 | 1 | 3) => {
                 let expected = "1 channel (gray) or 3 channels of a color";
-                check.error(Selected::CHANNELS, found, expected, "list red, green and blue");
+                check.error(SelectionKnobs::CHANNELS, found, expected, "list red, green and blue");
             }
             As::Field if channels > 4 => {
                 let remedy = "read the others in another node of this type";
-                check.error(Selected::CHANNELS, found, "at most 4 components of a field", remedy);
+                check.error(SelectionKnobs::CHANNELS, found, "at most 4 components of a field", remedy);
             }
             As::Color | As::Weights | As::Field => {}
         }
@@ -104,13 +104,13 @@ impl Knobs<'_> {
             return;
         }
         let found = format!("{ty} as {}", meaning.word());
-        let premultiplied = self.taken.premultiplied.then_some(Taken::PREMULTIPLIED);
+        let premultiplied = self.taken.premultiplied.then_some(DecodeKnobs::PREMULTIPLIED);
         for item in color.into_iter().chain(premultiplied) {
             check.error(item, &found, "\"as\": \"color\"", format!("remove \"{item}\""));
         }
         if self.taken.encoding == Encoded::Srgb {
             let remedy = "remove \"encoding\": weights and fields are used as stored";
-            check.error(Taken::ENCODING, found, "\"as\": \"color\"", remedy);
+            check.error(DecodeKnobs::ENCODING, found, "\"as\": \"color\"", remedy);
         }
     }
 }

@@ -11,7 +11,7 @@ use trochoid_image::{Format, Plane, Window};
 /// Mapping of the document's pixels to the pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Fit {
-    way: Way,
+    sampling: Sampling,
     /// Corner of the picture's display window.
     origin: [i64; 2],
     /// Picture pixels per document pixel, across and down.
@@ -19,7 +19,7 @@ pub(crate) struct Fit {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Way {
+enum Sampling {
     /// Pixel by pixel, with the upper left corners aligned.
     Pixel,
     /// Scaled; takes the pixel that contains the sample.
@@ -53,16 +53,16 @@ impl Fit {
         let per = |from: [f64; 2]| [0, 1].map(|axis| from[axis] / f64::from(sides(format)[axis]));
         let scale = per([width as f64, height as f64]);
         let same = (width, height) == (whole.width() as usize, whole.height() as usize);
-        let way = match by {
+        let sampling = match by {
             _ if same || by == Some(FitBy::Crop) => {
-                let (way, scale) = match sides(format) == sides(whole) {
-                    true => (Way::Pixel, scale),
-                    false => (Way::Nearest, per(sides(whole).map(f64::from))),
+                let (sampling, scale) = match sides(format) == sides(whole) {
+                    true => (Sampling::Pixel, scale),
+                    false => (Sampling::Nearest, per(sides(whole).map(f64::from))),
                 };
-                return Ok(Self { way, origin: [display.x0, display.y0], scale });
+                return Ok(Self { sampling, origin: [display.x0, display.y0], scale });
             }
-            Some(FitBy::Nearest) => Way::Nearest,
-            Some(FitBy::Bilinear) => Way::Bilinear,
+            Some(FitBy::Nearest) => Sampling::Nearest,
+            Some(FitBy::Bilinear) => Sampling::Bilinear,
             Some(FitBy::Crop) | None => {
                 let scale = words.iter().filter(|word| **word != FitBy::Crop.word()).map(|fit| format!("\"{fit}\""));
                 let found = format_args!("a picture of {width} × {height} pixels");
@@ -74,16 +74,16 @@ impl Fit {
                 return Err(BadData::new(found, expected, remedy).in_file(path).into());
             }
         };
-        Ok(Self { way, origin: [display.x0, display.y0], scale })
+        Ok(Self { sampling, origin: [display.x0, display.y0], scale })
     }
 
     /// Returns the neighbors of a sample, given its position in the document along an axis, in pixels.
     fn tap(&self, axis: usize, at: f64) -> Tap {
         let origin = self.origin[axis];
-        match self.way {
-            Way::Pixel => Tap { low: origin + at.floor() as i64, t: 0.0 },
-            Way::Nearest => Tap { low: origin + (at * self.scale[axis]).floor() as i64, t: 0.0 },
-            Way::Bilinear => {
+        match self.sampling {
+            Sampling::Pixel => Tap { low: origin + at.floor() as i64, t: 0.0 },
+            Sampling::Nearest => Tap { low: origin + (at * self.scale[axis]).floor() as i64, t: 0.0 },
+            Sampling::Bilinear => {
                 let center = at * self.scale[axis] - 0.5;
                 Tap { low: origin + center.floor() as i64, t: center - center.floor() }
             }
@@ -93,17 +93,17 @@ impl Fit {
     /// Returns the pixels that can contribute to a sample at a position along an axis.
     pub(crate) fn neighbors(&self, axis: usize, at: f64) -> std::ops::RangeInclusive<i64> {
         let low = self.tap(axis, at).low;
-        low..=if self.way == Way::Bilinear { low + 1 } else { low }
+        low..=if self.sampling == Sampling::Bilinear { low + 1 } else { low }
     }
 
     /// Whether each document pixel corresponds to one picture pixel.
     pub(crate) fn is_pixel(&self) -> bool {
-        self.way == Way::Pixel
+        self.sampling == Sampling::Pixel
     }
 
     /// Whether every sample is an unblended pixel of the picture.
     pub(crate) fn is_exact(&self) -> bool {
-        self.way != Way::Bilinear
+        self.sampling != Sampling::Bilinear
     }
 
     /// Lays rows of a picture over a block. `line` supplies the pixels from (x, y) on, one row for each channel.
@@ -118,8 +118,8 @@ impl Fit {
         if window.is_empty() {
             return Ok(());
         }
-        let columns: Vec<Tap> = match self.way {
-            Way::Pixel => Vec::new(),
+        let columns: Vec<Tap> = match self.sampling {
+            Sampling::Pixel => Vec::new(),
             _ => (window.x0..window.x1).map(|x| self.tap(0, x as f64 + offset[0])).collect(),
         };
         // Taps never decrease, so the first and the last are the outermost.
@@ -129,13 +129,13 @@ impl Fit {
         let mut lines: [Vec<Option<Vec<f32>>>; 2] = [outs.iter().map(none).collect(), outs.iter().map(none).collect()];
         for (row, y) in (window.y0..window.y1).enumerate() {
             let down = self.tap(1, y as f64 + offset[1]);
-            if self.way == Way::Pixel {
+            if self.sampling == Sampling::Pixel {
                 let mut rows: Vec<Option<&mut [f32]>> =
                     outs.iter_mut().map(|out| out.as_deref_mut().map(|out| &mut out[row * width..][..width])).collect();
                 line(left, down.low, &mut rows)?;
                 continue;
             }
-            let needed = if self.way == Way::Bilinear { 2 } else { 1 };
+            let needed = if self.sampling == Sampling::Bilinear { 2 } else { 1 };
             for (below, lines) in lines.iter_mut().enumerate().take(needed) {
                 let mut rows: Vec<Option<&mut [f32]>> = lines.iter_mut().map(Option::as_deref_mut).collect();
                 line(left, down.low + below as i64, &mut rows)?;
@@ -181,9 +181,9 @@ impl Fit {
     pub(crate) fn window(&self, data: Window) -> Window {
         let axis = |axis: usize, first: i64, end: i64| {
             let (first, end) = (first - self.origin[axis], end - self.origin[axis]);
-            match self.way {
-                Way::Pixel => (first, end),
-                Way::Nearest | Way::Bilinear => {
+            match self.sampling {
+                Sampling::Pixel => (first, end),
+                Sampling::Nearest | Sampling::Bilinear => {
                     let place = |at: i64| at as f64 / self.scale[axis];
                     (place(first).floor() as i64, place(end).ceil() as i64)
                 }
@@ -252,7 +252,7 @@ impl Layer {
         }
         let down = |y: i64| self.fit.tap(1, y as f64 + block.offset[1]);
         let rows = out.chunks_mut(window.width()).zip(window.y0..);
-        if let (Way::Pixel, Pixels::Whole(plane)) = (self.fit.way, &self.pixels) {
+        if let (Sampling::Pixel, Pixels::Whole(plane)) = (self.fit.sampling, &self.pixels) {
             let left = self.fit.tap(0, window.x0 as f64 + block.offset[0]).low;
             rows.for_each(|(row, y)| self.copy(plane, left, down(y).low, row));
             return;

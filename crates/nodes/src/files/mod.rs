@@ -21,7 +21,7 @@ mod texture;
 mod view_from_passes;
 
 pub(crate) use cost::{memory_of_passes, memory_of_picture};
-pub(crate) use kept::Kept;
+pub(crate) use kept::PartialPicture;
 pub(crate) use layer::{Fit, Layer};
 pub(crate) use legal::Rule;
 pub(crate) use on_demand::{FoundPass, Opened, find_pass};

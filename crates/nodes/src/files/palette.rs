@@ -46,7 +46,7 @@ pub(crate) fn walked(stream: &Stream, cancelled: &(dyn Fn() -> bool + Sync)) -> 
     let rows = height.div_ceil(step).div_ceil(rayon::current_num_threads()) * step;
     let parts: Vec<_> = (0..height).step_by(rows).map(|first| first..height.min(first + rows)).collect();
     let gather = |rows: std::ops::Range<usize>| {
-        let mut gathered = Gathered::default();
+        let mut gathered = ColorCollector::default();
         stream.each_row(rows, |row| {
             if let [r, g, b] = row {
                 gathered.add_row(r, g, b);
@@ -55,19 +55,20 @@ pub(crate) fn walked(stream: &Stream, cancelled: &(dyn Fn() -> bool + Sync)) -> 
         })?;
         Ok(gathered)
     };
-    let parts: Vec<Gathered> = parts.into_par_iter().with_max_len(1).map(gather).collect::<Result<_, NodeError>>()?;
-    Ok(parts.into_iter().fold(Gathered::default(), Gathered::merge).finish())
+    let parts: Vec<ColorCollector> =
+        parts.into_par_iter().with_max_len(1).map(gather).collect::<Result<_, NodeError>>()?;
+    Ok(parts.into_iter().fold(ColorCollector::default(), ColorCollector::merge).finish())
 }
 
 /// Colors in the order of their first pixel or, if there are many, their hull.
 #[derive(Default)]
-pub(super) struct Gathered {
+pub(super) struct ColorCollector {
     seen: HashSet<[u32; 3]>,
     colors: Vec<Rgb>,
     hull: Option<HullBuilder>,
 }
 
-impl Gathered {
+impl ColorCollector {
     pub(super) fn add_row(&mut self, r: &[f32], g: &[f32], b: &[f32]) {
         if self.hull.is_none() {
             let mut last = None;

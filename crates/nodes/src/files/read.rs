@@ -1,7 +1,9 @@
 //! Read: a picture file as colors, weights or a field.
 
-use crate::files::knobs::{As, FitBy, Knobs, Named, Selected, Taken};
-use crate::files::{Fit, KEPT_COLORS, KEPT_WHOLE, Kept, Layer, Reading, Stream, controls, memory_of_picture, walked};
+use crate::files::knobs::{As, DecodeKnobs, FileKnobs, FitBy, Knobs, SelectionKnobs};
+use crate::files::{
+    Fit, KEPT_COLORS, KEPT_WHOLE, Layer, PartialPicture, Reading, Stream, controls, memory_of_picture, walked,
+};
 use crate::filter;
 use crate::view::named;
 use std::path::{Path, PathBuf};
@@ -37,16 +39,16 @@ use trochoid_image::{Plane, Rgb, Window};
 #[also_called("Crop", "Reformat", "Resize", "Resample" => "its \"fit\"")]
 pub(crate) struct Read {
     #[items]
-    named: Named,
+    named: FileKnobs,
     #[items]
-    selected: Selected,
+    selected: SelectionKnobs,
     /// Fit of a picture whose size differs from the document's.
     pub(super) fit: Option<FitBy>,
     /// Color outside the data window; if unset, the nearest pixel repeats.
     #[knob(color)]
     pub(super) outside: Option<[f64; 3]>,
     #[items]
-    taken: Taken,
+    taken: DecodeKnobs,
 }
 
 impl Read {
@@ -79,14 +81,14 @@ impl Stage for Read {
         vec![frame.path(&self.named.file)]
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory_of_picture(self.knobs(), reckoning, true)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory_of_picture(self.knobs(), context, true)
     }
 
-    fn examine(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+    fn check_headers(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         let path = named(frame, &self.named.file)?;
         let wanted = wanted.first().map(Vec::as_slice).unwrap_or_default();
-        self.reading(frame, &path).examine(wanted, true)
+        self.reading(frame, &path).check_headers(wanted, true)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
@@ -95,27 +97,29 @@ impl Stage for Read {
         let reading = self.reading(prepare.frame, &path);
         let (kind, outside) = (reading.knobs.kind(), reading.outside);
         if let Some((stream, targets)) = reading.on_demand(prepare, kind, wanted, KEPT_COLORS)? {
-            return Ok(Box::new(Streamed::new(kind, stream, targets, prepare)?));
+            return Ok(Box::new(PreparedStream::new(kind, stream, targets, prepare)?));
         }
-        if let Some(Kept { grid, fit, planes, controls, repaired }) = reading.kept(prepare, kind, wanted, KEPT_WHOLE)? {
+        if let Some(PartialPicture { grid, fit, planes, controls, repaired }) =
+            reading.kept(prepare, kind, wanted, KEPT_WHOLE)?
+        {
             let mut layers: Vec<Option<Layer>> = (0..kind.channels()).map(|_| None).collect();
             for (channel, samples) in planes {
                 let outside = outside.map(|color| color[channel]);
                 layers[channel] = Some(Layer::kept(grid.clone(), samples, fit, outside));
             }
             let (node, frame) = (self.clone(), prepare.frame.clone());
-            let again = Again { node, frame, wanted: wanted.to_vec(), whole: OnceLock::new() };
-            return Ok(Box::new(Decoded {
+            let fallback = WholeFileFallback { node, frame, wanted: wanted.to_vec(), whole: OnceLock::new() };
+            return Ok(Box::new(PreparedRead {
                 kind,
                 layers,
                 controls: Some(controls),
                 outside,
                 repaired,
-                again: Some(again),
+                fallback: Some(fallback),
             }));
         }
         let (layers, repaired) = whole(&reading, kind, wanted)?;
-        Ok(Box::new(Decoded { kind, layers, controls: None, outside, repaired, again: None }))
+        Ok(Box::new(PreparedRead { kind, layers, controls: None, outside, repaired, fallback: None }))
     }
 }
 
@@ -124,7 +128,7 @@ fn whole(reading: &Reading<'_>, kind: Kind, wanted: &[bool]) -> Result<(Layers, 
     let Reading { knobs, frame, path, outside } = *reading;
     let mut fit = None;
     let (planes, repaired) = reading.planes(kind, wanted, &mut |picture| {
-        fit = Some(Fit::new(knobs.fit, FitBy::WORDS, picture.display, [frame.format, frame.whole], path)?);
+        fit = Some(Fit::new(knobs.fit, FitBy::WORDS, picture.display, [frame.format, frame.document_format], path)?);
         Ok(())
     })?;
     let outside_of = |channel: usize| outside.map(|color| color[channel]);
@@ -136,14 +140,14 @@ fn whole(reading: &Reading<'_>, kind: Kind, wanted: &[bool]) -> Result<(Layers, 
 type Layers = Vec<Option<Layer>>;
 
 /// Reads the whole file, of which only a part was kept, when more is needed.
-struct Again {
+struct WholeFileFallback {
     node: Read,
     frame: FrameContext,
     wanted: Vec<bool>,
     whole: OnceLock<Result<Layers, NodeError>>,
 }
 
-impl Again {
+impl WholeFileFallback {
     fn layers(&self, kind: Kind) -> Result<&Layers, NodeError> {
         let read = || {
             let path = self.frame.path(&self.node.named.file);
@@ -154,21 +158,21 @@ impl Again {
 }
 
 /// The planes of a file, ready to be sampled.
-struct Decoded {
+struct PreparedRead {
     kind: Kind,
     layers: Layers,
     /// The colors of a file that is not kept whole.
     controls: Option<Vec<Rgb>>,
     outside: Option<Rgb>,
     repaired: u64,
-    again: Option<Again>,
+    fallback: Option<WholeFileFallback>,
 }
 
-impl Decoded {
+impl PreparedRead {
     /// Returns layers that all satisfy `covered`, reading the whole file if necessary.
     fn layers(&self, covered: impl Fn(&Layer) -> bool) -> Result<&Layers, NodeError> {
-        match &self.again {
-            Some(again) if !self.layers.iter().flatten().all(covered) => again.layers(self.kind),
+        match &self.fallback {
+            Some(fallback) if !self.layers.iter().flatten().all(covered) => fallback.layers(self.kind),
             _ => Ok(&self.layers),
         }
     }
@@ -180,7 +184,7 @@ impl Decoded {
     }
 }
 
-impl Prepared for Decoded {
+impl Prepared for PreparedRead {
     fn controls(&self) -> Vec<Rgb> {
         if let Some(controls) = &self.controls {
             return controls.clone();
@@ -209,8 +213,9 @@ impl Prepared for Decoded {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         for channel in 0..self.layers.len() {
-            bounding
-                .bound_at(outputs, (Only, channel), |at| self.values(at).map_or(f64::NAN, |values| values[channel]));
+            bounding.bound_at(outputs, SoleOutput, channel, |at| {
+                self.values(at).map_or(f64::NAN, |values| values[channel])
+            });
         }
         Ok(())
     }
@@ -224,14 +229,14 @@ impl Prepared for Decoded {
     }
 
     fn bytes(&self) -> usize {
-        let whole = self.again.as_ref().and_then(|again| again.whole.get()?.as_ref().ok());
+        let whole = self.fallback.as_ref().and_then(|fallback| fallback.whole.get()?.as_ref().ok());
         let layers = self.layers.iter().chain(whole.into_iter().flatten());
         layers.flatten().map(|layer| size_of_val(layer.samples())).sum()
     }
 }
 
 /// The channels of a file that is read on demand.
-struct Streamed {
+struct PreparedStream {
     kind: Kind,
     stream: Stream,
     /// The output's channels that the stream supplies.
@@ -239,7 +244,7 @@ struct Streamed {
     controls: Vec<Rgb>,
 }
 
-impl Streamed {
+impl PreparedStream {
     fn new(kind: Kind, stream: Stream, targets: Vec<usize>, prepare: &Prepare<'_>) -> Result<Self, NodeError> {
         let mut controls = Vec::new();
         if kind == Kind::Color {
@@ -250,7 +255,7 @@ impl Streamed {
     }
 }
 
-impl Prepared for Streamed {
+impl Prepared for PreparedStream {
     fn controls(&self) -> Vec<Rgb> {
         self.controls.clone()
     }
@@ -271,7 +276,7 @@ impl Prepared for Streamed {
         }
         for (index, channel) in self.targets.iter().enumerate() {
             let truth = |at| self.stream.reference(at).map_or(f64::NAN, |values| values[index]);
-            bounding.bound_at(outputs, (Only, *channel), truth);
+            bounding.bound_at(outputs, SoleOutput, *channel, truth);
         }
         Ok(())
     }

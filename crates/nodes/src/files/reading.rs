@@ -1,7 +1,7 @@
 //! Reading a file as the planes of a Color, of weights or of a field.
 
-use super::color::{Conversion, Meaning, Premultiplied, convert};
-use super::knobs::{FitBy, Knobs, Selected};
+use super::color::{ColorSource, Conversion, Premultiplied, convert};
+use super::knobs::{FitBy, Knobs, SelectionKnobs};
 use super::legal::take;
 use super::on_demand::Names;
 use super::recipe::{Colors, Normalized};
@@ -26,7 +26,7 @@ pub(crate) struct Reading<'a> {
 }
 
 /// Construction of the output's channels from stored ones.
-pub(super) struct Made {
+pub(super) struct ChannelPlan {
     pub(super) rule: Rule,
     /// Positions of the stored channels in the selection.
     pub(super) at: Vec<usize>,
@@ -61,7 +61,7 @@ impl Reading<'_> {
     ///
     /// # Errors
     /// The file cannot be read, has another size and no fit is set, or lacks a selected item.
-    pub(crate) fn examine(&self, wanted: &[bool], laid: bool) -> Result<(), NodeError> {
+    pub(crate) fn check_headers(&self, wanted: &[bool], laid: bool) -> Result<(), NodeError> {
         let kind = self.knobs.kind();
         if !wanted.contains(&true) {
             return Ok(());
@@ -71,9 +71,15 @@ impl Reading<'_> {
         let info = header(self.frame, self.path, &self.selection(channels)).map_err(|error| selected(error, None))?;
         filled(self.path, info.part, info.data)?;
         if laid {
-            Fit::new(self.knobs.fit, FitBy::WORDS, info.display, [self.frame.format, self.frame.whole], self.path)?;
+            Fit::new(
+                self.knobs.fit,
+                FitBy::WORDS,
+                info.display,
+                [self.frame.format, self.frame.document_format],
+                self.path,
+            )?;
         }
-        self.made(kind, &info, named, wanted)?;
+        self.channel_plan(kind, &info, named, wanted)?;
         if kind == Kind::Color {
             self.alpha(&Names::from(&info), named)?;
         }
@@ -85,7 +91,7 @@ impl Reading<'_> {
     }
 
     pub(super) fn selection(&self, channels: Vec<String>) -> Selection {
-        let Selected { part, layer, .. } = self.knobs.selected;
+        let SelectionKnobs { part, layer, .. } = self.knobs.selected;
         Selection { part: part.as_deref().map(Into::into), layer: layer.clone(), channels }
     }
 
@@ -120,9 +126,14 @@ impl Reading<'_> {
         if info.data.height() > MOST_ROWS || (kind == Kind::Color && small) {
             return Ok(None);
         }
-        let fit =
-            Fit::new(self.knobs.fit, FitBy::WORDS, info.display, [self.frame.format, self.frame.whole], self.path)?;
-        let Made { rule, at, recipe, targets } = self.made(kind, info, named, wanted)?;
+        let fit = Fit::new(
+            self.knobs.fit,
+            FitBy::WORDS,
+            info.display,
+            [self.frame.format, self.frame.document_format],
+            self.path,
+        )?;
+        let ChannelPlan { rule, at, recipe, targets } = self.channel_plan(kind, info, named, wanted)?;
         let stored = Stored {
             path: self.path.into(),
             part: info.part,
@@ -146,13 +157,13 @@ impl Reading<'_> {
     }
 
     /// Returns how the output's channels are made from the file's.
-    pub(super) fn made(
+    pub(super) fn channel_plan(
         &self,
         kind: Kind,
         info: &PictureInfo,
         named: usize,
         wanted: &[bool],
-    ) -> Result<Made, NodeError> {
+    ) -> Result<ChannelPlan, NodeError> {
         let names = Names::from(info);
         if kind != Kind::Color {
             self.only(&names, named)?;
@@ -179,15 +190,15 @@ impl Reading<'_> {
             _ if at.len() > 1 => recipe = Some(Box::new(Normalized(self.sums(&names)))),
             _ => {}
         }
-        Ok(Made { rule, at, recipe, targets })
+        Ok(ChannelPlan { rule, at, recipe, targets })
     }
 
-    fn sums(&self, names: &Names<'_>) -> Sums {
-        Sums { path: self.path.into(), part: names.part, names: names.all(), repair: self.repair() }
+    fn sums(&self, names: &Names<'_>) -> SumNormalizer {
+        SumNormalizer { path: self.path.into(), part: names.part, names: names.all(), repair: self.repair() }
     }
 
     fn conversion(&self, info: &PictureInfo, channel: usize) -> Result<Conversion, NodeError> {
-        let meaning = Meaning {
+        let source = ColorSource {
             path: self.path.into(),
             part: info.part,
             encoding: info.encoding,
@@ -196,7 +207,7 @@ impl Reading<'_> {
             space: self.frame.space,
             repair: self.repair(),
         };
-        Conversion::new(meaning, self.knobs.taken.encoding)
+        Conversion::new(source, self.knobs.taken.encoding)
     }
 
     /// Returns the wanted ones of the named channels.
@@ -236,7 +247,7 @@ impl Reading<'_> {
             let found = format!("a gray picture of {bytes} bytes as color");
             return Err(self.fault(picture.part, found, &format!("at most {} bytes", self.frame.memory_limit)));
         }
-        let meaning = Meaning {
+        let source = ColorSource {
             path: self.path.into(),
             part: picture.part,
             encoding: picture.encoding,
@@ -252,7 +263,7 @@ impl Reading<'_> {
             Err(gray) => [0, 1, 2].map(|_| gray[0].clone()),
         };
         let premultiplied = alpha.map(|alpha| Premultiplied { alpha, uncovered: self.outside });
-        let mut conversion = Conversion::new(meaning, self.knobs.taken.encoding)?;
+        let mut conversion = Conversion::new(source, self.knobs.taken.encoding)?;
         repaired += convert(&mut conversion, &mut planes, premultiplied.as_ref())?;
         Ok((planes.into_iter().map(Some).collect(), repaired))
     }
@@ -347,9 +358,9 @@ pub(super) fn selected(error: trochoid_io::Error, knob: Option<ItemName>) -> Nod
     match &error {
         trochoid_io::Error::NotFound { kind, existing, .. } if !existing.is_empty() => {
             let own = match kind {
-                Entry::Part => Selected::PART,
-                Entry::Layer => Selected::LAYER,
-                Entry::Channel => Selected::CHANNELS,
+                Entry::Part => SelectionKnobs::PART,
+                Entry::Layer => SelectionKnobs::LAYER,
+                Entry::Channel => SelectionKnobs::CHANNELS,
             };
             NodeError::missing(error, knob.unwrap_or(own))
         }
@@ -358,7 +369,7 @@ pub(super) fn selected(error: trochoid_io::Error, knob: Option<ItemName>) -> Nod
 }
 
 /// Divides weights by their sum.
-pub(crate) struct Sums {
+pub(crate) struct SumNormalizer {
     path: PathBuf,
     part: usize,
     /// Names of the channels, for messages.
@@ -366,7 +377,7 @@ pub(crate) struct Sums {
     repair: bool,
 }
 
-impl Sums {
+impl SumNormalizer {
     /// Divides the pixels from (`x`, `y`) on by their sum, one line for each channel. Returns the number of repaired
     /// pixels.
     pub(crate) fn normalize(&self, [x, y]: [i64; 2], lines: &mut [&mut [f32]]) -> Result<u64, NodeError> {

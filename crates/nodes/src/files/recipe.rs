@@ -1,7 +1,7 @@
 //! Recipes: conversions of stored samples to the channels of an output, one piece of a row at a time.
 
 use super::color::Conversion;
-use super::reading::Sums;
+use super::reading::SumNormalizer;
 use std::sync::{Mutex, PoisonError};
 use trochoid_graph::NodeError;
 
@@ -16,7 +16,7 @@ pub(crate) trait Recipe: Send + Sync {
 }
 
 /// Divides weights by their sum.
-pub(crate) struct Normalized(pub(crate) Sums);
+pub(crate) struct Normalized(pub(crate) SumNormalizer);
 
 impl Recipe for Normalized {
     fn apply(&self, at: [i64; 2], lines: &mut [&mut [f32]]) -> Result<u64, NodeError> {

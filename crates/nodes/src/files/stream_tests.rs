@@ -46,7 +46,7 @@ impl Case {
         let graph = graph(key, &node, folder).unwrap();
         let mut context = graph.frame_context(1, 1 << 30);
         context.format = Format::new(format.0, format.1, 1).unwrap();
-        context.whole = context.format;
+        context.document_format = context.format;
         let settled = graph.settle(graph.find("out").unwrap(), 1);
         let kind = settled.kinds()[0];
         let node = settled.get::<Read>().unwrap().clone();

@@ -1,6 +1,6 @@
 //! Texture: a picture file looked up by texture coordinates.
 
-use crate::files::knobs::{As, Knobs, Named, Selected, Taken};
+use crate::files::knobs::{As, DecodeKnobs, FileKnobs, Knobs, SelectionKnobs};
 use crate::files::{Reading, controls, memory_of_picture};
 use crate::filter::{blended, fill, value, weights};
 use crate::view::named;
@@ -37,7 +37,7 @@ use trochoid_image::{Plane, Rgb, Window};
 #[also_called("ImageTexture", "TexImage", "STMap", "UVMap", "Tile")]
 pub(crate) struct Texture {
     #[items]
-    named: Named,
+    named: FileKnobs,
     /// Texture coordinate across the picture: 0 to 1 from left to right.
     u: One<port::Scalar>,
     /// Texture coordinate along the picture's height: 0 to 1 from bottom to top.
@@ -47,9 +47,9 @@ pub(crate) struct Texture {
     /// Interpolation between pixels.
     filter: Filter,
     #[items]
-    selected: Selected,
+    selected: SelectionKnobs,
     #[items]
-    taken: Taken,
+    taken: DecodeKnobs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
@@ -86,7 +86,7 @@ impl Stage for Texture {
         (self.named.r#as == As::Weights).then_some((0.0, 1.0))
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -94,14 +94,14 @@ impl Stage for Texture {
         vec![frame.path(&self.named.file)]
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory_of_picture(self.knobs(), reckoning, false)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory_of_picture(self.knobs(), context, false)
     }
 
-    fn examine(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+    fn check_headers(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         let path = named(frame, &self.named.file)?;
         let wanted = wanted.first().map(Vec::as_slice).unwrap_or_default();
-        Reading { knobs: self.knobs(), frame, path: &path, outside: None }.examine(wanted, false)
+        Reading { knobs: self.knobs(), frame, path: &path, outside: None }.check_headers(wanted, false)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
@@ -292,7 +292,7 @@ impl Prepared for PreparedTexture {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         for channel in 0..self.planes.len() {
-            bounding.bound_by(outputs, (Only, channel), |sample| {
+            bounding.bound_by(outputs, SoleOutput, channel, |sample| {
                 let place = [&self.node.u, &self.node.v]
                     .map(|port| bounding.known(port, 0, sample).unwrap_or(Span::exactly(0.0)));
                 let span = self.span(channel, place);

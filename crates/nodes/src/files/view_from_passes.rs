@@ -140,12 +140,12 @@ impl Node for ViewFromPasses {
 }
 
 impl Stage for ViewFromPasses {
-    fn supplies(&self) -> ChannelSet {
+    fn supplied_channels(&self) -> ChannelSet {
         let given = self.passes().into_iter().filter(|pass| pass.name.is_some());
         given.fold(COVERAGE, |all, pass| all.union(pass.channels))
     }
 
-    fn lacks(&self) -> ChannelSet {
+    fn impossible_channels(&self) -> ChannelSet {
         ChannelSet::ALL.minus(self.passes().iter().fold(COVERAGE, |all, pass| all.union(pass.channels)))
     }
 
@@ -165,11 +165,11 @@ impl Stage for ViewFromPasses {
         vec![frame.path(&self.file)]
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory_of_passes(&self.file, reckoning)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory_of_passes(&self.file, context)
     }
 
-    fn examine(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+    fn check_headers(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         let path = named(frame, &self.file)?;
         let reading = Reading { node: self, frame, path: &path };
         for (pass, _) in self.passes().into_iter().zip(self.is_read(wanted)).filter(|(_, read)| *read) {
@@ -183,7 +183,7 @@ impl Stage for ViewFromPasses {
         let path = named(prepare.frame, &self.file)?;
         let reading = Reading { node: self, frame: prepare.frame, path: &path };
         let camera = prepare.handle_of(&self.camera).or_else(level_camera);
-        let mut view = View { passes: Vec::new(), camera };
+        let mut view = PreparedView { passes: Vec::new(), camera };
         let [depth, position, normal, coverage] = self.passes();
         let [with_depth, with_position, with_normal, with_coverage] = self.is_read(prepare.wanted);
         if with_depth {
@@ -304,7 +304,7 @@ impl Reading<'_> {
             self.node.fit.map(FitBy::from),
             PassFit::WORDS,
             display,
-            [self.frame.format, self.frame.whole],
+            [self.frame.format, self.frame.document_format],
             self.path,
         )
     }
@@ -381,12 +381,12 @@ struct Pass {
 }
 
 /// The channels of a view that are read.
-struct View {
+struct PreparedView {
     passes: Vec<Pass>,
     camera: Option<Handle>,
 }
 
-impl Prepared for View {
+impl Prepared for PreparedView {
     fn handle(&self) -> Option<Handle> {
         self.camera.clone()
     }

@@ -103,7 +103,7 @@ fn only_given_passes_are_supplied() {
     exr(folder.path(), &[("Z", [2.0, 3.0])]);
     let frame = view(folder.path(), r#""depth": "Z""#).unwrap();
     let settled = frame.graph.settle(frame.graph.find("view").unwrap(), 1);
-    assert_eq!(settled.stage().unwrap().supplies(), ChannelSet::of(&[Channel::Coverage, Channel::Depth]));
+    assert_eq!(settled.stage().unwrap().supplied_channels(), ChannelSet::of(&[Channel::Coverage, Channel::Depth]));
     let text = view(folder.path(), r#""depth": "Depth""#).err().unwrap().to_string();
     assert!(text.contains("no layer \"Depth\""), "{text}");
 }

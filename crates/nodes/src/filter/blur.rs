@@ -1,6 +1,6 @@
 //! Blur: replaces each pixel by a weighted mean of its neighborhood.
 
-use crate::filter::{Bounded, Summed, fill, kind, mean, numbers, value};
+use crate::filter::{BoundedChannel, BoundedSum, fill, kind, mean, numbers, value};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_weights::kernel::{self, Kernel, filter};
@@ -27,10 +27,10 @@ pub(crate) struct Blur {
     /// Image to blur.
     image: One<port::Image>,
     /// Amount of blur: standard deviation of the Gaussian; a box is 2·size + 1 wide.
-    #[knob(default = 1.0, range = 0.0..=MOST, drawn)]
+    #[knob(default = 1.0, range = 0.0..=MOST, in_pixels)]
     size: f64,
     /// Vertical amount of blur; by default the same as `size`.
-    #[knob(range = 0.0..=MOST, drawn)]
+    #[knob(range = 0.0..=MOST, in_pixels)]
     size_y: Option<f64>,
     /// Shape of the kernel: gaussian, or box (all pixels within the size weigh the same).
     filter: Shape,
@@ -78,7 +78,7 @@ impl Stage for Blur {
         Window::new(window.x0 - across, window.y0 - down, window.x1 + across, window.y1 + down)
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -111,21 +111,21 @@ impl Prepared for PreparedBlur {
                 filter(self.kernels.each_ref(), image.window, samples, image.extent, block.window, stop, out);
             }
         });
-        inputs.go_on()
+        inputs.check_cancelled()
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let Window { x0, x1, y0, y1 } = bounding.block.window;
         let [across, down] = self.node.sizes().map(|size| self.node.shape().reference(size));
         let reach = down.last().map_or(0, |(dy, _)| *dy);
-        for (image, filled, bounds) in Bounded::channels(bounding, &self.node.image, self.kind, outputs) {
+        for (image, filled, bounds) in BoundedChannel::channels(bounding, &self.node.image, self.kind, outputs) {
             // Rows beyond the image repeat its first or last row.
             let Window { y0: first, y1: end, .. } = image.window();
             let (top, bottom) = ((y0 - reach).clamp(first, end - 1), (y1 - 1 + reach).clamp(first, end - 1));
-            let sum = |weights: &[(i64, f64)], at: &dyn Fn(i64) -> Summed| {
-                weights.iter().fold(Summed::NOTHING, |sum, (step, weight)| sum.plus(*weight, at(*step)))
+            let sum = |weights: &[(i64, f64)], at: &dyn Fn(i64) -> BoundedSum| {
+                weights.iter().fold(BoundedSum::NOTHING, |sum, (step, weight)| sum.plus(*weight, at(*step)))
             };
-            let rows: Vec<Vec<Summed>> =
+            let rows: Vec<Vec<BoundedSum>> =
                 (top..=bottom).map(|y| (x0..x1).map(|x| sum(&across, &|dx| image.at(x + dx, y))).collect()).collect();
             let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y)));
             for ((bound, filled), (x, y)) in bounds.iter_mut().zip(filled).zip(pixels) {

@@ -5,7 +5,7 @@ use trochoid_image::Window;
 
 /// One channel of a filter's input image with its error bounds.
 #[derive(Clone, Copy)]
-pub(crate) struct Bounded<'a> {
+pub(crate) struct BoundedChannel<'a> {
     window: Window,
     values: &'a [f32],
     bounds: &'a [f32],
@@ -15,7 +15,7 @@ pub(crate) struct Bounded<'a> {
 
 /// A weighted sum of samples with its error bound.
 #[derive(Clone, Copy)]
-pub(crate) struct Summed {
+pub(crate) struct BoundedSum {
     /// Sum of the samples as given to the stage, in f64.
     pub(crate) value: f64,
     pub(crate) bound: Bound,
@@ -23,7 +23,7 @@ pub(crate) struct Summed {
     size: f64,
 }
 
-impl Summed {
+impl BoundedSum {
     pub(crate) const NOTHING: Self = Self { value: 0.0, bound: Bound::EXACT, size: 0.0 };
 
     /// Returns the same value with another bound.
@@ -54,9 +54,9 @@ impl Summed {
     }
 }
 
-impl<'a> Bounded<'a> {
+impl<'a> BoundedChannel<'a> {
     /// Returns a channel of an image of a kind. The error of a weight is at most 1.
-    fn of(bounding: &Bounding<'a>, image: &One<port::Image>, (kind, channel): (Kind, usize)) -> Option<Self> {
+    fn of(bounding: &Bounding<'a>, image: &One<port::Image>, kind: Kind, channel: usize) -> Option<Self> {
         let from = &bounding.inputs.all(image)[0];
         let values = from.planes.get(channel).copied()??;
         let bounds = bounding.bounds.planes(image, 0).get(channel).copied()??;
@@ -73,7 +73,7 @@ impl<'a> Bounded<'a> {
         outputs: &mut Outputs<'o>,
     ) -> impl Iterator<Item = (Self, &'a [f32], &'o mut [f32])> {
         (0..kind.channels()).filter_map(move |channel| {
-            let image = Self::of(bounding, port, (kind, channel))?;
+            let image = Self::of(bounding, port, kind, channel)?;
             Some((image, bounding.filled[0][channel].unwrap_or_default(), outputs.only(channel)?))
         })
     }
@@ -84,11 +84,11 @@ impl<'a> Bounded<'a> {
     }
 
     /// Returns a pixel; beyond the edge, the nearest one.
-    pub(crate) fn at(&self, x: i64, y: i64) -> Summed {
+    pub(crate) fn at(&self, x: i64, y: i64) -> BoundedSum {
         let Window { x0, x1, y0, y1 } = self.window;
         let index = (y.clamp(y0, y1 - 1) - y0) as usize * self.window.width() + (x.clamp(x0, x1 - 1) - x0) as usize;
         let value = f64::from(self.values[index]);
         let bound = Bound::decode(self.bounds[index]);
-        Summed { value, bound: Bound { size: bound.size.min(self.most), ..bound }, size: value.abs() }
+        BoundedSum { value, bound: Bound { size: bound.size.min(self.most), ..bound }, size: value.abs() }
     }
 }

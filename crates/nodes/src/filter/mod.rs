@@ -11,7 +11,7 @@ mod values;
 mod warp;
 
 pub(crate) use bilinear::{blended, weights};
-pub(crate) use bounded::{Bounded, Summed};
+pub(crate) use bounded::{BoundedChannel, BoundedSum};
 pub(crate) use values::{fill, kind, mean, numbers, value};
 
 use trochoid_graph::NodeType;

@@ -1,6 +1,6 @@
 //! Warp: looks up an image at displaced positions.
 
-use crate::filter::{Bounded, Summed, blended, fill, kind, mean, numbers, value, weights};
+use crate::filter::{BoundedChannel, BoundedSum, blended, fill, kind, mean, numbers, value, weights};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
@@ -44,7 +44,7 @@ impl Stage for Warp {
         Window::new(window.x0 - reach, window.y0 - reach, window.x1 + reach, window.y1 + reach)
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -66,11 +66,11 @@ impl PreparedWarp {
     }
 
     /// Returns the error bound of a sample whose displacements lie within spans.
-    fn moved(&self, image: Bounded<'_>, [x, y]: [i64; 2], spans: [Span; 2], filled: f32) -> Bound {
+    fn sample_bound(&self, image: BoundedChannel<'_>, [x, y]: [i64; 2], spans: [Span; 2], filled: f32) -> Bound {
         let [(dx, u), (dy, v)] = spans.map(|span| self.split(span.middle()));
         let shares =
             [((0, 0), (1.0 - u) * (1.0 - v)), ((1, 0), u * (1.0 - v)), ((0, 1), (1.0 - u) * v), ((1, 1), u * v)];
-        let middle = shares.into_iter().fold(Summed::NOTHING, |sum, ((right, down), weight)| {
+        let middle = shares.into_iter().fold(BoundedSum::NOTHING, |sum, ((right, down), weight)| {
             sum.plus(weight, image.at(x + dx + right, y + dy + down))
         });
         if spans.iter().all(|span| span.low == span.high) {
@@ -164,10 +164,10 @@ impl Prepared for PreparedWarp {
         let displaced =
             |port, sample: usize| bounding.known(port, 0, sample).unwrap_or(Span::exactly(0.0)).within(-reach, *reach);
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
-        for (image, filled, bounds) in Bounded::channels(bounding, image, self.kind, outputs) {
+        for (image, filled, bounds) in BoundedChannel::channels(bounding, image, self.kind, outputs) {
             for (sample, ((bound, filled), [x, y])) in bounds.iter_mut().zip(filled).zip(&pixels).enumerate() {
                 let spans = [dx, dy].map(|port| displaced(port, sample));
-                *bound = self.moved(image, [*x, *y], spans, *filled).encode();
+                *bound = self.sample_bound(image, [*x, *y], spans, *filled).encode();
             }
         }
         Ok(())

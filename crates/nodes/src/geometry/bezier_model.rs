@@ -1,6 +1,6 @@
 //! BezierModel: a surface of Bézier patches.
 
-use super::{Stance, Standing, check_ending, memory, read_model};
+use super::{PlacementKnobs, PreparedSurface, check_ending, memory, read_model};
 use crate::view::named;
 use std::path::PathBuf;
 use trochoid_graph::*;
@@ -51,7 +51,7 @@ pub(crate) struct BezierModel {
     #[knob(default = 1.0, range = 1e-3..=1e3)]
     stretch: f64,
     #[items]
-    stance: Stance,
+    placement: PlacementKnobs,
     /// Tessellation: "adaptive" is as fine as the picture needs, "uniform" is the same everywhere.
     tessellation: Pieces,
     /// Maximum distance of facets from the surface, for "adaptive".
@@ -128,7 +128,7 @@ impl BezierModel {
 
 impl Node for BezierModel {
     fn check(&self, check: &mut Check<'_>) {
-        self.stance.check(check);
+        self.placement.check(check);
         check_ending(self.model.as_deref().unwrap_or_default(), Self::DECLARATION, Self::MODEL, check);
         match self.inline() {
             Err(Misfit { item, found, expected }) => check.error(item, found, expected, "add or remove points"),
@@ -160,7 +160,7 @@ impl Node for BezierModel {
 const BYTES_OF_VERTEX: u64 = 2;
 
 impl Stage for BezierModel {
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -168,15 +168,15 @@ impl Stage for BezierModel {
         self.model.iter().map(|model| frame.path(model)).collect()
     }
 
-    fn examine(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+    fn check_headers(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         let Some(model) = &self.model else { return Ok(()) };
         trochoid_io::open_file(named(frame, model)?)?;
         Ok(())
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
         if let Some(model) = &self.model {
-            return memory::of_model(&reckoning.frame.path(model), BYTES_OF_VERTEX);
+            return memory::of_model(&context.frame.path(model), BYTES_OF_VERTEX);
         }
         let side = match self.tessellation {
             Pieces::Adaptive => 1,
@@ -191,13 +191,13 @@ impl Stage for BezierModel {
         if let Some(model) = &self.model {
             patches.extend(read_model(&named(prepare.frame, model)?)?);
         }
-        let mut placement = self.stance.placement();
+        let mut placement = self.placement.placement();
         placement.scale.y *= self.stretch;
         let tessellation = match self.tessellation {
             Pieces::Adaptive => Tessellation::Adaptive { tolerance: self.tolerance },
             Pieces::Uniform => Tessellation::Uniform { segments: self.segments as u32 },
         };
-        Ok(Box::new(Standing::new(PatchModel::new(&patches, placement, self.stance.flip, tessellation))))
+        Ok(Box::new(PreparedSurface::new(PatchModel::new(&patches, placement, self.placement.flip, tessellation))))
     }
 }
 

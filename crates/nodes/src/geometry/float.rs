@@ -1,6 +1,6 @@
 //! Float: bodies that float on a sea.
 
-use super::Standing;
+use super::PreparedSurface;
 use crate::sea::check_sea;
 use crate::view::SurfaceHandle;
 use trochoid_graph::*;
@@ -39,11 +39,11 @@ pub(crate) struct Float {
     tilt: f64,
     /// Places where the model floats.
     #[list(1..=64)]
-    bodies: Vec<Afloat>,
+    bodies: Vec<BodyPlacement>,
 }
 
 #[derive(Clone, Items)]
-struct Afloat {
+struct BodyPlacement {
     /// World x of the body's middle.
     #[knob(default = 0.0, range = -1e8..=1e8, unit = "m")]
     x: f64,
@@ -75,19 +75,19 @@ impl Node for Float {
 }
 
 impl Stage for Float {
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        let seen = reckoning.all(&self.model).fold(0, |sum: u64, taken| sum.saturating_add(taken.seen));
-        MemoryUse::default().seen(seen.saturating_mul(self.bodies.len() as u64))
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        let seen = context.all(&self.model).fold(0, |sum: u64, taken| sum.saturating_add(taken.per_view));
+        MemoryUse::default().per_view(seen.saturating_mul(self.bodies.len() as u64))
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let handle = |of: &One<port::Surface>| Ok::<_, NodeError>(prepare.handles::<SurfaceHandle>(of)?.swap_remove(0));
         let [model, sea] = [handle(&self.model)?, handle(&self.sea)?];
-        let pose = |body: &Afloat| {
+        let pose = |body: &BodyPlacement| {
             let floating = Floating {
                 place: [body.x, body.z],
                 heading: body.heading.to_radians(),
@@ -99,7 +99,7 @@ impl Stage for Float {
         };
         let poses: Option<Vec<Pose>> = self.bodies.iter().map(pose).collect();
         match poses {
-            Some(poses) => Ok(Box::new(Standing::new(RigidBodies::new(model, poses)))),
+            Some(poses) => Ok(Box::new(PreparedSurface::new(RigidBodies::new(model, poses)))),
             None => Err(BadData::new("a model", "water to float on", "connect a sea").of_item(Self::SEA).into()),
         }
     }

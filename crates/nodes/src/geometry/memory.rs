@@ -2,7 +2,7 @@
 
 use crate::view::Facets;
 use std::path::Path;
-use trochoid_graph::{Connected, MemoryUse, One, Reckoning, Source, port};
+use trochoid_graph::{Connected, MemoryContext, MemoryUse, One, Source, port};
 use trochoid_scene::Visible;
 
 /// Bytes per vertex of a view's mesh: position, normal, rest point, slope, screen position, and its share of the bins.
@@ -16,44 +16,44 @@ const VIEW: &str = "lower the format's \"width\" and \"height\", or the \"finene
 
 /// Returns the memory of a sea of waves: a view has about one vertex per pixel, times `detail` along each axis.
 #[cfg(feature = "sea")]
-pub(crate) fn of_sea(detail: f64, reckoning: &Reckoning<'_>) -> MemoryUse {
-    let vertices = reckoning.pixels() as f64 * (detail * detail);
-    MemoryUse::default().seen((vertices as u64).min(MOST) * VERTEX)
+pub(crate) fn of_sea(detail: f64, context: &MemoryContext<'_>) -> MemoryUse {
+    let vertices = context.pixels() as f64 * (detail * detail);
+    MemoryUse::default().per_view((vertices as u64).min(MOST) * VERTEX)
 }
 
 /// Returns the memory of a sea on a grid with `held` bytes per cell. A view has several vertices per cell, but hardly
 /// more than one per pixel.
 #[cfg(feature = "sea")]
-pub(crate) fn of_grid(cells: u64, held: u64, reckoning: &Reckoning<'_>) -> MemoryUse {
+pub(crate) fn of_grid(cells: u64, held: u64, context: &MemoryContext<'_>) -> MemoryUse {
     let remedy = "lower \"columns\" or \"rows\"";
-    MemoryUse::held(cells * held, remedy).seen((4 * cells).max(cells + reckoning.pixels()).min(MOST + cells) * VERTEX)
+    MemoryUse::held(cells * held, remedy).per_view((4 * cells).max(cells + context.pixels()).min(MOST + cells) * VERTEX)
 }
 
 /// Returns the memory of a model from a file with a number of bytes per vertex; a view contains all of it.
 pub(crate) fn of_model(path: &Path, bytes_of_vertex: u64) -> MemoryUse {
     let vertices = std::fs::metadata(path).map_or(0, |file| file.len() / bytes_of_vertex);
     // Positions, normals and coordinates in f64, and triangles.
-    MemoryUse::held(vertices * 96, "use a smaller model").working(vertices * 96).seen(vertices * VERTEX)
+    MemoryUse::held(vertices * 96, "use a smaller model").working(vertices * 96).per_view(vertices * VERTEX)
 }
 
 /// Returns the memory of patches with a number of vertices along each side.
 pub(crate) fn of_patches(patches: u64, side: u64) -> MemoryUse {
-    MemoryUse::default().seen((patches * side * side).min(MOST) * VERTEX)
+    MemoryUse::default().per_view((patches * side * side).min(MOST) * VERTEX)
 }
 
 /// Returns the memory of a view of a port's surfaces, with `fineness` times the vertex density that pixels require
 /// along each axis.
-pub(crate) fn of_view(surfaces: &impl Connected, fineness: f64, reckoning: &Reckoning<'_>) -> MemoryUse {
-    let seen = reckoning.all(surfaces).fold(0, |sum: u64, taken| sum.saturating_add(taken.seen));
+pub(crate) fn of_view(surfaces: &impl Connected, fineness: f64, context: &MemoryContext<'_>) -> MemoryUse {
+    let seen = context.all(surfaces).fold(0, |sum: u64, taken| sum.saturating_add(taken.per_view));
     let held = seen as f64 * (fineness * fineness);
-    let pixel = reckoning.frame.format.samples() as u64 * Visible::BYTES_OF_SAMPLE;
+    let pixel = context.frame.format.samples() as u64 * Visible::BYTES_OF_SAMPLE;
     let most = Visible::MOST_SAMPLES * Visible::BYTES_OF_SAMPLE;
-    MemoryUse::held((held as u64).min(seen.max(MOST * VERTEX)), VIEW).seen(seen).thread(pixel, most)
+    MemoryUse::held((held as u64).min(seen.max(MOST * VERTEX)), VIEW).per_view(seen).thread(pixel, most)
 }
 
 /// Returns the memory of the surroundings of a view that block rays.
-pub(crate) fn of_surroundings(view: &One<port::View>, facets: &Facets, reckoning: &Reckoning<'_>) -> MemoryUse {
-    let seen = reckoning.all(view).fold(0, |sum: u64, taken| sum.saturating_add(taken.seen));
+pub(crate) fn of_surroundings(view: &One<port::View>, facets: &Facets, context: &MemoryContext<'_>) -> MemoryUse {
+    let seen = context.all(view).fold(0, |sum: u64, taken| sum.saturating_add(taken.per_view));
     let Facets { detail, beyond } = *facets;
     let wider = (1.0 + 2.0 * beyond) / detail;
     let vertices = seen as f64 / VERTEX as f64 * (wider * wider);

@@ -1,6 +1,6 @@
 //! Mesh: a model of triangles.
 
-use super::{Stance, Standing, Up, check_ending, memory, read_mesh};
+use super::{PlacementKnobs, PreparedSurface, Up, check_ending, memory, read_mesh};
 use crate::view::named;
 use std::path::PathBuf;
 use trochoid_graph::*;
@@ -39,7 +39,7 @@ pub(crate) struct Mesh {
     /// Normals: those of the "file", "smooth" across triangles, or "flat" for each triangle.
     normals: Normals,
     #[items]
-    stance: Stance,
+    placement: PlacementKnobs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
@@ -51,7 +51,7 @@ enum Normals {
 
 impl Node for Mesh {
     fn check(&self, check: &mut Check<'_>) {
-        self.stance.check(check);
+        self.placement.check(check);
         check_ending(&self.file, Self::DECLARATION, Self::FILE, check);
     }
 }
@@ -84,11 +84,11 @@ impl Mesh {
 const BYTES_OF_VERTEX: u64 = 40;
 
 impl Stage for Mesh {
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
-    fn examine(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
+    fn check_headers(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         trochoid_io::open_file(named(frame, &self.file)?)?;
         Ok(())
     }
@@ -97,14 +97,14 @@ impl Stage for Mesh {
         vec![frame.path(&self.file)]
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory::of_model(&reckoning.frame.path(&self.file), BYTES_OF_VERTEX)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory::of_model(&context.frame.path(&self.file), BYTES_OF_VERTEX)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let mesh = self.triangles(prepare.frame)?;
-        let model = TriangleModel::new(mesh, self.stance.placement(), self.stance.flip)?;
-        Ok(Box::new(Standing::new(model)))
+        let model = TriangleModel::new(mesh, self.placement.placement(), self.placement.flip)?;
+        Ok(Box::new(PreparedSurface::new(model)))
     }
 }
 

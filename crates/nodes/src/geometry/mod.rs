@@ -8,8 +8,8 @@ mod model_files;
 mod placement;
 
 use model_files::{read_mesh, read_model};
-use placement::{Stance, check_ending};
-pub(crate) use placement::{Standing, Up};
+use placement::{PlacementKnobs, check_ending};
+pub(crate) use placement::{PreparedSurface, Up};
 
 use trochoid_graph::NodeType;
 

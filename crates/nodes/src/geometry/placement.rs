@@ -10,7 +10,7 @@ use trochoid_scene::{DVec3, Surface};
 
 /// Placement of a model in the world.
 #[derive(Clone, Items)]
-pub(crate) struct Stance {
+pub(crate) struct PlacementKnobs {
     /// Scale factors along the model's own axes, applied first.
     #[knob(default = [1.0; 3])]
     scale: [f64; 3],
@@ -25,7 +25,7 @@ pub(crate) struct Stance {
     pub(crate) flip: bool,
 }
 
-impl Stance {
+impl PlacementKnobs {
     /// Reports a scale that flattens the surface completely.
     pub(crate) fn check(&self, check: &mut Check<'_>) {
         if self.scale.contains(&0.0) {
@@ -79,15 +79,15 @@ pub(crate) fn check_ending(file: &str, own: &Declaration, item: ItemName, check:
 }
 
 /// A surface at one frame.
-pub(crate) struct Standing(SurfaceHandle);
+pub(crate) struct PreparedSurface(SurfaceHandle);
 
-impl Standing {
+impl PreparedSurface {
     pub(crate) fn new(surface: impl Surface + 'static) -> Self {
         Self(Arc::new(surface))
     }
 }
 
-impl Prepared for Standing {
+impl Prepared for PreparedSurface {
     fn handle(&self) -> Option<Handle> {
         Some(Arc::new(self.0.clone()))
     }

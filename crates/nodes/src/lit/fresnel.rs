@@ -1,6 +1,6 @@
 //! Fresnel: how much of the light a surface reflects, by the angle at which it is seen.
 
-use super::{Combine, Facing, Shades, Toward, Vectors3};
+use super::{BoundedDirection, Combine, Facing, LitShader, Vectors3};
 use trochoid_graph::*;
 use trochoid_scene::DVec3;
 use trochoid_scene::shading::fresnel;
@@ -49,8 +49,8 @@ impl From<Cosine> for fresnel::Cosine {
     }
 }
 
-impl Shades for Fresnel {
-    const LOOKS: bool = true;
+impl LitShader for Fresnel {
+    const NEEDS_EYE: bool = true;
 
     fn view(&self) -> &One<port::View> {
         &self.view
@@ -79,7 +79,7 @@ impl Shades for Fresnel {
         fresnel::reference(seen.normal, light, seen.eye, self.eta, self.cosine.into())
     }
 
-    fn span(&self, seen: Facing<Toward, Span>, light: Toward) -> Span {
+    fn span(&self, seen: Facing<BoundedDirection, Span>, light: BoundedDirection) -> Span {
         let cosine = match self.cosine {
             Cosine::View => seen.normal.cosine(seen.eye),
             Cosine::Half => light.half_cosine(seen.eye),

@@ -1,6 +1,6 @@
 //! Light: a directional, point or spot light.
 
-use crate::view::Handed;
+use crate::view::PreparedHandle;
 use trochoid_graph::*;
 use trochoid_scene as scene;
 
@@ -22,7 +22,7 @@ use trochoid_scene as scene;
 #[also_called("DirectLight", "Sun", "PointLight", "SpotLight", "DistantLight")]
 pub(crate) struct Light {
     /// Type of light: directional (like the sun), point or spot.
-    kind: Sort,
+    kind: LightKind,
     /// Direction toward the light; its length does not matter. Directional lights only.
     #[knob(default = [0.3, 1.0, 0.5])]
     direction: [f64; 3],
@@ -41,7 +41,7 @@ pub(crate) struct Light {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
-enum Sort {
+enum LightKind {
     Directional,
     Point,
     Spot,
@@ -49,23 +49,23 @@ enum Sort {
 
 impl Node for Light {
     fn check(&self, check: &mut Check<'_>) {
-        if self.kind == Sort::Directional && self.direction == [0.0; 3] {
+        if self.kind == LightKind::Directional && self.direction == [0.0; 3] {
             check.error(Self::DIRECTION, "[0, 0, 0]", "a direction toward the light", "write for example [0, 1, 0]");
         }
     }
 }
 
 impl Stage for Light {
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
     fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let (position, target) = (self.position.into(), self.target.into());
-        Ok(Box::new(Handed(match self.kind {
-            Sort::Directional => scene::Light::Directional { direction: self.direction.into() },
-            Sort::Point => scene::Light::Point { position },
-            Sort::Spot => {
+        Ok(Box::new(PreparedHandle(match self.kind {
+            LightKind::Directional => scene::Light::Directional { direction: self.direction.into() },
+            LightKind::Point => scene::Light::Point { position },
+            LightKind::Spot => {
                 let [angle, soft] = [self.angle, self.soft].map(f64::to_radians);
                 scene::Light::Spot { position, target, angle, soft }
             }

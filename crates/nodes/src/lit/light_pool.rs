@@ -78,7 +78,7 @@ impl Node for LightPool {
 }
 
 impl Stage for LightPool {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&POSITION).union(Channel::Coverage.into())
     }
 
@@ -86,7 +86,7 @@ impl Stage for LightPool {
         Some((0.0, 1.0))
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -97,13 +97,13 @@ impl Stage for LightPool {
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let lights: Vec<Light> = prepare.handles(&self.light)?;
         let pools = Pools {
-            spots: self.pools.iter().map(Spot::of).collect(),
+            spots: self.pools.iter().map(PreparedPool::of).collect(),
             slant: lights.first().map_or([0.0; 2], slant),
             ragged: self.ragged,
             from: self.from,
             to: self.to,
         };
-        Ok(Box::new(PreparedPools { view: self.view.clone(), noise: self.noise.clone(), pools }))
+        Ok(Box::new(PreparedLightPool { view: self.view.clone(), noise: self.noise.clone(), pools }))
     }
 }
 
@@ -120,7 +120,7 @@ fn slant(light: &Light) -> [f64; 2] {
 }
 
 /// A pool, prepared for evaluation.
-struct Spot {
+struct PreparedPool {
     center: [f64; 2],
     /// Unit vector along its length.
     along: [f64; 2],
@@ -128,7 +128,7 @@ struct Spot {
     strength: f64,
 }
 
-impl Spot {
+impl PreparedPool {
     fn of(pool: &Pool) -> Self {
         let &Pool { x, z, length, width, direction, strength } = pool;
         let (sin, cos) = libm::sincos(direction.to_radians());
@@ -138,7 +138,7 @@ impl Spot {
 
 /// All pools, and how their light is mapped to the mask.
 struct Pools {
-    spots: Vec<Spot>,
+    spots: Vec<PreparedPool>,
     slant: [f64; 2],
     ragged: f64,
     from: f64,
@@ -158,7 +158,7 @@ const NOTHING: f64 = 40.0;
 
 impl Pools {
     fn mask(&self, point: DVec3, noise: f64) -> f64 {
-        let light = |pool: &Spot| {
+        let light = |pool: &PreparedPool| {
             let [a, b] = self.across(pool, point);
             let power = a * a + b * b;
             if power < NOTHING { pool.strength * libm::exp(-power) } else { 0.0 }
@@ -215,13 +215,13 @@ impl Pools {
     }
 }
 
-struct PreparedPools {
+struct PreparedLightPool {
     view: One<port::View>,
     noise: Optional<port::Scalar>,
     pools: Pools,
 }
 
-impl Prepared for PreparedPools {
+impl Prepared for PreparedLightPool {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
         let planes = view_planes(inputs, &self.view, POSITION);
@@ -235,7 +235,7 @@ impl Prepared for PreparedPools {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             bounding.where_covered(&self.view, sample, || {
                 let point = POSITION.map(|channel| bounding.certain(&self.view, channel, sample));
                 self.pools.span(point, bounding.known(&self.noise, 0, sample).unwrap_or(Span::exactly(0.0)))
@@ -259,7 +259,7 @@ mod tests {
     use crate::testing::refused;
 
     fn falling(slant: [f64; 2]) -> Pools {
-        let spot = Spot { center: [10.0, -5.0], along: [0.6, 0.8], size: [20.0, 5.0], strength: 1.0 };
+        let spot = PreparedPool { center: [10.0, -5.0], along: [0.6, 0.8], size: [20.0, 5.0], strength: 1.0 };
         Pools { spots: vec![spot], slant, ragged: 0.5, from: 0.0, to: 1.0 }
     }
 

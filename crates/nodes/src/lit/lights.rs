@@ -1,6 +1,6 @@
 //! Directions to lights and to the eye over a block of samples, and how the masks of several lights combine.
 
-use crate::view::{Looking, POSITION, view_planes};
+use crate::view::{POSITION, RenderHandle, view_planes};
 use trochoid_graph::{BadData, Choice, Connected, Inputs, Many, NodeError, One, Prepare, port};
 use trochoid_image::Format;
 use trochoid_scene::{Camera, DVec3, Illumination, Light, Projector};
@@ -138,7 +138,7 @@ pub(crate) fn eye(prepare: &Prepare<'_>, view: &impl Connected, format: Format) 
     let handle = prepare.handle_of(view);
     // The handle of a Render has its surfaces too; that of a view from passes has the camera alone.
     let camera = handle.as_deref().and_then(|handle| {
-        handle.downcast_ref::<Camera>().or_else(|| handle.downcast_ref::<Looking>().map(|looking| &looking.camera))
+        handle.downcast_ref::<Camera>().or_else(|| handle.downcast_ref::<RenderHandle>().map(|render| &render.camera))
     });
     match camera {
         Some(camera) => Ok(camera.projector(format)),

@@ -12,8 +12,8 @@ mod toward;
 mod translucency;
 
 pub(crate) use lights::{Combine, Lights, Vectors3, eye, toward_eye, view_directions};
-pub(crate) use pass::{Facing, LitPass, Shades};
-pub(crate) use toward::{Near, Toward};
+pub(crate) use pass::{Facing, LitPass, LitShader};
+pub(crate) use toward::{BoundedDirection, BoundedVector};
 
 use crate::view::RayPass;
 use trochoid_graph::NodeType;

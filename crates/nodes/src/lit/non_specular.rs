@@ -1,6 +1,6 @@
 //! NonSpecular: diffuse shading, that is everything but reflections.
 
-use super::{Combine, Facing, Shades, Toward, Vectors3};
+use super::{BoundedDirection, Combine, Facing, LitShader, Vectors3};
 use trochoid_graph::*;
 use trochoid_scene::DVec3;
 use trochoid_scene::shading::lambert;
@@ -32,8 +32,8 @@ pub(crate) struct NonSpecular {
     power: f64,
 }
 
-impl Shades for NonSpecular {
-    const LOOKS: bool = false;
+impl LitShader for NonSpecular {
+    const NEEDS_EYE: bool = false;
 
     fn view(&self) -> &One<port::View> {
         &self.view
@@ -51,7 +51,7 @@ impl Shades for NonSpecular {
         lambert::reference(seen.normal, light, self.power)
     }
 
-    fn span(&self, seen: Facing<Toward, Span>, light: Toward) -> Span {
+    fn span(&self, seen: Facing<BoundedDirection, Span>, light: BoundedDirection) -> Span {
         seen.normal.cosine(light).through(|cosine| libm::pow((cosine + 1.0) / 2.0, self.power))
     }
 }

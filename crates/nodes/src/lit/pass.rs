@@ -1,16 +1,16 @@
 //! The common part of nodes that shade each sample by its normal: inputs, coverage, several lights, error bounds.
 
-use super::{Combine, Lights, Near, Toward, Vectors3, eye, toward_eye, view_directions};
+use super::{BoundedDirection, BoundedVector, Combine, Lights, Vectors3, eye, toward_eye, view_directions};
 use crate::view::{NORMAL, POSITION, is_bare, is_covered, nothing, uncover, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Projector};
 
 /// A node with one output: a mask of how lights shade the surfaces, 0 where none is seen.
-pub(crate) trait Shades: Declare {
+pub(crate) trait LitShader: Declare {
     /// Whether the shading depends on the eye.
-    const LOOKS: bool;
+    const NEEDS_EYE: bool;
     /// Channels used besides the normal, if the view supplies them.
-    const PREFERS: ChannelSet = ChannelSet::of(&POSITION);
+    const OPTIONAL_CHANNELS: ChannelSet = ChannelSet::of(&POSITION);
 
     /// Returns the view to shade.
     fn view(&self) -> &One<port::View>;
@@ -36,7 +36,7 @@ pub(crate) trait Shades: Declare {
     fn reference(&self, seen: Facing<DVec3, f64>, light: DVec3) -> f64;
 
     /// Returns the span of [`Self::reference`] over uncertain inputs.
-    fn span(&self, seen: Facing<Toward, Span>, light: Toward) -> Span;
+    fn span(&self, seen: Facing<BoundedDirection, Span>, light: BoundedDirection) -> Span;
 }
 
 /// Orientation of the surface toward the eye. `V` holds vectors, `S` numbers.
@@ -49,11 +49,11 @@ pub(crate) struct Facing<V, S> {
     pub(crate) variance: S,
 }
 
-/// The node type of a [`Shades`].
+/// The node type of a [`LitShader`].
 #[derive(Clone)]
 pub(crate) struct LitPass<T>(T);
 
-impl<T: Shades> Items for LitPass<T> {
+impl<T: LitShader> Items for LitPass<T> {
     const ITEMS: &'static [Item] = T::ITEMS;
 
     fn read(reader: &mut Reader<'_>) -> Self {
@@ -61,29 +61,29 @@ impl<T: Shades> Items for LitPass<T> {
     }
 }
 
-impl<T: Shades> Declare for LitPass<T> {
+impl<T: LitShader> Declare for LitPass<T> {
     const DECLARATION: &'static Declaration = T::DECLARATION;
 }
 
-impl<T: Shades> Node for LitPass<T> {
+impl<T: LitShader> Node for LitPass<T> {
     fn check(&self, check: &mut Check<'_>) {
         self.0.check(check);
     }
 }
 
-impl<T: Shades> Computes for LitPass<T> {
+impl<T: LitShader> Computes for LitPass<T> {
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }
 }
 
-impl<T: Shades> Stage for LitPass<T> {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+impl<T: LitShader> Stage for LitPass<T> {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
     }
 
-    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
-        T::PREFERS
+    fn optional_channels(&self, _wanted: &[bool]) -> ChannelSet {
+        T::OPTIONAL_CHANNELS
     }
 
     fn rate(&self) -> Rate {
@@ -92,22 +92,22 @@ impl<T: Shades> Stage for LitPass<T> {
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let (lights, combine) = self.0.lights();
-        Ok(Box::new(PreparedPass {
+        Ok(Box::new(PreparedLitPass {
             node: self.0.clone(),
             lights: Lights::of(lights, combine, prepare)?,
-            eye: T::LOOKS.then(|| eye(prepare, self.0.view(), prepare.frame.format)).transpose()?,
+            eye: T::NEEDS_EYE.then(|| eye(prepare, self.0.view(), prepare.frame.format)).transpose()?,
         }))
     }
 }
 
-struct PreparedPass<T> {
+struct PreparedLitPass<T> {
     node: T,
     lights: Lights,
     /// The eye, if the shading depends on it.
     eye: Option<Projector>,
 }
 
-impl<T: Shades> Prepared for PreparedPass<T> {
+impl<T: LitShader> Prepared for PreparedLitPass<T> {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
         let view = self.node.view();
@@ -135,16 +135,17 @@ impl<T: Shades> Prepared for PreparedPass<T> {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let view = self.node.view();
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             bounding.where_covered(view, sample, || {
-                let (point, normal) = (Near::point(bounding, view, sample), Toward::normal(bounding, view, sample));
+                let (point, normal) =
+                    (BoundedVector::point(bounding, view, sample), BoundedDirection::normal(bounding, view, sample));
                 let seen = Facing {
                     normal,
-                    eye: self.eye.as_ref().map_or(normal, |eye| Toward::eye(eye, point)),
+                    eye: self.eye.as_ref().map_or(normal, |eye| BoundedDirection::eye(eye, point)),
                     variance: bounding.certain(view, Channel::SlopeVariance, sample),
                 };
                 if self.node.is_lit() {
-                    self.lights.may_give(point, |light| self.node.span(seen, light))
+                    self.lights.mask_span(point, |light| self.node.span(seen, light))
                 } else {
                     self.node.span(seen, seen.eye).within(0.0, 1.0)
                 }

@@ -1,7 +1,7 @@
 //! Shadow: shadows cast by the surfaces of a view, found by rays toward the lights.
 
 use super::{Combine, Lights};
-use crate::view::{Facets, Quantity, Rays, Seen, Traces, landed};
+use crate::view::{Facets, Quantity, RayQuantity, Rays, SeenPoint, landed};
 use std::f64::consts::TAU;
 use trochoid_graph::*;
 use trochoid_image::Format;
@@ -48,7 +48,7 @@ pub(crate) struct Shadow {
     facets: Facets,
 }
 
-impl Traces for Shadow {
+impl RayQuantity for Shadow {
     const RATE: Rate = Rate::Sample;
 
     fn view(&self) -> &One<port::View> {
@@ -75,7 +75,7 @@ impl Traces for Shadow {
         // A light of size 0 is a point: all its rays would be the same.
         let rays = if spread > 0.0 { self.rays as u32 } else { 1 };
         let shadow = PreparedShadow { node: self.clone(), lights, spread, rays };
-        Ok(Box::new(move |seen: &Seen, rays: Rays<'_>| shadow.mask(seen, rays)))
+        Ok(Box::new(move |seen: &SeenPoint, rays: Rays<'_>| shadow.mask(seen, rays)))
     }
 }
 
@@ -94,8 +94,8 @@ const GOLDEN: f64 = 2.399_963_229_728_653;
 const PLASTIC: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 
 impl PreparedShadow {
-    fn mask(&self, seen: &Seen, rays: Rays<'_>) -> f64 {
-        let &Seen { at, point, normal, facet } = seen;
+    fn mask(&self, seen: &SeenPoint, rays: Rays<'_>) -> f64 {
+        let &SeenPoint { at, point, normal, facet } = seen;
         let origin = landed(point, normal, facet, rays.first) + normal * (self.node.bias * facet);
         // Rotate the rays as differently as possible from those of neighboring pixels.
         let turn = PLASTIC[0] * at[0] + PLASTIC[1] * at[1];

@@ -1,6 +1,6 @@
 //! Specular: highlights, where a surface mirrors lights toward the eye.
 
-use super::{Combine, Facing, Shades, Toward, Vectors3};
+use super::{BoundedDirection, Combine, Facing, LitShader, Vectors3};
 use crate::view::POSITION;
 use std::f64::consts::FRAC_PI_2;
 use trochoid_graph::*;
@@ -52,9 +52,9 @@ impl From<Model> for blinn::Model {
     }
 }
 
-impl Shades for Specular {
-    const LOOKS: bool = true;
-    const PREFERS: ChannelSet = ChannelSet::of(&POSITION).union(ChannelSet::of(&[Channel::SlopeVariance]));
+impl LitShader for Specular {
+    const NEEDS_EYE: bool = true;
+    const OPTIONAL_CHANNELS: ChannelSet = ChannelSet::of(&POSITION).union(ChannelSet::of(&[Channel::SlopeVariance]));
 
     fn view(&self) -> &One<port::View> {
         &self.view
@@ -73,7 +73,7 @@ impl Shades for Specular {
         blinn::reference(seen.normal, light, seen.eye, self.shininess, seen.variance, self.model.into())
     }
 
-    fn span(&self, seen: Facing<Toward, Span>, light: Toward) -> Span {
+    fn span(&self, seen: Facing<BoundedDirection, Span>, light: BoundedDirection) -> Span {
         let widened = |variance| blinn::widened(self.shininess, variance, self.model.into());
         let exponents = seen.variance.through(widened).within(0.0, self.shininess);
         self.lobe([seen.normal, light, seen.eye], exponents)
@@ -82,7 +82,7 @@ impl Shades for Specular {
 
 impl Specular {
     /// Returns the span of one light's lobe over a span of exponents.
-    fn lobe(&self, [normal, light, view]: [Toward; 3], exponents: Span) -> Span {
+    fn lobe(&self, [normal, light, view]: [BoundedDirection; 3], exponents: Span) -> Span {
         let apart = match self.model {
             Model::Half => normal.angle(light.halfway(view)),
             Model::Reflection => normal.mirrored(light).angle(view),

@@ -9,13 +9,13 @@ use trochoid_scene::{DVec3, Light, Projector};
 
 /// A vector with a bound of its error.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Near {
+pub(crate) struct BoundedVector {
     pub(crate) vector: DVec3,
     pub(crate) within: f64,
     pub(crate) clear: bool,
 }
 
-impl Near {
+impl BoundedVector {
     /// Reads a vector from three channels of the view.
     pub(crate) fn of(bounding: &Bounding<'_>, view: &One<port::View>, channels: [Channel; 3], sample: usize) -> Self {
         let spans = channels.map(|channel| bounding.certain(view, channel, sample));
@@ -34,7 +34,7 @@ impl Near {
 
 /// A direction with a bound of its angular error.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Toward {
+pub(crate) struct BoundedDirection {
     /// Direction, of length 1.
     unit: DVec3,
     /// Largest angle between this and the true direction, in radians.
@@ -48,9 +48,9 @@ const ROUNDED: f64 = 4e-16;
 /// Rounding error of a dot product of unit vectors.
 const LOST: f64 = 1e-15;
 
-impl Toward {
+impl BoundedDirection {
     /// Creates the direction of a vector; a degenerate vector points up.
-    pub(crate) fn along(Near { vector, within, clear }: Near) -> Self {
+    pub(crate) fn along(BoundedVector { vector, within, clear }: BoundedVector) -> Self {
         let (unit, length) = (unit_or_up(vector), vector.length());
         if within == 0.0 {
             return Self { unit, turn: ROUNDED, clear };
@@ -66,22 +66,22 @@ impl Toward {
 
     /// Creates the direction of an exact vector.
     pub(crate) fn exactly(vector: DVec3) -> Self {
-        Self::along(Near { vector, within: 0.0, clear: true })
+        Self::along(BoundedVector { vector, within: 0.0, clear: true })
     }
 
     /// Reads the surface normal that is seen.
     pub(crate) fn normal(bounding: &Bounding<'_>, view: &One<port::View>, sample: usize) -> Self {
-        Self::along(Near::of(bounding, view, NORMAL, sample))
+        Self::along(BoundedVector::of(bounding, view, NORMAL, sample))
     }
 
     /// Returns the direction from a point to the eye.
-    pub(crate) fn eye(eye: &Projector, point: Near) -> Self {
+    pub(crate) fn eye(eye: &Projector, point: BoundedVector) -> Self {
         if eye.orthographic { Self::exactly(-eye.forward) } else { Self::from(point, eye.position) }
     }
 
     /// Returns the direction from an uncertain point to an exact one.
-    pub(crate) fn from(point: Near, place: DVec3) -> Self {
-        Self::along(Near { vector: place - point.vector, ..point })
+    pub(crate) fn from(point: BoundedVector, place: DVec3) -> Self {
+        Self::along(BoundedVector { vector: place - point.vector, ..point })
     }
 
     /// Returns the angle between two directions, in radians.
@@ -105,7 +105,7 @@ impl Toward {
     pub(crate) fn halfway(self, other: Self) -> Self {
         let chord = |turn: f64| 2.0 * libm::sin(turn.min(PI) / 2.0);
         let within = chord(self.turn) + chord(other.turn);
-        Self::along(Near { vector: self.unit + other.unit, within, clear: self.clear && other.clear })
+        Self::along(BoundedVector { vector: self.unit + other.unit, within, clear: self.clear && other.clear })
     }
 
     /// Returns the elevation above the horizon, in degrees.
@@ -127,7 +127,7 @@ impl Toward {
 impl Lights {
     /// Returns the span of the combined mask of all lights at a point. `shade` gives the span for one light from the
     /// direction toward it.
-    pub(crate) fn may_give(&self, point: Near, shade: impl Fn(Toward) -> Span) -> Span {
+    pub(crate) fn mask_span(&self, point: BoundedVector, shade: impl Fn(BoundedDirection) -> Span) -> Span {
         let (mut lows, mut highs, mut clear) = (Vec::new(), Vec::new(), true);
         for light in self.lights() {
             let (toward, arrives) = illuminated(light, point);
@@ -143,12 +143,12 @@ impl Lights {
 }
 
 /// Returns the direction to a light, and its intensity at a point.
-fn illuminated(light: &Light, point: Near) -> (Toward, Span) {
+fn illuminated(light: &Light, point: BoundedVector) -> (BoundedDirection, Span) {
     match *light {
-        Light::Directional { direction } => (Toward::exactly(direction), Span::exactly(1.0)),
-        Light::Point { position } => (Toward::from(point, position), Span::exactly(1.0)),
+        Light::Directional { direction } => (BoundedDirection::exactly(direction), Span::exactly(1.0)),
+        Light::Point { position } => (BoundedDirection::from(point, position), Span::exactly(1.0)),
         Light::Spot { position, target, angle, soft } => {
-            let toward = Toward::from(point, position);
+            let toward = BoundedDirection::from(point, position);
             let axis = (target - position).try_normalize().unwrap_or(DVec3::NEG_Y);
             let spot = Light::Spot { position: DVec3::ZERO, target: axis, angle, soft };
             let aside = axis.any_orthonormal_vector();
@@ -156,7 +156,7 @@ fn illuminated(light: &Light, point: Near) -> (Toward, Span) {
                 let (sin, cos) = libm::sincos(off_axis);
                 spot.illuminate(axis * cos + aside * sin).intensity
             };
-            let off_axis = Toward { unit: -toward.unit, ..toward }.angle(Toward::exactly(axis));
+            let off_axis = BoundedDirection { unit: -toward.unit, ..toward }.angle(BoundedDirection::exactly(axis));
             let jumps = soft == 0.0 && arrives(off_axis.low) != arrives(off_axis.high);
             (toward, off_axis.through(arrives).within(0.0, 1.0).with(!jumps))
         }

@@ -1,7 +1,7 @@
 //! Translucency: light that shines through thin water toward the eye.
 
 use super::{Combine, Lights, eye, toward_eye};
-use crate::view::{Facets, Quantity, Rays, Seen, Traces, Way};
+use crate::view::{Facets, PathKnobs, Quantity, RayQuantity, Rays, SeenPoint};
 use trochoid_graph::*;
 use trochoid_scene::shading::unit_or_up;
 
@@ -35,12 +35,12 @@ pub(crate) struct Translucency {
     #[knob(default = 2.0, range = 0.0..=100.0)]
     facing: f64,
     #[items]
-    way: Way,
+    path_knobs: PathKnobs,
     #[items]
     facets: Facets,
 }
 
-impl Traces for Translucency {
+impl RayQuantity for Translucency {
     const RATE: Rate = Rate::Surface;
 
     fn view(&self) -> &One<port::View> {
@@ -54,12 +54,12 @@ impl Traces for Translucency {
     fn quantity(&self, prepare: &Prepare<'_>) -> Result<Quantity, NodeError> {
         let eye = eye(prepare, &self.view, prepare.frame.format)?;
         let lights = Lights::of(&self.lights, self.combine, prepare)?;
-        let &Self { absorption, facing: power, way, .. } = self;
-        Ok(Box::new(move |seen: &Seen, rays: Rays<'_>| {
+        let &Self { absorption, facing: power, path_knobs, .. } = self;
+        Ok(Box::new(move |seen: &SeenPoint, rays: Rays<'_>| {
             let view = unit_or_up(toward_eye(&eye, seen.point));
             lights.reference(seen.point, |light| {
                 let facing = (0.5 * (1.0 - view.dot(light))).clamp(0.0, 1.0);
-                let length = way.length(seen, light, rays.first);
+                let length = path_knobs.length(seen, light, rays.first);
                 libm::exp(-length / absorption) * libm::pow(facing, power)
             })
         }))

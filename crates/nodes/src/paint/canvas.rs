@@ -1,7 +1,7 @@
 //! Access to a stroke's surroundings (surfaces, flow, shares) in the planes of a block and in the reference's values,
 //! behind one trait, so that both place the same strokes.
 
-use super::{Around, Corner};
+use super::{Corner, StrokeSurroundings};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use trochoid_graph::*;
@@ -9,7 +9,7 @@ use trochoid_image::Window;
 
 /// Inputs of strokes besides the image.
 #[derive(Clone, Items)]
-pub(crate) struct Sight {
+pub(crate) struct StrokeInputs {
     /// View of the surfaces that strokes lie on; without it, they lie on the picture.
     pub(crate) view: Optional<port::View>,
     /// Direction of the strokes (components right and down), for example from a FlowField; to the right by default.
@@ -42,13 +42,13 @@ pub(crate) fn sample(connection: Option<&Connection<'_>>, channel: usize, x: i64
 }
 
 /// Surroundings that also give the corners of patches.
-pub(crate) trait Canvas: Around {
+pub(crate) trait Canvas: StrokeSurroundings {
     /// Returns the surface point, surface and depth that a pixel sees.
     fn corner(&self, x: i64, y: i64) -> Corner;
 }
 
 /// Surroundings from the planes of a block.
-pub(crate) struct Planes<'a> {
+pub(crate) struct BlockSurroundings<'a> {
     picture: Window,
     /// Offset of the samples from the upper left corners of their pixels.
     offset: [f64; 2],
@@ -63,16 +63,16 @@ pub(crate) struct Planes<'a> {
     shares: [Option<&'a Connection<'a>>; 3],
 }
 
-impl<'a> Planes<'a> {
+impl<'a> BlockSurroundings<'a> {
     /// Collects the planes for a block of a picture. `on_surfaces` fixes seeds to surfaces instead of the picture.
     pub(crate) fn new(
-        sight: &Sight,
+        stroke_inputs: &StrokeInputs,
         picture: Window,
         on_surfaces: bool,
         block: &Block<'_>,
         inputs: &Inputs<'a>,
     ) -> Self {
-        let view = inputs.all(&sight.view).first();
+        let view = inputs.all(&stroke_inputs.view).first();
         let channel = |channel: Channel| view.and_then(|view| view.planes[channel as usize]);
         let window = view.map_or(picture, |view| view.window);
         let parts = match (channel(Channel::Coverage), channel(Channel::Surface)) {
@@ -92,8 +92,9 @@ impl<'a> Planes<'a> {
             parts,
             depths: channel(Channel::Depth),
             rests: on_surfaces.then_some(rests),
-            flow: inputs.all(&sight.flow).first(),
-            shares: [&sight.size, &sight.density, &sight.detail].map(|port| inputs.all(port).first()),
+            flow: inputs.all(&stroke_inputs.flow).first(),
+            shares: [&stroke_inputs.size, &stroke_inputs.density, &stroke_inputs.detail]
+                .map(|port| inputs.all(port).first()),
         }
     }
 
@@ -105,7 +106,7 @@ impl<'a> Planes<'a> {
     }
 }
 
-impl Around for Planes<'_> {
+impl StrokeSurroundings for BlockSurroundings<'_> {
     #[inline(always)]
     fn inside(&self, x: i64, y: i64) -> bool {
         self.picture.contains(x, y)
@@ -137,7 +138,7 @@ impl Around for Planes<'_> {
     }
 }
 
-impl Canvas for Planes<'_> {
+impl Canvas for BlockSurroundings<'_> {
     #[inline(always)]
     fn corner(&self, x: i64, y: i64) -> Corner {
         let part = self.part(x, y);
@@ -150,8 +151,8 @@ impl Canvas for Planes<'_> {
 }
 
 /// Surroundings from the reference's values.
-pub(crate) struct Seen<'a> {
-    sight: &'a Sight,
+pub(crate) struct ReferenceSurroundings<'a> {
+    stroke_inputs: &'a StrokeInputs,
     picture: Window,
     on_surfaces: bool,
     inputs: &'a References<'a>,
@@ -161,11 +162,16 @@ pub(crate) struct Seen<'a> {
     views: RefCell<HashMap<(i64, i64), Vec<f64>>>,
 }
 
-impl<'a> Seen<'a> {
-    pub(crate) fn new(sight: &'a Sight, picture: Window, on_surfaces: bool, inputs: &'a References<'a>) -> Self {
+impl<'a> ReferenceSurroundings<'a> {
+    pub(crate) fn new(
+        stroke_inputs: &'a StrokeInputs,
+        picture: Window,
+        on_surfaces: bool,
+        inputs: &'a References<'a>,
+    ) -> Self {
         let pixel = inputs.at.map(|at| at.floor() as i64);
         let offset = [0, 1].map(|axis| inputs.at[axis] - pixel[axis] as f64);
-        Self { sight, picture, on_surfaces, inputs, pixel, offset, views: RefCell::default() }
+        Self { stroke_inputs, picture, on_surfaces, inputs, pixel, offset, views: RefCell::default() }
     }
 
     /// Returns the inputs at a pixel's sample; beyond the picture, those of the nearest pixel.
@@ -176,7 +182,7 @@ impl<'a> Seen<'a> {
     }
 
     fn view(&self, x: i64, y: i64, channel: Channel) -> f64 {
-        let Some(source) = &*self.sight.view else {
+        let Some(source) = &*self.stroke_inputs.view else {
             return f64::from(channel.background());
         };
         let mut views = self.views.borrow_mut();
@@ -192,7 +198,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-impl Around for Seen<'_> {
+impl StrokeSurroundings for ReferenceSurroundings<'_> {
     fn inside(&self, x: i64, y: i64) -> bool {
         self.picture.contains(x, y)
     }
@@ -206,19 +212,19 @@ impl Around for Seen<'_> {
     }
 
     fn flow(&self, x: i64, y: i64) -> [f64; 2] {
-        match self.sight.flow.as_ref().map(|flow| self.there(x, y).value(flow)) {
+        match self.stroke_inputs.flow.as_ref().map(|flow| self.there(x, y).value(flow)) {
             Some(Reference::Field(flow)) => [flow[0], flow[1]],
             _ => [1.0, 0.0],
         }
     }
 
     fn shares(&self, x: i64, y: i64) -> [f64; 3] {
-        let Sight { size, density, detail, .. } = self.sight;
+        let StrokeInputs { size, density, detail, .. } = self.stroke_inputs;
         [(size, 1.0), (density, 1.0), (detail, 0.0)].map(|(port, default)| self.number(port, x, y, default))
     }
 }
 
-impl Canvas for Seen<'_> {
+impl Canvas for ReferenceSurroundings<'_> {
     fn corner(&self, x: i64, y: i64) -> Corner {
         let part = self.part(x, y);
         let rest = if self.on_surfaces && part >= 0.0 {

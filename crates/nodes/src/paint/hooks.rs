@@ -2,7 +2,7 @@
 
 use crate::lit::{eye, toward_eye};
 use crate::sea::{Roots, check_indices, check_roots, check_surfaces};
-use crate::view::Looking;
+use crate::view::RenderHandle;
 use trochoid_field::random::{draw, key};
 use trochoid_graph::*;
 use trochoid_image::Format;
@@ -185,7 +185,7 @@ impl Node for Hooks {
 }
 
 impl Stage for Hooks {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Depth.into()
     }
 
@@ -200,13 +200,13 @@ impl Stage for Hooks {
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let eye = eye(prepare, &self.view, prepare.frame.format)?;
         let handle = prepare.handle_of(&self.view);
-        let Some(looking) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
+        let Some(render) = handle.as_deref().and_then(|handle| handle.downcast_ref::<RenderHandle>()) else {
             return Err(BadData::new("a view of passes", "a view of surfaces", "connect a Render").into());
         };
         let mut claws: Vec<Claw> = Vec::new();
         for root in self.roots() {
             let only = |index: usize| root.surface.is_none_or(|only| only == index as i64);
-            for (_, surface) in looking.surfaces.iter().enumerate().filter(|(index, _)| only(*index)) {
+            for (_, surface) in render.surfaces.iter().enumerate().filter(|(index, _)| only(*index)) {
                 claws.extend(surface.anchors(root.uv).iter().filter_map(|anchor| root.grow(anchor, &eye, self.turned)));
             }
             if prepare.cancelled() {
@@ -386,7 +386,7 @@ impl Prepared for PreparedHooks {
             if within.area() == 0 {
                 continue;
             }
-            inputs.go_on()?;
+            inputs.check_cancelled()?;
             let pixels = (within.y0..within.y1).flat_map(|y| (within.x0..within.x1).map(move |x| (x, y)));
             for ((x, y), found) in pixels.zip(places.find(claw, within, block.offset)) {
                 let index = (y - window.y0) as usize * window.width() + (x - window.x0) as usize;

@@ -70,7 +70,7 @@ struct Lines {
     #[knob(default = 0.0, range = -1e6..=1e6)]
     lag: f64,
     /// Distance between lines below which they have faded out; they are at full strength from twice this distance on.
-    #[knob(default = 3.0, range = 0.1..=1e3, drawn)]
+    #[knob(default = 3.0, range = 0.1..=1e3, in_pixels)]
     finest: f64,
 }
 
@@ -118,12 +118,12 @@ impl Stage for LineSet {
         if port == self.place.id() { grown(window, 1) } else { window }
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
     fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        Ok(Box::new(PreparedLines {
+        Ok(Box::new(PreparedLineSet {
             place: self.place.clone(),
             thickness: self.thickness.clone(),
             drawn: DrawnLines::new(self.lines.clone(), self.seed),
@@ -131,7 +131,7 @@ impl Stage for LineSet {
     }
 }
 
-struct PreparedLines {
+struct PreparedLineSet {
     place: One<port::Field>,
     thickness: Optional<port::Mask>,
     drawn: DrawnLines,
@@ -240,7 +240,7 @@ impl DrawnLines {
     }
 }
 
-impl Prepared for PreparedLines {
+impl Prepared for PreparedLineSet {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let place = &inputs.all(&self.place)[0];
         let [across, along] = [0, 1].map(|axis| place.planes[axis].unwrap_or_default());

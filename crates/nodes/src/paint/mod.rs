@@ -11,10 +11,10 @@ mod seeds;
 mod stroke;
 mod strokes;
 
-pub(crate) use canvas::{Canvas, Planes, RESTS, Seen, Sight, index, sample};
+pub(crate) use canvas::{BlockSurroundings, Canvas, RESTS, ReferenceSurroundings, StrokeInputs, index, sample};
 pub(crate) use layer::{Layer, LayerKnobs, MARGIN, STRIDES, layers, reach};
 pub(crate) use seeds::{Cells, Corner, Seed, placed, seeds_of};
-pub(crate) use stroke::{Around, Manner, Stroke, pixels};
+pub(crate) use stroke::{Stroke, StrokeSettings, StrokeSurroundings, pixels};
 
 use trochoid_graph::NodeType;
 

@@ -6,7 +6,7 @@ use trochoid_field::random::draw;
 use trochoid_image::Window;
 
 /// Surroundings of a stroke, by pixel. Beyond the picture, the values are those of the nearest pixel.
-pub(crate) trait Around {
+pub(crate) trait StrokeSurroundings {
     /// Returns whether a pixel lies in the picture.
     fn inside(&self, x: i64, y: i64) -> bool;
     /// Returns the index of the surface; −1 where none is seen.
@@ -21,24 +21,24 @@ pub(crate) trait Around {
 
 /// Settings shared by the strokes of all layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Manner {
+pub(crate) struct StrokeSettings {
     /// Largest ratio of two depths that is not an edge.
     pub(crate) step: f64,
     /// Fraction of strokes that ignore edges.
-    lost: f64,
+    ignore_edges: f64,
     /// Unit vectors in all directions, in which a stroke looks for surfaces that hide it.
     looks: [[f64; 2]; LOOKS],
 }
 
-impl Manner {
+impl StrokeSettings {
     /// Creates the settings from the smallest jump in depth that is an edge, as a fraction of the depth, and the
     /// fraction of strokes that ignore edges.
-    pub(crate) fn new(edge: f64, lost: f64) -> Self {
+    pub(crate) fn new(edge: f64, ignore_edges: f64) -> Self {
         let look = |index: usize| {
             let (sin, cos) = libm::sincos(TAU * index as f64 / LOOKS as f64);
             [cos, sin]
         };
-        Self { step: 1.0 + edge, lost, looks: std::array::from_fn(look) }
+        Self { step: 1.0 + edge, ignore_edges, looks: std::array::from_fn(look) }
     }
 }
 
@@ -125,10 +125,10 @@ impl Stroke {
     /// Creates the stroke of a seed in the patch whose upper left pixel is `pixel`; `None` if it is invisible.
     pub(crate) fn new(
         layer: &Layer,
-        manner: &Manner,
+        settings: &StrokeSettings,
         seed: &Seed,
         pixel: [i64; 2],
-        around: &impl Around,
+        around: &impl StrokeSurroundings,
     ) -> Option<Self> {
         let random = |which: u64| draw(seed.key, which);
         let at = [0, 1].map(|axis| pixel[axis] as f64 + seed.at[axis]);
@@ -151,7 +151,7 @@ impl Stroke {
         if part != seed.part {
             return None;
         }
-        let open = Self::open(manner, [x, y], depth, look, around);
+        let open = Self::open(settings, [x, y], depth, look, around);
         let opacity = layer.opacity * there * thin * open;
         if opacity <= 0.0 {
             return None;
@@ -172,9 +172,9 @@ impl Stroke {
         let far = layer.stray.min(MARGIN as f64) * random(8);
         let mut source = [at[0] + far * cos, at[1] + far * sin].map(rounded);
         let same = |[x, y]: [i64; 2]| {
-            around.inside(x, y) && around.part(x, y) == part && near(around.depth(x, y), depth, manner.step)
+            around.inside(x, y) && around.part(x, y) == part && near(around.depth(x, y), depth, settings.step)
         };
-        let keeps_to_edges = random(9) >= manner.lost;
+        let keeps_to_edges = random(9) >= settings.ignore_edges;
         if keeps_to_edges && !same(source) {
             source = nearest;
         }
@@ -187,7 +187,7 @@ impl Stroke {
             bristle: layer.bristle,
             hairs: [random(10), random(11)],
             edge: keeps_to_edges.then_some((part, depth)),
-            step: manner.step,
+            step: settings.step,
             source,
             order: seed.key,
         })
@@ -200,13 +200,19 @@ impl Stroke {
 
     /// Returns the visibility of a stroke next to nearer surfaces and the picture's border, so that strokes fade
     /// instead of popping.
-    fn open(manner: &Manner, [x, y]: [i64; 2], depth: f64, look: f64, around: &impl Around) -> f64 {
+    fn open(
+        settings: &StrokeSettings,
+        [x, y]: [i64; 2],
+        depth: f64,
+        look: f64,
+        around: &impl StrokeSurroundings,
+    ) -> f64 {
         let hides = |[right, down]: [f64; 2]| {
             let there = [x + rounded(look * right), y + rounded(look * down)];
             let depth_there = around.depth(there[0], there[1]);
-            !around.inside(there[0], there[1]) || (depth_there < depth && !near(depth_there, depth, manner.step))
+            !around.inside(there[0], there[1]) || (depth_there < depth && !near(depth_there, depth, settings.step))
         };
-        let hidden = manner.looks.into_iter().filter(|look| hides(*look)).count();
+        let hidden = settings.looks.into_iter().filter(|look| hides(*look)).count();
         (1.0 - 2.0 * hidden as f64 / LOOKS as f64).max(0.0)
     }
 

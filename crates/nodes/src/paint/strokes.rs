@@ -2,8 +2,8 @@
 
 use crate::filter::{fill, kind, numbers, value};
 use crate::paint::{
-    Around, Canvas, Cells, Layer, LayerKnobs, MARGIN, Manner, Planes, RESTS, STRIDES, Seen, Sight, Stroke,
-    index as place, layers, pixels, placed, reach, sample, seeds_of,
+    BlockSurroundings, Canvas, Cells, Layer, LayerKnobs, MARGIN, RESTS, ReferenceSurroundings, STRIDES, Stroke,
+    StrokeInputs, StrokeSettings, StrokeSurroundings, index as place, layers, pixels, placed, reach, sample, seeds_of,
 };
 use fearless_simd::{Level, Simd, dispatch};
 use std::sync::Arc;
@@ -38,7 +38,7 @@ pub(crate) struct Strokes {
     /// Image to repaint.
     image: One<port::Image>,
     #[items]
-    sight: Sight,
+    stroke_inputs: StrokeInputs,
     /// Layers of strokes, bottom layer first; usually the coarsest.
     #[list(1..=8)]
     layers: Vec<LayerKnobs>,
@@ -69,7 +69,7 @@ enum Anchor {
 impl Strokes {
     /// Returns whether seeds are fixed to surfaces.
     fn is_on_surfaces(&self) -> bool {
-        self.sight.view.is_some() && self.anchor == Anchor::Rest
+        self.stroke_inputs.view.is_some() && self.anchor == Anchor::Rest
     }
 
     /// Returns the layers in pixels of a format, bottom layer first.
@@ -98,12 +98,12 @@ impl Node for Strokes {
 }
 
 impl Stage for Strokes {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         let rests = if self.is_on_surfaces() { ChannelSet::of(&RESTS) } else { ChannelSet::EMPTY };
         rests.union(Channel::Coverage.into())
     }
 
-    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+    fn optional_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&[Channel::Depth, Channel::Surface])
     }
 
@@ -112,18 +112,18 @@ impl Stage for Strokes {
         Window::new(window.x0 - by, window.y0 - by, window.x1 + by, window.y1 + by)
     }
 
-    fn regions_once_found(&self, _port: PortId, window: Window, _format: Format) -> Window {
+    fn regions_after_find(&self, _port: PortId, window: Window, _format: Format) -> Window {
         window
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         Ok(Box::new(PreparedStrokes {
             image: self.image.clone(),
-            sight: self.sight.clone(),
+            stroke_inputs: self.stroke_inputs.clone(),
             kind: kind(prepare),
             picture: prepare.frame.format.window(),
             layers: self.layers(prepare.frame.format),
-            manner: Manner::new(self.edge, self.lost),
+            settings: StrokeSettings::new(self.edge, self.lost),
             on_surfaces: self.is_on_surfaces(),
         }))
     }
@@ -134,11 +134,11 @@ const PART: (usize, usize) = (128, 64);
 
 struct PreparedStrokes {
     image: One<port::Image>,
-    sight: Sight,
+    stroke_inputs: StrokeInputs,
     kind: Kind,
     picture: Window,
     layers: Vec<Layer>,
-    manner: Manner,
+    settings: StrokeSettings,
     on_surfaces: bool,
 }
 
@@ -159,7 +159,7 @@ impl PreparedStrokes {
         &self,
         window: Window,
         around: &impl Canvas,
-        go_on: impl Fn() -> Result<(), NodeError>,
+        check_cancelled: impl Fn() -> Result<(), NodeError>,
     ) -> Result<Vec<(usize, Stroke)>, NodeError> {
         let mut strokes = Vec::new();
         for stride in STRIDES {
@@ -172,20 +172,20 @@ impl PreparedStrokes {
             // Align the patches to the same grid for every window.
             let [x0, y0] = [all.x0, all.y0].map(|first| first + (-first).rem_euclid(stride));
             for y in (y0..all.y1).step_by(stride as usize) {
-                go_on()?;
+                check_cancelled()?;
                 let mut left = [around.corner(x0, y), around.corner(x0, y + stride)];
                 for x in (x0..all.x1).step_by(stride as usize) {
                     let right = [around.corner(x + stride, y), around.corner(x + stride, y + stride)];
                     let corners = [left[0], right[0], left[1], right[1]];
                     left = right;
-                    let Some(patch) = placed(corners, stride as f64, self.manner.step) else { continue };
+                    let Some(patch) = placed(corners, stride as f64, self.settings.step) else { continue };
                     let [size, ..] = around.shares(x, y);
                     for (index, layer, near, cells) in &mut layers {
                         if !near.contains(x, y) {
                             continue;
                         }
                         seeds_of(&patch, pixels(layer, size), cells, |seed| {
-                            let stroke = Stroke::new(layer, &self.manner, &seed, [x, y], around);
+                            let stroke = Stroke::new(layer, &self.settings, &seed, [x, y], around);
                             strokes.extend(stroke.map(|stroke| (*index, stroke)));
                         });
                     }
@@ -229,7 +229,7 @@ impl Sums {
 }
 
 /// Strokes from the top down, and the image's values at their sources, channel by channel.
-struct Laid {
+struct BlockStrokes {
     strokes: Vec<Stroke>,
     values: Vec<f64>,
     /// Offset within its pixel of the sample they were found for.
@@ -238,10 +238,10 @@ struct Laid {
 
 impl PreparedStrokes {
     /// Finds the strokes of a block, for the sample that the inputs belong to.
-    fn laid(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Laid, NodeError> {
+    fn block_strokes(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<BlockStrokes, NodeError> {
         let image = &inputs.all(&self.image)[0];
-        let planes = Planes::new(&self.sight, self.picture, self.on_surfaces, block, inputs);
-        let mut strokes = self.strokes(block.window, &planes, || inputs.go_on())?;
+        let planes = BlockSurroundings::new(&self.stroke_inputs, self.picture, self.on_surfaces, block, inputs);
+        let mut strokes = self.strokes(block.window, &planes, || inputs.check_cancelled())?;
         // A surface that is placed several times has equal keys at several positions; the position breaks the tie.
         strokes.sort_unstable_by(|(layer, a), (other, b)| {
             let at = |axis: usize| a.at[axis].total_cmp(&b.at[axis]);
@@ -254,30 +254,30 @@ impl PreparedStrokes {
             let [x, y] = stroke.source;
             values.extend((0..channels).map(|channel| sample(Some(image), channel, x, y).unwrap_or(0.0)));
         }
-        Ok(Laid { strokes, values, offset: block.offset })
+        Ok(BlockStrokes { strokes, values, offset: block.offset })
     }
 }
 
 impl Prepared for PreparedStrokes {
-    fn find(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Option<Found>, NodeError> {
-        Ok(Some(Arc::new(self.laid(block, inputs)?)))
+    fn find(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<Option<SharedResult>, NodeError> {
+        Ok(Some(Arc::new(self.block_strokes(block, inputs)?)))
     }
 
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let window = block.window;
         let image = &inputs.all(&self.image)[0];
-        let planes = Planes::new(&self.sight, self.picture, self.on_surfaces, block, inputs);
+        let planes = BlockSurroundings::new(&self.stroke_inputs, self.picture, self.on_surfaces, block, inputs);
         let own;
-        let laid = match inputs.found::<Laid>() {
+        let block_strokes = match inputs.found::<BlockStrokes>() {
             Some(found) => found,
             None => {
-                own = self.laid(block, inputs)?;
+                own = self.block_strokes(block, inputs)?;
                 &own
             }
         };
-        let shift = [0, 1].map(|axis| block.offset[axis] - laid.offset[axis]);
-        let strokes: Vec<Stroke> = laid.strokes.iter().map(|stroke| stroke.seen_from(shift)).collect();
-        let values = &laid.values;
+        let shift = [0, 1].map(|axis| block.offset[axis] - block_strokes.offset[axis]);
+        let strokes: Vec<Stroke> = block_strokes.strokes.iter().map(|stroke| stroke.seen_from(shift)).collect();
+        let values = &block_strokes.values;
         let area = window.area();
         let mut sums = Sums { sums: vec![vec![0.0; area]; self.kind.channels()], left: vec![1.0; area] };
         let width = window.width();
@@ -303,7 +303,7 @@ impl Prepared for PreparedStrokes {
             }
         }
         for (part, on) in parts.into_iter().zip(on) {
-            inputs.go_on()?;
+            inputs.check_cancelled()?;
             dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
                 for index in &on {
                     let stroke = &strokes[*index as usize];
@@ -347,10 +347,10 @@ impl Prepared for PreparedStrokes {
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let seen = Seen::new(&self.sight, self.picture, self.on_surfaces, inputs);
+        let seen = ReferenceSurroundings::new(&self.stroke_inputs, self.picture, self.on_surfaces, inputs);
         let [x, y] = seen.pixel;
         let first = inputs.first();
-        let found_at = Seen::new(&self.sight, self.picture, self.on_surfaces, &first);
+        let found_at = ReferenceSurroundings::new(&self.stroke_inputs, self.picture, self.on_surfaces, &first);
         let mut strokes = self.strokes(Window::new(x, y, x + 1, y + 1), &found_at, || Ok(()))?;
         let shift = [0, 1].map(|axis| inputs.at[axis] - first.at[axis]);
         strokes.sort_by(|(layer, a), (other, b)| {

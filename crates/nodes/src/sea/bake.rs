@@ -138,8 +138,8 @@ fn planes(wanted: &[Vec<bool>]) -> [usize; 2] {
 }
 
 impl Stage for Bake {
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        let [images, sums] = planes(reckoning.wanted).map(|planes| planes as u64 * reckoning.pixels() * 4);
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        let [images, sums] = planes(context.wanted).map(|planes| planes as u64 * context.pixels() * 4);
         MemoryUse::held(images, "bake fewer outputs at a time, or a smaller format").working(sums)
     }
 
@@ -151,7 +151,7 @@ impl Stage for Bake {
         let mut fields = Fields::default();
         let stop = prepare.cancellation();
         sea.on_grid(grid, sums(prepare.wanted), self.tolerance, &mut fields, stop)?;
-        prepare.go_on()?;
+        prepare.check_cancelled()?;
         let sample = |point: usize| {
             let value = |values: &Vec<f32>| values.get(point).map_or(0.0, |value| f64::from(*value));
             Sample {
@@ -173,8 +173,8 @@ impl Stage for Bake {
             });
             image
         });
-        prepare.go_on()?;
-        Ok(Box::new(Baked { surface, grid, up, images }))
+        prepare.check_cancelled()?;
+        Ok(Box::new(PreparedBake { surface, grid, up, images }))
     }
 }
 
@@ -186,7 +186,7 @@ fn resting(surface: &SurfaceHandle, sea: ItemName) -> Result<&dyn Resting, NodeE
     })
 }
 
-struct Baked {
+struct PreparedBake {
     surface: SurfaceHandle,
     grid: Grid,
     up: Up,
@@ -194,7 +194,7 @@ struct Baked {
     images: [Vec<f32>; 8],
 }
 
-impl Prepared for Baked {
+impl Prepared for PreparedBake {
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Window { x0, y0, .. } = block.window;
         let columns = block.window.width();
@@ -369,7 +369,7 @@ mod tests {
         let taken = |wanted: [bool; 4]| {
             let channels = [1, 3, 3, 1].into_iter().zip(wanted).map(|(count, wanted)| vec![wanted; count]);
             let channels: Vec<Vec<bool>> = channels.collect();
-            let taken = bake.memory(&Reckoning::new(&frame.context, &channels, &of));
+            let taken = bake.memory(&MemoryContext::new(&frame.context, &channels, &of));
             [taken.held, taken.working].map(|bytes| bytes / (16 * 9 * 4))
         };
         assert_eq!(taken([true, false, false, false]), [1, 3]);

@@ -1,7 +1,7 @@
 //! DriftLines: lines that trail behind bursts.
 
 use super::check_trails;
-use crate::view::{Around, grown, is_covered, nothing};
+use crate::view::{Neighborhood, grown, is_covered, nothing};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_sea::toon::lines::{LinePoint, Lines, density};
@@ -50,7 +50,7 @@ pub(crate) struct DriftLines {
     #[knob(default = 0.5, range = 1e-3..=10.0)]
     spread: f64,
     /// Line spacing at which lines vanish; they have full thickness from twice this value up.
-    #[knob(default = 3.0, range = 0.0..=1e3, drawn)]
+    #[knob(default = 3.0, range = 0.0..=1e3, in_pixels)]
     finest: f64,
     /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
@@ -80,7 +80,7 @@ impl Node for DriftLines {
 }
 
 impl Stage for DriftLines {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         let always = [Channel::Coverage, Channel::Height, Channel::DriftWeight];
         ChannelSet::of(&self.coordinate.phase()).union(ChannelSet::of(&always))
     }
@@ -93,27 +93,27 @@ impl Stage for DriftLines {
         Some((0.0, 1.0))
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
     fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let Self { thickness, low, high, shift, fresh, spread, finest, .. } = *self;
         let lines = Lines { thickness, low, high, shift, fresh, spread, finest, seed: self.seed as u32 };
-        Ok(Box::new(PreparedLines { view: self.view.clone(), phase: self.coordinate.phase(), lines }))
+        Ok(Box::new(PreparedDriftLines { view: self.view.clone(), phase: self.coordinate.phase(), lines }))
     }
 }
 
-struct PreparedLines {
+struct PreparedDriftLines {
     view: One<port::View>,
     phase: [Channel; 2],
     lines: Lines,
 }
 
-impl Prepared for PreparedLines {
+impl Prepared for PreparedDriftLines {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
-        let around = Around::of(inputs, &self.view);
+        let around = Neighborhood::of(inputs, &self.view);
         let planes = self.phase.map(|channel| around.whole(channel));
         let weights = around.whole(Channel::DriftWeight);
         let heights = around.whole(Channel::Height);
@@ -141,8 +141,8 @@ impl Prepared for PreparedLines {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        let (around, mut pixels) = (Around::of(bounding.inputs, &self.view), bounding.block.pixels());
-        bounding.bound_by(outputs, (Only, 0), |_| {
+        let (around, mut pixels) = (Neighborhood::of(bounding.inputs, &self.view), bounding.block.pixels());
+        bounding.bound_by(outputs, SoleOutput, 0, |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);
             bounding.where_covered(&self.view, here, || {

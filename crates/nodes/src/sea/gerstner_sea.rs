@@ -1,7 +1,7 @@
 //! GerstnerSea: a sum of trochoidal waves.
 
 use super::stability;
-use crate::geometry::{Standing, memory};
+use crate::geometry::{PreparedSurface, memory};
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 use trochoid_graph::*;
@@ -32,7 +32,7 @@ use trochoid_sea::{
 #[also_called("Sea", "Ocean", "Water", "Waves", "Gerstner", "OceanModifier")]
 pub(crate) struct GerstnerSea {
     /// Number of random waves.
-    #[knob(default = 1000, range = 0..=MAX_WAVES as i64, scales)]
+    #[knob(default = 1000, range = 0..=MAX_WAVES as i64, affects_cost)]
     count: i64,
     /// Mean wavelength L.
     #[knob(default = 20.0, range = 1e-3..=1e5, unit = "m")]
@@ -54,7 +54,7 @@ pub(crate) struct GerstnerSea {
     sharpness: f64,
     /// Relation of frequency to wavelength: that of "deep" water, one "speed" of all crests, or one "period" of all
     /// waves.
-    dispersion: Frequencies,
+    dispersion: DispersionKind,
     /// Speed of the crests, for dispersion "speed".
     #[knob(default = 5.0, range = 0.0..=1e4, unit = "m/s")]
     speed: f64,
@@ -62,7 +62,7 @@ pub(crate) struct GerstnerSea {
     #[knob(default = 4.0, range = 1e-3..=1e6, unit = "s")]
     period: f64,
     /// Signs and weights of the waves: "settled" as corrected here, "thesis" as printed in the thesis.
-    convention: Signs,
+    convention: WaveConvention,
     /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
@@ -75,14 +75,14 @@ pub(crate) struct GerstnerSea {
     detail: f64,
     /// Waves set by hand, added to the random ones.
     #[list(0..=10_000)]
-    waves: Vec<Handmade>,
+    waves: Vec<ManualWave>,
     /// Crests set by hand; each is a group of waves that meet at a given place and time.
     #[list(0..=100)]
     groups: Vec<Group>,
 }
 
 #[derive(Clone, Items)]
-struct Handmade {
+struct ManualWave {
     /// Wavelength: distance from crest to crest.
     #[knob(range = 1e-3..=1e6, unit = "m", required)]
     wavelength: f64,
@@ -148,25 +148,25 @@ struct Group {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
-enum Frequencies {
+enum DispersionKind {
     Deep,
     Speed,
     Period,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
-enum Signs {
+enum WaveConvention {
     Settled,
     Thesis,
 }
 
 /// Reasons why the knobs do not describe a sea.
 #[derive(Debug, thiserror::Error)]
-enum Refused {
+enum SeaError {
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
     #[error(transparent)]
-    Handmade(#[from] WaveError),
+    ManualWave(#[from] WaveError),
     #[error("groups[{index}]: {error}")]
     Group { index: usize, error: WaveError },
     #[error("{}; expected {}; {}", short(*.index, *.along), long_enough(*.least), SHORT)]
@@ -185,7 +185,7 @@ fn long_enough(least: f64) -> String {
     format!("at least {least:.3} m, {ratio} of its wavelength: a shorter group would need waves that travel backward")
 }
 
-impl Refused {
+impl SeaError {
     /// Reports the refusal on the knob it comes from.
     fn report(&self, check: &mut Check<'_>) {
         const CHANGE: &str = "change it";
@@ -197,7 +197,7 @@ impl Refused {
             Self::Spectrum(SpectrumError::Knob(WaveError { parameter, found, expected })) => {
                 check.error(GerstnerSea::of_spectrum(*parameter), format!("{parameter} {found}"), expected, CHANGE);
             }
-            Self::Handmade(WaveError { parameter, found, expected }) => {
+            Self::ManualWave(WaveError { parameter, found, expected }) => {
                 check.error(GerstnerSea::WAVES, format!("{parameter} {found}"), expected, CHANGE);
             }
             Self::Group { index, error: WaveError { parameter, found, expected } } => {
@@ -210,7 +210,7 @@ impl Refused {
     }
 }
 
-impl Handmade {
+impl ManualWave {
     fn wave(&self) -> Result<Wave, WaveError> {
         Wave::try_from(ExplicitWave {
             wavelength: self.wavelength,
@@ -224,7 +224,7 @@ impl Handmade {
 }
 
 impl Group {
-    fn waves(&self, index: usize) -> Result<Vec<Wave>, Refused> {
+    fn waves(&self, index: usize) -> Result<Vec<Wave>, SeaError> {
         let half = self.wavelength / 2.0;
         let group = WaveGroup {
             wavelength: self.wavelength,
@@ -241,9 +241,9 @@ impl Group {
         };
         let least = WaveGroup::LEAST_ALONG * group.wavelength;
         if group.along < least {
-            return Err(Refused::Short { index, along: group.along, least });
+            return Err(SeaError::Short { index, along: group.along, least });
         }
-        group.waves().map_err(|error| Refused::Group { index, error })
+        group.waves().map_err(|error| SeaError::Group { index, error })
     }
 
     /// Returns the number of waves in the group.
@@ -254,7 +254,7 @@ impl Group {
 
 impl GerstnerSea {
     /// Returns the waves that the knobs describe.
-    fn waves(&self) -> Result<Vec<Wave>, Refused> {
+    fn waves(&self) -> Result<Vec<Wave>, SeaError> {
         let spectrum = GerstnerSpectrum {
             count: self.count as usize,
             wavelength: self.wavelength,
@@ -264,13 +264,13 @@ impl GerstnerSea {
             direction_spread: self.direction_spread.to_radians(),
             sharpness: self.sharpness,
             dispersion: match self.dispersion {
-                Frequencies::Deep => Dispersion::Deep,
-                Frequencies::Speed => Dispersion::Speed(self.speed),
-                Frequencies::Period => Dispersion::Period(self.period),
+                DispersionKind::Deep => Dispersion::Deep,
+                DispersionKind::Speed => Dispersion::Speed(self.speed),
+                DispersionKind::Period => Dispersion::Period(self.period),
             },
             convention: match self.convention {
-                Signs::Settled => Convention::Settled,
-                Signs::Thesis => Convention::Thesis,
+                WaveConvention::Settled => Convention::Settled,
+                WaveConvention::Thesis => Convention::Thesis,
             },
             seed: self.seed as u64,
         };
@@ -336,7 +336,7 @@ impl Node for GerstnerSea {
             Err(refused) => return refused.report(check),
         };
         // Nodes that take folds for breaking crests want them: no warning.
-        if check.users().iter().any(|user| user.wants.contains(&Offer::Folds)) {
+        if check.consumers().iter().any(|consumer| consumer.wants.contains(&Offer::Folds)) {
             return;
         }
         let folds = folding(waves);
@@ -417,21 +417,21 @@ impl Dynamics for GerstnerSea {
 }
 
 impl Stage for GerstnerSea {
-    fn timed(&self) -> bool {
+    fn depends_on_time(&self) -> bool {
         true
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory::of_sea(self.detail, reckoning)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory::of_sea(self.detail, context)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let sea = Sea::new(self.waves()?);
         let surface = SeaSurface::new(&sea, prepare.frame.time, self.level);
-        Ok(Box::new(Standing::new(surface.with_detail(self.detail))))
+        Ok(Box::new(PreparedSurface::new(surface.with_detail(self.detail))))
     }
 }

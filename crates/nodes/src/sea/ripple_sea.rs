@@ -1,7 +1,7 @@
 //! RippleSea: crossed ripples of cartoon water.
 
 use super::stability;
-use crate::geometry::{Standing, memory};
+use crate::geometry::{PreparedSurface, memory};
 use trochoid_graph::*;
 use trochoid_scene::SeaSurface;
 use trochoid_sea::{Ripple, Sea, Wave, WaveError};
@@ -41,14 +41,14 @@ pub(crate) struct RippleSea {
     #[knob(default = 0.0, range = -1e6..=1e6, unit = "degrees")]
     phase: f64,
     /// Phases of the two waves: "settled" makes the whole pattern travel, "literal" follows the source as printed.
-    convention: Phases,
+    convention: RippleConvention,
     /// World y of the sea at rest.
     #[knob(default = 0.0, range = -1e5..=1e5, unit = "m")]
     pub(super) level: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
-enum Phases {
+enum RippleConvention {
     Settled,
     Literal,
 }
@@ -63,8 +63,8 @@ impl RippleSea {
             frequency: self.frequency,
             phase: self.phase.to_radians(),
             literal: match self.convention {
-                Phases::Settled => false,
-                Phases::Literal => true,
+                RippleConvention::Settled => false,
+                RippleConvention::Literal => true,
             },
         };
         Ok(ripple.waves()?.to_vec())
@@ -84,20 +84,20 @@ impl Dynamics for RippleSea {
 }
 
 impl Stage for RippleSea {
-    fn timed(&self) -> bool {
+    fn depends_on_time(&self) -> bool {
         true
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory::of_sea(1.0, reckoning)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory::of_sea(1.0, context)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let sea = Sea::new(self.waves()?);
-        Ok(Box::new(Standing::new(SeaSurface::new(&sea, prepare.frame.time, self.level))))
+        Ok(Box::new(PreparedSurface::new(SeaSurface::new(&sea, prepare.frame.time, self.level))))
     }
 }

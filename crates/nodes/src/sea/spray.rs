@@ -95,7 +95,7 @@ pub(crate) struct Spray {
     #[knob(default = 0.04, range = 0.0..=10.0, unit = "s")]
     stretch: f64,
     /// Minimum radius of a stamp; drops that appear smaller fade instead.
-    #[knob(default = 0.7, range = 0.1..=100.0, drawn)]
+    #[knob(default = 0.7, range = 0.1..=100.0, in_pixels)]
     least: f64,
     /// Depth range over which a drop disappears behind a surface; 0 is a hard edge.
     #[knob(default = 0.3, range = 0.0..=1e6, unit = "m")]
@@ -252,7 +252,7 @@ impl Node for Spray {
 }
 
 impl Stage for Spray {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Depth.into()
     }
 
@@ -268,16 +268,16 @@ impl Stage for Spray {
         if self.least >= 0.5 && self.soft > 0.0 { Rate::Surface } else { Rate::Sample }
     }
 
-    fn timed(&self) -> bool {
+    fn depends_on_time(&self) -> bool {
         true
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
         // The born drops, and the bins of stamps.
         const DROP: f64 = 64.0;
         let Ok(spray) = self.spray() else { return MemoryUse::default() };
         let drops = spray.most_drops() * DROP;
-        MemoryUse::held(drops as u64 + reckoning.pixels() * 4, "lower \"density\", \"lifetime\" or \"size\"")
+        MemoryUse::held(drops as u64 + context.pixels() * 4, "lower \"density\", \"lifetime\" or \"size\"")
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
@@ -348,7 +348,7 @@ impl Prepared for PreparedSpray {
         let planes = Planes { alpha, depth, age, weight: None };
         let stop = inputs.cancellation();
         paint(&self.dabs, block, surface, planes, stop);
-        inputs.go_on()
+        inputs.check_cancelled()
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
@@ -373,15 +373,15 @@ impl Prepared for PreparedSpray {
             };
             Span { low: f64::from(low) - slack(low), high: f64::from(high) + slack(high), clear: true }
         };
-        bounding.bound_by(outputs, (Out::Alpha, 0), |sample| {
+        bounding.bound_by(outputs, Out::Alpha, 0, |sample| {
             let alpha = rounded(near[0][sample], far[0][sample]).within(0.0, 1.0);
             alpha.with(depths[sample].clear && (self.brush.soft > 0.0 || near[0][sample] == far[0][sample]))
         });
-        bounding.bound_by(outputs, (Out::Depth, 0), |sample| {
+        bounding.bound_by(outputs, Out::Depth, 0, |sample| {
             let [nearest, farthest] = [&far, &near].map(|planes| planes[1][sample]);
             rounded(nearest, farthest).with(nearest == farthest)
         });
-        bounding.bound_by(outputs, (Out::Age, 0), |sample| {
+        bounding.bound_by(outputs, Out::Age, 0, |sample| {
             let is_bare = far[0][sample] == 0.0 && far[1][sample] == f32::INFINITY;
             if is_bare || depths[sample].low == depths[sample].high {
                 return rounded(near[2][sample], far[2][sample]).within(0.0, 1.0);

@@ -3,7 +3,7 @@
 use crate::lit::eye;
 use crate::view::{is_covered, view_planes, view_vector};
 use std::f64::consts::TAU;
-use trochoid_field::{Axes, Noise, NoiseKind};
+use trochoid_field::{Noise, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Projector, footprint_axes};
 
@@ -73,7 +73,7 @@ const RESTS: [Channel; 3] = [Channel::RestX, Channel::RestY, Channel::RestZ];
 impl Node for SurfaceLines {}
 
 impl Stage for SurfaceLines {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&RESTS).union(Channel::Coverage.into())
     }
 
@@ -84,17 +84,18 @@ impl Stage for SurfaceLines {
         }
     }
 
-    fn timed(&self) -> bool {
+    fn depends_on_time(&self) -> bool {
         true
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let (time, seed) = (prepare.frame.time, self.seed as u32);
-        let cells = |size: f64, seed: u32| Axes { scale: size, octaves: 1, lacunarity: 2.0, gain: 0.5, seed };
+        let cells =
+            |size: f64, seed: u32| NoiseParameters { scale: size, octaves: 1, lacunarity: 2.0, gain: 0.5, seed };
         let net = Noise::new(NoiseKind::Edges, cells(1.0, seed), None);
         let evolution = self.liveliness * time;
         let bend = |axis: u32| Noise::new(NoiseKind::Fbm, cells(BEND, mixed(seed, axis)), Some(evolution));
-        Ok(Box::new(PreparedNet {
+        Ok(Box::new(PreparedSurfaceLines {
             node: self.clone(),
             projector: eye(prepare, &self.view, prepare.frame.format)?,
             scrolled: [self.scroll_x, self.scroll_z].map(|speed| speed * time / self.scale),
@@ -128,7 +129,7 @@ fn shares(net: &Noise) -> Vec<f32> {
     distances
 }
 
-struct PreparedNet {
+struct PreparedSurfaceLines {
     node: SurfaceLines,
     projector: Projector,
     /// Scroll of the tiles along x and z, in tiles.
@@ -140,7 +141,7 @@ struct PreparedNet {
 
 /// Everything about the lines at one place except their distance.
 #[derive(Clone, Copy, Default)]
-struct Place {
+struct LinePoint {
     /// Position in cells.
     at: [f64; 2],
     /// Steps to the neighboring pixels, in cells.
@@ -149,7 +150,7 @@ struct Place {
     width: f64,
 }
 
-impl Place {
+impl LinePoint {
     /// Returns the longer side of the pixel's footprint.
     fn longest(&self) -> f64 {
         self.steps.map(|[x, z]| libm::hypot(x, z)).into_iter().fold(0.0, f64::max)
@@ -189,20 +190,20 @@ impl Place {
 /// Least softness of an edge in cells, where the distance does not change.
 const LEAST_CHANGE: f64 = 1e-3;
 
-impl PreparedNet {
+impl PreparedSurfaceLines {
     /// Returns a rest point in tiles.
     fn tiles(&self, rest: DVec3) -> [f64; 2] {
         [rest.x / self.node.scale - self.scrolled[0], rest.z / self.node.scale - self.scrolled[1]]
     }
 
     /// Returns the place of a rest point, before it is bent.
-    fn place(&self, rest: DVec3, thickness: f64) -> Place {
+    fn place(&self, rest: DVec3, thickness: f64) -> LinePoint {
         let steps = footprint_axes(&self.projector, rest).map(|axis| axis.map(|along| along / self.node.scale));
-        Place { at: self.tiles(rest), steps, width: self.node.width * thickness / self.node.scale }
+        LinePoint { at: self.tiles(rest), steps, width: self.node.width * thickness / self.node.scale }
     }
 
     /// Returns the share of the water that lines cover.
-    fn share(&self, place: &Place) -> f64 {
+    fn share(&self, place: &LinePoint) -> f64 {
         let nearer = self.shares.partition_point(|distance| f64::from(*distance) < place.width / 2.0);
         nearer as f64 / self.shares.len() as f64
     }
@@ -215,7 +216,7 @@ impl PreparedNet {
     }
 
     fn fill_mask(&self, rests: &[DVec3], coverage: &[f32], thickness: Option<&[f32]>, mask: &mut [f32]) {
-        let mut near: Vec<(usize, Place)> = Vec::new();
+        let mut near: Vec<(usize, LinePoint)> = Vec::new();
         for (index, rest) in rests.iter().enumerate() {
             let place = self.place(*rest, thickness.map_or(1.0, |plane| f64::from(plane[index])));
             if coverage[index] == 0.0 {
@@ -254,7 +255,7 @@ fn references(mask: f64, [u, v]: [f64; 2]) -> Vec<Reference> {
     Out::ALL.map(output).into()
 }
 
-impl Prepared for PreparedNet {
+impl Prepared for PreparedSurfaceLines {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let coverage = inputs.view(&self.node.view, Channel::Coverage);
         let planes = view_planes(inputs, &self.node.view, RESTS);

@@ -1,7 +1,7 @@
 //! ToonSea: a height field raised by traveling bursts.
 
 use super::stability;
-use super::toon::{Afloat, Burst, Guide, Place, PreparedToon, Way};
+use super::toon::{Burst, FloatingBody, GridLayout, Guide, PreparedToonSea, TimedPath};
 use crate::geometry::memory;
 use trochoid_graph::*;
 use trochoid_image::Format;
@@ -39,10 +39,10 @@ use trochoid_sea::toon::{
 )]
 pub(crate) struct ToonSea {
     /// Number of cells along x.
-    #[knob(default = 256, range = 2..=2048, scales)]
+    #[knob(default = 256, range = 2..=2048, affects_cost)]
     columns: i64,
     /// Number of cells along z.
-    #[knob(default = 256, range = 2..=2048, scales)]
+    #[knob(default = 256, range = 2..=2048, affects_cost)]
     rows: i64,
     /// Distance between cells.
     #[knob(default = 0.15, range = 1e-4..=1e4, unit = "m")]
@@ -104,7 +104,7 @@ pub(crate) struct ToonSea {
     #[knob(default = 0.01, range = 0.0..=1e3)]
     rift_decay: f64,
     /// Combination of bursts in the rift: "sum" adds all bursts, "nearest" only the nearest one.
-    rift: Joined,
+    rift: RiftCombination,
     /// Distance between drift lines.
     #[knob(default = 0.8, range = 1e-6..=1e6, unit = "m")]
     line_distance: f64,
@@ -125,7 +125,7 @@ pub(crate) struct ToonSea {
     guides: Vec<Guide>,
     /// Floating bodies: each presses the water down, heaps it up in front of its bow, and leaves a wake.
     #[list(0..=1000)]
-    bodies: Vec<Afloat>,
+    bodies: Vec<FloatingBody>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
@@ -149,7 +149,7 @@ enum Profile {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
-enum Joined {
+enum RiftCombination {
     Sum,
     Nearest,
 }
@@ -204,8 +204,8 @@ impl ToonSea {
                 gain: self.rift_gain,
                 decay: self.rift_decay,
                 combine: match self.rift {
-                    Joined::Sum => Combine::Sum,
-                    Joined::Nearest => Combine::Nearest,
+                    RiftCombination::Sum => Combine::Sum,
+                    RiftCombination::Nearest => Combine::Nearest,
                 },
             },
             drift: Drift {
@@ -389,37 +389,37 @@ impl Dynamics for ToonSea {
     fn paths(&self) -> Option<Paths> {
         Some(Paths {
             origin: [self.x, self.level, self.z],
-            knob: Way::PATH,
+            knob: TimedPath::PATH,
             lists: vec![Self::GUIDES, Self::BURSTS, Self::BODIES],
         })
     }
 }
 
 impl Stage for ToonSea {
-    fn timed(&self) -> bool {
+    fn depends_on_time(&self) -> bool {
         true
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
         // Heights and the fields of the simulation, including trails in case a view requests them.
         const CELL: u64 = 64;
         let cells = (self.columns * self.rows).max(0) as u64;
-        memory::of_grid(cells, CELL, reckoning)
+        memory::of_grid(cells, CELL, context)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let sea = self.sea()?;
-        let place = Place {
+        let layout = GridLayout {
             columns: sea.basin().columns,
             spacing: sea.basin().spacing,
             origin: [self.x, self.z],
             level: self.level,
         };
-        Ok(Box::new(PreparedToon::new(sea, place, prepare)?))
+        Ok(Box::new(PreparedToonSea::new(sea, layout, prepare)?))
     }
 }
 

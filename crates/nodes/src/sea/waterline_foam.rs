@@ -61,7 +61,7 @@ impl Node for WaterlineFoam {
 }
 
 impl Stage for WaterlineFoam {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         match self.measure {
             Measure::Depth => Channel::Depth.into(),
             Measure::Height => ChannelSet::of(&[Channel::Depth, Channel::PositionY]),
@@ -72,13 +72,13 @@ impl Stage for WaterlineFoam {
         Some((0.0, 1.0))
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
     fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let foam = Foam { distance: self.distance, solid: self.solid };
-        Ok(Box::new(PreparedFoam { node: self.clone(), foam }))
+        Ok(Box::new(PreparedWaterlineFoam { node: self.clone(), foam }))
     }
 }
 
@@ -133,12 +133,12 @@ impl Foam {
 /// Rounding error of a share.
 const LOST: f64 = 1e-15;
 
-struct PreparedFoam {
+struct PreparedWaterlineFoam {
     node: WaterlineFoam,
     foam: Foam,
 }
 
-impl Prepared for PreparedFoam {
+impl Prepared for PreparedWaterlineFoam {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
         let planes = |channel| self.node.views().map(|view| inputs.view(view, channel));
@@ -159,7 +159,7 @@ impl Prepared for PreparedFoam {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let of = |channel: Channel| {
                 let background = Span::exactly(f64::from(channel.background()));
                 let known = |view| bounding.known(view, channel as usize, sample).unwrap_or(background);

@@ -108,7 +108,8 @@ const TINY: f64 = 2000.0;
 /// camera or behind it. Checks only views in which all surfaces are seas, where u and v are in meters.
 pub(crate) fn check_roots(view: &One<port::View>, item: ItemName, rows: &[Roots], check: &mut Check<'_>) {
     let Some((_, render)) = render(view, check) else { return };
-    let seas: Option<Vec<Place>> = render.surfaces.iter().map(|source| place(&check.upstream(source)?)).collect();
+    let seas: Option<Vec<SeaPlane>> =
+        render.surfaces.iter().map(|source| sea_plane(&check.upstream(source)?)).collect();
     // The view itself reports an input that is not a camera.
     let camera = check.upstream(&render.camera);
     let camera = camera.as_ref().and_then(|camera| camera.node.get::<Camera>());
@@ -153,7 +154,7 @@ fn is_behind(camera: &Camera, level: f64, row: &Roots) -> bool {
 }
 
 /// Position of a sea.
-struct Place {
+struct SeaPlane {
     /// World y at rest.
     level: f64,
     /// Least and greatest x, z; `None` for an endless sea.
@@ -162,19 +163,19 @@ struct Place {
 
 /// Returns the position of a surface that is a sea.
 #[cfg(feature = "sea")]
-fn place(surface: &Upstream) -> Option<Place> {
+fn sea_plane(surface: &Upstream) -> Option<SeaPlane> {
     use super::{gerstner_sea::GerstnerSea, ripple_sea::RippleSea, toon_sea::ToonSea};
     let node = &surface.node;
-    let endless = |level: f64| Place { level, grid: None };
+    let endless = |level: f64| SeaPlane { level, grid: None };
     let gerstner = node.get::<GerstnerSea>().map(|sea| endless(sea.level));
     let ripple = || node.get::<RippleSea>().map(|sea| endless(sea.level));
-    let toon = || node.get::<ToonSea>().map(|sea| Place { level: sea.level, grid: Some(sea.extent()) });
+    let toon = || node.get::<ToonSea>().map(|sea| SeaPlane { level: sea.level, grid: Some(sea.extent()) });
     gerstner.or_else(ripple).or_else(toon)
 }
 
 /// Returns `None`: there are no seas without the feature `sea`.
 #[cfg(not(feature = "sea"))]
-fn place(_surface: &Upstream) -> Option<Place> {
+fn sea_plane(_surface: &Upstream) -> Option<SeaPlane> {
     None
 }
 

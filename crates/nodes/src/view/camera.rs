@@ -1,6 +1,6 @@
 //! Camera: a viewpoint.
 
-use super::Handed;
+use super::PreparedHandle;
 use trochoid_graph::*;
 use trochoid_scene as scene;
 
@@ -60,7 +60,7 @@ impl Node for Camera {
 }
 
 impl Stage for Camera {
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -69,7 +69,7 @@ impl Stage for Camera {
             Projection::Perspective => scene::Projection::Perspective { fov: self.fov.to_radians() },
             Projection::Orthographic => scene::Projection::Orthographic { height: self.height },
         };
-        Ok(Box::new(Handed(scene::Camera {
+        Ok(Box::new(PreparedHandle(scene::Camera {
             position: self.position.into(),
             target: self.target.into(),
             roll: self.roll.to_radians(),

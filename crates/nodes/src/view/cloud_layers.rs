@@ -123,11 +123,11 @@ impl Cut {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trochoid_field::{Axes, NoiseKind};
+    use trochoid_field::{NoiseKind, NoiseParameters};
 
     /// Returns a layer without noise.
     fn layer(base: f64, thickness: f64) -> Layer {
-        let axes = Axes { scale: 1e3, octaves: 1, lacunarity: 2.0, gain: 0.5, seed: 1 };
+        let parameters = NoiseParameters { scale: 1e3, octaves: 1, lacunarity: 2.0, gain: 0.5, seed: 1 };
         Layer {
             base,
             thickness,
@@ -135,7 +135,7 @@ mod tests {
             softness: 0.3,
             rounding: 0.5,
             opacity: 6.0,
-            noise: Noise::new(NoiseKind::Fbm, axes, None),
+            noise: Noise::new(NoiseKind::Fbm, parameters, None),
             wind: [1.0, 0.0],
             stretch: 1.0,
             moved: 0.0,

@@ -1,7 +1,7 @@
 //! Clouds: layers of procedural density, lit by a light.
 
 use super::cloud_layers::{BEND, Cut, Layer, MORE_STEPS};
-use trochoid_field::{Axes, Noise, NoiseKind};
+use trochoid_field::{Noise, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
 use trochoid_image::Format;
 use trochoid_scene::{Camera, DVec3, Light, Projector, Ray};
@@ -115,7 +115,7 @@ impl CloudLayer {
     fn at(&self, time: f64, wind: [f64; 2]) -> Layer {
         let &Self { height, thickness, scale, stretch, cover, softness, rounding, opacity, octaves, gain, speed, seed } =
             self;
-        let axes = Axes { scale, octaves: octaves as usize, lacunarity: 2.0, gain, seed: seed as u32 };
+        let parameters = NoiseParameters { scale, octaves: octaves as usize, lacunarity: 2.0, gain, seed: seed as u32 };
         Layer {
             base: height,
             thickness,
@@ -123,7 +123,7 @@ impl CloudLayer {
             softness,
             rounding,
             opacity,
-            noise: Noise::new(NoiseKind::Fbm, axes, None),
+            noise: Noise::new(NoiseKind::Fbm, parameters, None),
             wind,
             stretch,
             moved: speed * time,
@@ -155,7 +155,7 @@ impl Node for Clouds {
 }
 
 impl Stage for Clouds {
-    fn timed(&self) -> bool {
+    fn depends_on_time(&self) -> bool {
         true
     }
 
@@ -191,7 +191,7 @@ struct PreparedClouds {
 
 /// Light and coverage that a ray accumulates in one layer or in all.
 #[derive(Clone, Copy)]
-struct Gathered {
+struct Accumulated {
     /// Transmittance T: the remaining share of what lies behind.
     left: f64,
     /// Σ T·a·b.
@@ -200,7 +200,7 @@ struct Gathered {
     distance: f64,
 }
 
-impl Gathered {
+impl Accumulated {
     const NOTHING: Self = Self { left: 1.0, light: 0.0, distance: 0.0 };
 
     fn add(&mut self, covers: f64, bright: f64, distance: f64) {
@@ -271,12 +271,12 @@ impl PreparedClouds {
     }
 
     /// Returns density, light and depth accumulated by a ray over all layers, given from the lowest up.
-    fn resolve(&self, ray: &Ray, by_layer: impl DoubleEndedIterator<Item = Gathered>) -> [f64; 3] {
-        let join = |front: Gathered, layer: Gathered| layer.behind(front);
+    fn resolve(&self, ray: &Ray, by_layer: impl DoubleEndedIterator<Item = Accumulated>) -> [f64; 3] {
+        let join = |front: Accumulated, layer: Accumulated| layer.behind(front);
         let all = if ray.direction.y >= 0.0 {
-            by_layer.fold(Gathered::NOTHING, join)
+            by_layer.fold(Accumulated::NOTHING, join)
         } else {
-            by_layer.rev().fold(Gathered::NOTHING, join)
+            by_layer.rev().fold(Accumulated::NOTHING, join)
         };
         let density = (1.0 - all.left).clamp(0.0, 1.0);
         if density == 0.0 {
@@ -290,8 +290,14 @@ impl PreparedClouds {
     }
 
     /// Returns what rays accumulate in one layer, advancing all rays together, step by step.
-    fn gather(&self, layer: &Layer, rays: &[Ray], lit: bool, inputs: &Inputs<'_>) -> Result<Vec<Gathered>, NodeError> {
-        let mut gathered = vec![Gathered::NOTHING; rays.len()];
+    fn gather(
+        &self,
+        layer: &Layer,
+        rays: &[Ray],
+        lit: bool,
+        inputs: &Inputs<'_>,
+    ) -> Result<Vec<Accumulated>, NodeError> {
+        let mut gathered = vec![Accumulated::NOTHING; rays.len()];
         let mut cuts: Vec<(usize, Cut)> = (rays.iter().enumerate())
             .filter_map(|(index, ray)| {
                 Some((index, layer.cut(layer.span(ray, self.bend, self.node.distance)?, self.node.steps as usize)))
@@ -299,7 +305,7 @@ impl PreparedClouds {
             .collect();
         let mut noise = vec![0.0; cuts.len()];
         for step in 0.. {
-            inputs.go_on()?;
+            inputs.check_cancelled()?;
             cuts.retain(|(index, cut)| gathered[*index].left > OPAQUE && cut.at(step).is_some());
             if cuts.is_empty() {
                 break;
@@ -340,8 +346,8 @@ impl PreparedClouds {
     }
 
     /// Returns what a ray accumulates in one layer, in f64.
-    fn gather_reference(&self, layer: &Layer, ray: &Ray) -> Gathered {
-        let mut gathered = Gathered::NOTHING;
+    fn gather_reference(&self, layer: &Layer, ray: &Ray) -> Accumulated {
+        let mut gathered = Accumulated::NOTHING;
         let Some(span) = layer.span(ray, self.bend, self.node.distance) else { return gathered };
         let cut = layer.cut(span, self.node.steps as usize);
         let density = |point: DVec3, footprint: f64, spread: f64| {
@@ -373,7 +379,7 @@ impl Prepared for PreparedClouds {
         }
         let rays: Vec<Ray> = block.places().map(|[x, y]| self.eye.ray(x, y)).collect();
         let lit = planes[usize::from(Out::Light)].is_some();
-        let by_layer: Result<Vec<Vec<Gathered>>, NodeError> =
+        let by_layer: Result<Vec<Vec<Accumulated>>, NodeError> =
             self.layers.iter().map(|layer| self.gather(layer, &rays, lit, inputs)).collect();
         let by_layer = by_layer?;
         for (index, ray) in rays.iter().enumerate() {

@@ -4,7 +4,7 @@ use crate::sea::check_trails;
 use trochoid_graph::*;
 
 /// A node whose only output consists of channels of its view.
-pub(crate) trait Copies: Declare {
+pub(crate) trait ChannelCopy: Declare {
     /// The channels, in the order of the output's components.
     const CHANNELS: &'static [Channel];
 
@@ -16,7 +16,7 @@ pub(crate) trait Copies: Declare {
 #[derive(Clone)]
 pub(crate) struct ViewCopy<T>(T);
 
-impl<T: Copies> Items for ViewCopy<T> {
+impl<T: ChannelCopy> Items for ViewCopy<T> {
     const ITEMS: &'static [Item] = T::ITEMS;
 
     fn read(reader: &mut Reader<'_>) -> Self {
@@ -24,11 +24,11 @@ impl<T: Copies> Items for ViewCopy<T> {
     }
 }
 
-impl<T: Copies> Declare for ViewCopy<T> {
+impl<T: ChannelCopy> Declare for ViewCopy<T> {
     const DECLARATION: &'static Declaration = T::DECLARATION;
 }
 
-impl<T: Copies> Node for ViewCopy<T> {
+impl<T: ChannelCopy> Node for ViewCopy<T> {
     fn check(&self, check: &mut Check<'_>) {
         if T::CHANNELS.contains(&Channel::Rift) {
             check_trails(self.0.view(), check);
@@ -36,14 +36,14 @@ impl<T: Copies> Node for ViewCopy<T> {
     }
 }
 
-impl<T: Copies> Computes for ViewCopy<T> {
+impl<T: ChannelCopy> Computes for ViewCopy<T> {
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }
 }
 
-impl<T: Copies> Stage for ViewCopy<T> {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+impl<T: ChannelCopy> Stage for ViewCopy<T> {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(T::CHANNELS)
     }
 
@@ -56,7 +56,7 @@ impl<T: Copies> Stage for ViewCopy<T> {
     }
 }
 
-impl<T: Copies> Prepared for ViewCopy<T> {
+impl<T: ChannelCopy> Prepared for ViewCopy<T> {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         for (index, channel) in T::CHANNELS.iter().enumerate() {
             if let Some(plane) = outputs.only(index) {

@@ -1,6 +1,6 @@
 //! Curvature: how sharply a surface bends.
 
-use super::{Around, NORMAL, POSITION, change, grown, may_see, surface_of, view_planes, view_vector};
+use super::{NORMAL, Neighborhood, POSITION, change, grown, may_see, surface_of, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::DVec3;
@@ -25,18 +25,18 @@ pub(crate) struct Curvature {
     /// View of the surface.
     view: One<port::View>,
     /// Distance to each side over which changes are taken.
-    #[knob(default = 1, range = 1..=64, drawn)]
+    #[knob(default = 1, range = 1..=64, in_pixels)]
     reach: i64,
 }
 
 impl Node for Curvature {}
 
 impl Stage for Curvature {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(Channel::Coverage.into())
     }
 
-    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+    fn optional_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Surface.into()
     }
 
@@ -44,7 +44,7 @@ impl Stage for Curvature {
         grown(window, self.reach)
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -105,7 +105,7 @@ fn may_bend(here: NearPoint, beside: [[Option<NearPoint>; 2]; 2]) -> Span {
 impl Prepared for Curvature {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(plane) = outputs.only(0) else { return Ok(()) };
-        let around = Around::of(inputs, &self.view);
+        let around = Neighborhood::of(inputs, &self.view);
         let (positions, normals) = (view_planes(inputs, &self.view, POSITION), view_planes(inputs, &self.view, NORMAL));
         let surfaces = around.surfaces();
         let vector = |planes: [&[f32]; 3], index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
@@ -128,12 +128,12 @@ impl Prepared for Curvature {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        let around = Around::of(bounding.inputs, &self.view);
+        let around = Neighborhood::of(bounding.inputs, &self.view);
         let point = |there: usize| {
             [POSITION, NORMAL].map(|channels| channels.map(|channel| bounding.certain(&self.view, channel, there)))
         };
         let mut pixels = bounding.block.pixels();
-        bounding.bound_by(outputs, (Only, 0), |_| {
+        bounding.bound_by(outputs, SoleOutput, 0, |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);
             let own = may_see(bounding, &self.view, here);

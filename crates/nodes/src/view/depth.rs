@@ -1,6 +1,6 @@
 //! Depth: distance from the camera.
 
-use super::Copies;
+use super::ChannelCopy;
 use trochoid_graph::*;
 
 /// The planar distance from the camera, along its axis.
@@ -20,7 +20,7 @@ pub(crate) struct Depth {
     view: One<port::View>,
 }
 
-impl Copies for Depth {
+impl ChannelCopy for Depth {
     const CHANNELS: &[Channel] = &[Channel::Depth];
 
     fn view(&self) -> &One<port::View> {

@@ -3,7 +3,7 @@
 use super::{NORMAL, POSITION, grown, ramp};
 use crate::field::Screen;
 use crate::lit::eye;
-use trochoid_field::{Axes, Noise, NoiseKind};
+use trochoid_field::{Noise, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::{DVec3, Projector};
@@ -56,7 +56,7 @@ pub(crate) struct FlowField {
     #[knob(default = 0.3, range = 1e-3..=1e3, unit = "picture heights")]
     waver_scale: f64,
     /// Standard deviation of the smoothing; 0 is none.
-    #[knob(default = 0.0, range = 0.0..=64.0, drawn)]
+    #[knob(default = 0.0, range = 0.0..=64.0, in_pixels)]
     smooth: f64,
     /// Random seed.
     #[knob(default = 0, range = 0..=1_000_000_000)]
@@ -122,7 +122,7 @@ impl Node for FlowField {
 }
 
 impl Stage for FlowField {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         if !self.along.is_of_surface() {
             return ChannelSet::EMPTY;
         }
@@ -146,9 +146,10 @@ impl Stage for FlowField {
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let axes = Axes { scale: self.waver_scale, octaves: 2, lacunarity: 2.0, gain: 0.5, seed: self.seed as u32 };
+        let axes =
+            NoiseParameters { scale: self.waver_scale, octaves: 2, lacunarity: 2.0, gain: 0.5, seed: self.seed as u32 };
         let format = prepare.frame.format;
-        Ok(Box::new(PreparedFlow {
+        Ok(Box::new(PreparedFlowField {
             picture: format.window(),
             eye: self.along.is_of_surface().then(|| eye(prepare, &self.view, format)).transpose()?,
             turn: libm::sincos(self.turn.to_radians()),
@@ -167,7 +168,7 @@ impl Stage for FlowField {
 /// Kernel that smooths directions.
 const SMOOTHING: Shape = Shape::Gaussian;
 
-struct PreparedFlow {
+struct PreparedFlowField {
     node: FlowField,
     picture: Window,
     /// `Some` if directions come from the surface.
@@ -230,7 +231,7 @@ fn projected(eye: &Projector, point: DVec3, direction: DVec3) -> Option<[f64; 2]
     unit([0, 1].map(|axis| along[axis] * depth - at[axis] * deeper))
 }
 
-impl PreparedFlow {
+impl PreparedFlowField {
     /// Returns (cos 2φ, sin 2φ) on a surface.
     fn on_surface(&self, eye: &Projector, point: DVec3, normal: DVec3) -> [f64; 2] {
         let still = [self.still.1, self.still.0];
@@ -270,7 +271,7 @@ impl PreparedFlow {
         let field = inputs.all(&self.node.field).first().and_then(|field| Some((field.window, field.planes[0]?)));
         for (index, (x, y)) in pixels().enumerate() {
             if x == window.x0 {
-                inputs.go_on()?;
+                inputs.check_cancelled()?;
             }
             let line = match (&self.eye, view, field) {
                 (Some(eye), Some(view), _) => {
@@ -335,7 +336,7 @@ fn nearest(window: Window, x: i64, y: i64) -> usize {
     row as usize * window.width() + column as usize
 }
 
-impl Prepared for PreparedFlow {
+impl Prepared for PreparedFlowField {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let window = block.window;
         let from = grown(window, self.radius).intersect(self.picture);
@@ -347,7 +348,7 @@ impl Prepared for PreparedFlow {
                 filter(kernels, from, &line, self.picture, window, inputs.cancellation(), &mut smooth);
                 smooth
             });
-            inputs.go_on()?;
+            inputs.check_cancelled()?;
         }
         let (mut x, mut y, mut length) =
             (outputs.take(Out::Flow, 0), outputs.take(Out::Flow, 1), outputs.take(Out::Length, 0));

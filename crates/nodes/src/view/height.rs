@@ -1,6 +1,6 @@
 //! Height: height of the surface above its rest level.
 
-use super::Copies;
+use super::ChannelCopy;
 use trochoid_graph::*;
 
 /// The height of the seen point above its surface's rest level.
@@ -20,7 +20,7 @@ pub(crate) struct Height {
     view: One<port::View>,
 }
 
-impl Copies for Height {
+impl ChannelCopy for Height {
     const CHANNELS: &[Channel] = &[Channel::Height];
 
     fn view(&self) -> &One<port::View> {

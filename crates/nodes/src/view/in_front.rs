@@ -37,7 +37,7 @@ impl Node for InFront {
 }
 
 impl Stage for InFront {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Depth.into()
     }
 
@@ -71,7 +71,7 @@ impl Prepared for InFront {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let [depth, other] = [&self.view, &self.other].map(|view| bounding.certain(view, Channel::Depth, sample));
             // The mask falls with the view's depth and rises with the other's.
             let ends = [mask(depth.high, other.low, self.soft), mask(depth.low, other.high, self.soft)];

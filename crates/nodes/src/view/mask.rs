@@ -4,7 +4,7 @@ use super::{is_covered, nothing};
 use trochoid_graph::*;
 
 /// A node whose only output is a product of ramps over channels of its view, and 0 where nothing is seen.
-pub(crate) trait Masks: Declare {
+pub(crate) trait ChannelMask: Declare {
     /// Returns the view.
     fn view(&self) -> &One<port::View>;
 
@@ -16,7 +16,7 @@ pub(crate) trait Masks: Declare {
 #[derive(Clone)]
 pub(crate) struct ViewMask<T>(T);
 
-impl<T: Masks> Items for ViewMask<T> {
+impl<T: ChannelMask> Items for ViewMask<T> {
     const ITEMS: &'static [Item] = T::ITEMS;
 
     fn read(reader: &mut Reader<'_>) -> Self {
@@ -24,7 +24,7 @@ impl<T: Masks> Items for ViewMask<T> {
     }
 }
 
-impl<T: Masks> Declare for ViewMask<T> {
+impl<T: ChannelMask> Declare for ViewMask<T> {
     const DECLARATION: &'static Declaration = T::DECLARATION;
 }
 
@@ -67,16 +67,16 @@ pub(crate) fn ramp(x: f64, from: f64, width: f64) -> f64 {
     }
 }
 
-impl<T: Masks> Node for ViewMask<T> {}
+impl<T: ChannelMask> Node for ViewMask<T> {}
 
-impl<T: Masks> Computes for ViewMask<T> {
+impl<T: ChannelMask> Computes for ViewMask<T> {
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }
 }
 
-impl<T: Masks> Stage for ViewMask<T> {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+impl<T: ChannelMask> Stage for ViewMask<T> {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         let ramps = self.0.ramps();
         ramps.iter().map(|(channel, _)| *channel).chain([Channel::Coverage]).collect()
     }
@@ -85,7 +85,7 @@ impl<T: Masks> Stage for ViewMask<T> {
         Some((0.0, 1.0))
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
@@ -94,22 +94,22 @@ impl<T: Masks> Stage for ViewMask<T> {
     }
 
     fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        Ok(Box::new(PreparedMask { view: self.0.view().clone(), ramps: self.0.ramps() }))
+        Ok(Box::new(PreparedViewMask { view: self.0.view().clone(), ramps: self.0.ramps() }))
     }
 }
 
-struct PreparedMask {
+struct PreparedViewMask {
     view: One<port::View>,
     ramps: Vec<(Channel, Ramp)>,
 }
 
-impl PreparedMask {
+impl PreparedViewMask {
     fn mask(&self, values: &[f64]) -> f64 {
         self.ramps.iter().zip(values).map(|((_, ramp), value)| ramp.at(*value)).product()
     }
 }
 
-impl Prepared for PreparedMask {
+impl Prepared for PreparedViewMask {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
         let planes: Vec<&[f32]> = self.ramps.iter().map(|(channel, _)| inputs.view(&self.view, *channel)).collect();
@@ -123,7 +123,7 @@ impl Prepared for PreparedMask {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             bounding
                 .where_covered(&self.view, sample, || {
                     let ramps = self.ramps.iter();

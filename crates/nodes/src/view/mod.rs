@@ -1,6 +1,5 @@
 //! Cameras, views of surfaces, and the passes taken from views.
 
-mod around;
 mod camera;
 mod cloud_layers;
 mod clouds;
@@ -11,9 +10,11 @@ mod flow_field;
 mod height;
 mod in_front;
 mod mask;
+mod neighborhood;
 mod normal;
 mod object_mask;
 mod outline;
+mod path_knobs;
 mod position;
 mod ray_pass;
 mod render;
@@ -25,17 +26,16 @@ mod sky;
 mod surroundings;
 mod thickness;
 mod uv;
-mod way;
 
-pub(crate) use around::{Around, change, grown, may_see, surface_of};
 pub(crate) use camera::{Camera, Projection};
-pub(crate) use copy::{Copies, ViewCopy};
-pub(crate) use mask::{Masks, Ramp, ViewMask, ramp};
-pub(crate) use ray_pass::{Quantity, RayPass, Traces};
+pub(crate) use copy::{ChannelCopy, ViewCopy};
+pub(crate) use mask::{ChannelMask, Ramp, ViewMask, ramp};
+pub(crate) use neighborhood::{Neighborhood, change, grown, may_see, surface_of};
+pub(crate) use path_knobs::PathKnobs;
+pub(crate) use ray_pass::{Quantity, RayPass, RayQuantity};
 pub(crate) use render::Render;
-pub(crate) use seen::{Rays, Seen, asked};
+pub(crate) use seen::{Rays, SeenPoint, required_channels};
 pub(crate) use surroundings::{Facets, Surroundings, landed};
-pub(crate) use way::Way;
 
 use crate::lit::Vectors3;
 use std::path::PathBuf;
@@ -50,16 +50,16 @@ use trochoid_scene::{DVec3, Surface};
 pub(crate) type SurfaceHandle = Arc<dyn Surface>;
 
 /// Handle output by a Render, besides its planes.
-pub(crate) struct Looking {
+pub(crate) struct RenderHandle {
     pub(crate) camera: trochoid_scene::Camera,
     /// The surfaces in view, in the order of [`Channel::Surface`].
     pub(crate) surfaces: Vec<SurfaceHandle>,
 }
 
 /// Stage that outputs a camera or a light.
-pub(crate) struct Handed<T>(pub(crate) T);
+pub(crate) struct PreparedHandle<T>(pub(crate) T);
 
-impl<T: Copy + Send + Sync + 'static> Prepared for Handed<T> {
+impl<T: Copy + Send + Sync + 'static> Prepared for PreparedHandle<T> {
     fn handle(&self) -> Option<Handle> {
         Some(Arc::new(self.0))
     }

@@ -1,6 +1,6 @@
 //! Normal: orientation of the surface.
 
-use super::Copies;
+use super::ChannelCopy;
 use trochoid_graph::*;
 
 /// The unit normal at the seen point, in world space.
@@ -20,7 +20,7 @@ pub(crate) struct Normal {
     view: One<port::View>,
 }
 
-impl Copies for Normal {
+impl ChannelCopy for Normal {
     const CHANNELS: &[Channel] = &super::NORMAL;
 
     fn view(&self) -> &One<port::View> {

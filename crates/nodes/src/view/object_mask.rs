@@ -1,6 +1,6 @@
 //! ObjectMask: where chosen surfaces are seen.
 
-use super::{Looking, Render, SurfaceHandle};
+use super::{Render, RenderHandle, SurfaceHandle};
 use crate::sea::check_indices;
 use std::sync::Arc;
 use trochoid_graph::*;
@@ -58,7 +58,7 @@ impl Node for ObjectMask {
 }
 
 impl Stage for ObjectMask {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Surface.into()
     }
 
@@ -71,7 +71,7 @@ impl Stage for ObjectMask {
         let mut indices: Vec<f32> = self.indices.iter().flatten().map(|index| *index as f32).collect();
         if !chosen.is_empty() {
             let handle = prepare.handle_of(&self.view);
-            let Some(view) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
+            let Some(view) = handle.as_deref().and_then(|handle| handle.downcast_ref::<RenderHandle>()) else {
                 let remedy = "use \"indices\", or view a Render";
                 return Err(BadData::new("a view of passes", "a view of surfaces", remedy).into());
             };
@@ -81,22 +81,22 @@ impl Stage for ObjectMask {
                     .map(|(index, _)| index as f32),
             );
         }
-        Ok(Box::new(PreparedChoice { view: self.view.clone(), indices }))
+        Ok(Box::new(PreparedObjectMask { view: self.view.clone(), indices }))
     }
 }
 
-struct PreparedChoice {
+struct PreparedObjectMask {
     view: One<port::View>,
     indices: Vec<f32>,
 }
 
-impl PreparedChoice {
+impl PreparedObjectMask {
     fn mask(&self, surface: f32) -> f32 {
         if self.indices.contains(&surface) { 1.0 } else { 0.0 }
     }
 }
 
-impl Prepared for PreparedChoice {
+impl Prepared for PreparedObjectMask {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
         for (mask, surface) in mask.iter_mut().zip(inputs.view(&self.view, Channel::Surface)) {
@@ -106,7 +106,7 @@ impl Prepared for PreparedChoice {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let surface = bounding.certain(&self.view, Channel::Surface, sample);
             if surface.low == surface.high {
                 Span::exactly(f64::from(self.mask(surface.low as f32)))

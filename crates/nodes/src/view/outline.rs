@@ -1,6 +1,6 @@
 //! Outline: lines along edges of objects and jumps of depth.
 
-use super::{Around, grown, surface_of};
+use super::{Neighborhood, grown, surface_of};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
@@ -27,7 +27,7 @@ pub(crate) struct Outline {
     /// Factor of the width at each place, for example from a Noise; 1 if not connected.
     thickness: Optional<port::Mask>,
     /// Width of the line on the owner's side.
-    #[knob(default = 1.5, range = 0.0..=64.0, drawn)]
+    #[knob(default = 1.5, range = 0.0..=64.0, in_pixels)]
     width: f64,
     /// Side that owns the edge and carries the line: "near", "far", "both", or the "first" or "last" surface in the
     /// Render's list; within one surface, the near side is the first.
@@ -64,16 +64,16 @@ impl Node for Outline {}
 
 impl Outline {
     /// Returns the surface that each surface counts as: the first of its group.
-    fn counts_as(&self) -> Vec<f64> {
-        let mut counts_as: Vec<f64> = (0..64).map(f64::from).collect();
+    fn group_of(&self) -> Vec<f64> {
+        let mut group_of: Vec<f64> = (0..64).map(f64::from).collect();
         for Group { surfaces } in &self.together {
             for surface in surfaces {
-                if let (Some(entry), Some(first)) = (counts_as.get_mut(*surface as usize), surfaces.first()) {
+                if let (Some(entry), Some(first)) = (group_of.get_mut(*surface as usize), surfaces.first()) {
                     *entry = *first;
                 }
             }
         }
-        counts_as
+        group_of
     }
 
     /// Returns the maximum distance of an owner from the pixels it draws on.
@@ -83,11 +83,11 @@ impl Outline {
 }
 
 impl Stage for Outline {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&[Channel::Coverage, Channel::Depth])
     }
 
-    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+    fn optional_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Surface.into()
     }
 
@@ -100,19 +100,19 @@ impl Stage for Outline {
         if port == self.view.id() { grown(window, self.reach() + 2) } else { window }
     }
 
-    fn formatted(&self) -> bool {
+    fn depends_on_format(&self) -> bool {
         false
     }
 
     fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        Ok(Box::new(PreparedOutline { node: self.clone(), counts_as: self.counts_as() }))
+        Ok(Box::new(PreparedOutline { node: self.clone(), group_of: self.group_of() }))
     }
 }
 
 struct PreparedOutline {
     node: Outline,
     /// The surface that each surface counts as.
-    counts_as: Vec<f64>,
+    group_of: Vec<f64>,
 }
 
 /// Minimum depth, in meters.
@@ -120,12 +120,12 @@ const NEAREST: f64 = 1e-6;
 
 /// Data seen by a sample: the surface's index, −1 for the sky, and 1/depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Seen {
+struct SeenSample {
     surface: f64,
     w: f64,
 }
 
-impl Seen {
+impl SeenSample {
     fn new(surface: f64, depth: f64) -> Self {
         // Planes behind an orthographic camera have no value of 1/depth.
         Self { surface, w: if surface < 0.0 { 0.0 } else { 1.0 / depth.max(NEAREST) } }
@@ -139,14 +139,14 @@ impl Seen {
 
 impl PreparedOutline {
     /// Returns what a sample sees, with a group replaced by its first surface.
-    fn seen(&self, surface: f64, depth: f64) -> Seen {
-        let surface = if surface < 0.0 { surface } else { *self.counts_as.get(surface as usize).unwrap_or(&surface) };
-        Seen::new(surface, depth)
+    fn seen(&self, surface: f64, depth: f64) -> SeenSample {
+        let surface = if surface < 0.0 { surface } else { *self.group_of.get(surface as usize).unwrap_or(&surface) };
+        SeenSample::new(surface, depth)
     }
 
     /// Whether an edge separates `a` from its neighbor `b`; `before` and `after` are the next pixels on the same line.
     #[inline]
-    fn parted(&self, before: Seen, a: Seen, b: Seen, after: Seen) -> bool {
+    fn parted(&self, before: SeenSample, a: SeenSample, b: SeenSample, after: SeenSample) -> bool {
         if self.node.objects && a.surface != b.surface {
             return true;
         }
@@ -157,7 +157,7 @@ impl PreparedOutline {
     }
 
     /// Whether `a` and whether `b` own the edge between them.
-    fn owners(&self, a: Seen, b: Seen) -> [bool; 2] {
+    fn owners(&self, a: SeenSample, b: SeenSample) -> [bool; 2] {
         let near = a.w >= b.w;
         let first = if a.surface == b.surface { near } else { a.rank() < b.rank() };
         match self.node.owner {
@@ -170,7 +170,7 @@ impl PreparedOutline {
     }
 
     /// Returns how much an owner draws on `sample`, `squared` pixels² away, for a line width.
-    fn drawn(width: f64, sample: Seen, owner: Seen, other: Seen, squared: f64) -> f64 {
+    fn drawn(width: f64, sample: SeenSample, owner: SeenSample, other: SeenSample, squared: f64) -> f64 {
         let own = sample.surface == owner.surface && (sample.w - owner.w).abs() <= (sample.w - other.w).abs();
         if own { (width - squared.sqrt()).clamp(0.0, 1.0) } else { 0.0 }
     }
@@ -180,11 +180,11 @@ impl PreparedOutline {
 const LOST: f64 = 1e-15;
 
 /// Truth of a statement; `None` if uncertain.
-type Holds = Option<bool>;
-const YES: Holds = Some(true);
-const NO: Holds = Some(false);
+type Certainty = Option<bool>;
+const YES: Certainty = Some(true);
+const NO: Certainty = Some(false);
 
-fn and(a: Holds, b: Holds) -> Holds {
+fn and(a: Certainty, b: Certainty) -> Certainty {
     match (a, b) {
         (YES, YES) => YES,
         (NO, _) | (_, NO) => NO,
@@ -192,12 +192,12 @@ fn and(a: Holds, b: Holds) -> Holds {
     }
 }
 
-fn not(a: Holds) -> Holds {
+fn not(a: Certainty) -> Certainty {
     a.map(|a| !a)
 }
 
 /// Whether a number is above another.
-fn above(a: [f64; 2], b: [f64; 2]) -> Holds {
+fn above(a: [f64; 2], b: [f64; 2]) -> Certainty {
     if a[0] > b[1] {
         YES
     } else if a[1] <= b[0] {
@@ -216,42 +216,42 @@ fn apart(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 }
 
 /// Data that a sample may see: its surface if certain, and a range of 1/depth.
-struct NearSeen {
+struct SeenRange {
     surface: Option<f64>,
     w: [f64; 2],
 }
 
-impl NearSeen {
+impl SeenRange {
     /// Whether it sees the same surface as another sample.
-    fn is_like(&self, other: &Self) -> Holds {
+    fn is_like(&self, other: &Self) -> Certainty {
         Some(self.surface? == other.surface?)
     }
 
     /// Whether it belongs to the owner of an edge.
-    fn may_belong(&self, owner: &Self, other: &Self) -> Holds {
+    fn may_belong(&self, owner: &Self, other: &Self) -> Certainty {
         and(self.is_like(owner), not(above(apart(self.w, owner.w), apart(self.w, other.w))))
     }
 }
 
 impl PreparedOutline {
     /// Returns what a sample may see.
-    fn near(&self, bounding: &Bounding<'_>, sample: usize) -> NearSeen {
+    fn near(&self, bounding: &Bounding<'_>, sample: usize) -> SeenRange {
         let [coverage, surface, depth] = [Channel::Coverage, Channel::Surface, Channel::Depth]
             .map(|channel| bounding.certain(&self.node.view, channel, sample));
         if coverage.high <= 0.0 {
-            return NearSeen { surface: Some(-1.0), w: [0.0; 2] };
+            return SeenRange { surface: Some(-1.0), w: [0.0; 2] };
         }
         let w = [depth.high, depth.low].map(|depth| 1.0 / depth.max(NEAREST));
         if coverage.low > 0.0 && surface.low == surface.high {
             let seen = self.seen(surface.low.max(0.0), depth.low);
-            NearSeen { surface: Some(seen.surface), w }
+            SeenRange { surface: Some(seen.surface), w }
         } else {
-            NearSeen { surface: None, w: [0.0, w[1]] }
+            SeenRange { surface: None, w: [0.0, w[1]] }
         }
     }
 
     /// Whether an edge separates `a` from `b`, as in [`parted`](Self::parted).
-    fn may_part(&self, before: &NearSeen, a: &NearSeen, b: &NearSeen, after: &NearSeen) -> Holds {
+    fn may_part(&self, before: &SeenRange, a: &SeenRange, b: &SeenRange, after: &SeenRange) -> Certainty {
         let differs = if self.node.objects { not(a.is_like(b)) } else { NO };
         if differs == YES {
             return YES;
@@ -272,14 +272,14 @@ impl PreparedOutline {
     }
 
     /// Whether an edge's `owner` draws; `is_first` if it comes before the `other` along the axis.
-    fn may_own(&self, owner: &NearSeen, other: &NearSeen, is_first: bool) -> Holds {
+    fn may_own(&self, owner: &SeenRange, other: &SeenRange, is_first: bool) -> Certainty {
         // At equal depths, the first pixel counts as nearer.
         let nearer = if is_first { not(above(other.w, owner.w)) } else { above(owner.w, other.w) };
         let listed = match owner.is_like(other) {
             None => None,
             YES => nearer,
             NO => {
-                let rank = |seen: &NearSeen| seen.surface.map(|surface| Seen { surface, w: 0.0 }.rank());
+                let rank = |seen: &SeenRange| seen.surface.map(|surface| SeenSample { surface, w: 0.0 }.rank());
                 rank(owner).zip(rank(other)).map(|(owner, other)| owner < other)
             }
         };
@@ -300,9 +300,9 @@ impl Prepared for PreparedOutline {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
         mask.fill(0.0);
-        let around = Around::of(inputs, &self.node.view);
+        let around = Neighborhood::of(inputs, &self.node.view);
         let depths = inputs.view(&self.node.view, Channel::Depth);
-        let seen: Vec<Seen> = around
+        let seen: Vec<SeenSample> = around
             .surfaces()
             .into_iter()
             .zip(depths)
@@ -311,7 +311,7 @@ impl Prepared for PreparedOutline {
         let at = |x: i64, y: i64| seen[around.index(x, y)];
         let thickness = inputs.all(&self.node.thickness).first().and_then(|connection| connection.planes[0]);
         let (window, reach) = (block.window, self.node.reach());
-        let mut draw = |x: i64, y: i64, owner: Seen, other: Seen| {
+        let mut draw = |x: i64, y: i64, owner: SeenSample, other: SeenSample| {
             for py in (y - reach).max(window.y0)..(y + reach + 1).min(window.y1) {
                 for px in (x - reach).max(window.x0)..(x + reach + 1).min(window.x1) {
                     let index = (py - window.y0) as usize * window.width() + (px - window.x0) as usize;
@@ -346,8 +346,8 @@ impl Prepared for PreparedOutline {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        let around = Around::of(bounding.inputs, &self.node.view);
-        let seen: Vec<NearSeen> = (0..around.area()).map(|sample| self.near(bounding, sample)).collect();
+        let around = Neighborhood::of(bounding.inputs, &self.node.view);
+        let seen: Vec<SeenRange> = (0..around.area()).map(|sample| self.near(bounding, sample)).collect();
         let at = |x: i64, y: i64| &seen[around.index(x, y)];
         let reach = self.node.reach();
         // Visit every horizontal and vertical edge with an owner that may draw within the window.
@@ -357,12 +357,12 @@ impl Prepared for PreparedOutline {
                 self.may_part(at(x - dx, y - dy), at(x, y), at(x + dx, y + dy), at(x + 2 * dx, y + 2 * dy))
             })
         };
-        let parted: Vec<[Holds; 2]> = (edges.y0..edges.y1)
+        let parted: Vec<[Certainty; 2]> = (edges.y0..edges.y1)
             .flat_map(|y| (edges.x0..edges.x1).map(move |x| (x, y)))
             .map(|(x, y)| part(x, y))
             .collect();
         let mut pixels = bounding.block.pixels();
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let [px, py] = pixels.next().unwrap_or_default();
             let thickness = bounding.known(&self.node.thickness, 0, sample).unwrap_or(Span::exactly(1.0));
             let width = thickness.through(|thickness| self.node.width * thickness);
@@ -401,7 +401,7 @@ impl Prepared for PreparedOutline {
         let reach = self.node.reach();
         let side = 2 * (reach + 2) + 1;
         let from = -(reach + 2);
-        let seen: Vec<Seen> = (0..side * side)
+        let seen: Vec<SeenSample> = (0..side * side)
             .map(|index| {
                 let there = inputs.moved((from + index % side) as f64, (from + index / side) as f64);
                 self.seen(surface_of(&there, view), there.view(view, Channel::Depth))

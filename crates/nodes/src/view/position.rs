@@ -1,6 +1,6 @@
 //! Position: location of the seen point.
 
-use super::Copies;
+use super::ChannelCopy;
 use trochoid_graph::*;
 
 /// The seen point in world space.
@@ -20,7 +20,7 @@ pub(crate) struct Position {
     view: One<port::View>,
 }
 
-impl Copies for Position {
+impl ChannelCopy for Position {
     const CHANNELS: &[Channel] = &super::POSITION;
 
     fn view(&self) -> &One<port::View> {

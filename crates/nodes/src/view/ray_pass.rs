@@ -1,6 +1,6 @@
 //! Passes of quantities found by rays that start at the points of a view.
 
-use super::{Facets, Rays, Seen, Surroundings, asked};
+use super::{Facets, Rays, SeenPoint, Surroundings, required_channels};
 use crate::geometry::memory;
 use crate::sea::check_surfaces;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use trochoid_graph::*;
 use trochoid_image::Format;
 
 /// A node whose only output is a quantity that rays find around each seen point, and 0 where nothing is seen.
-pub(crate) trait Traces: Declare {
+pub(crate) trait RayQuantity: Declare {
     /// Samples of a pixel that may share the quantity.
     const RATE: Rate;
 
@@ -52,13 +52,13 @@ pub(crate) trait Traces: Declare {
 }
 
 /// Function that returns the quantity found by rays around a seen point, in f64.
-pub(crate) type Quantity = Box<dyn Fn(&Seen, Rays<'_>) -> f64 + Send + Sync>;
+pub(crate) type Quantity = Box<dyn Fn(&SeenPoint, Rays<'_>) -> f64 + Send + Sync>;
 
 /// Node with such a quantity.
 #[derive(Clone)]
 pub(crate) struct RayPass<T>(T);
 
-impl<T: Traces> Items for RayPass<T> {
+impl<T: RayQuantity> Items for RayPass<T> {
     const ITEMS: &'static [Item] = T::ITEMS;
 
     fn read(reader: &mut Reader<'_>) -> Self {
@@ -66,11 +66,11 @@ impl<T: Traces> Items for RayPass<T> {
     }
 }
 
-impl<T: Traces> Declare for RayPass<T> {
+impl<T: RayQuantity> Declare for RayPass<T> {
     const DECLARATION: &'static Declaration = T::DECLARATION;
 }
 
-impl<T: Traces> Node for RayPass<T> {
+impl<T: RayQuantity> Node for RayPass<T> {
     fn check(&self, check: &mut Check<'_>) {
         check_surfaces(self.0.view(), check);
         self.0.check(check);
@@ -81,15 +81,15 @@ impl<T: Traces> Node for RayPass<T> {
     }
 }
 
-impl<T: Traces> Computes for RayPass<T> {
+impl<T: RayQuantity> Computes for RayPass<T> {
     fn body(&self) -> Body<'_> {
         Body::Stage(self)
     }
 }
 
-impl<T: Traces> Stage for RayPass<T> {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
-        asked()
+impl<T: RayQuantity> Stage for RayPass<T> {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
+        required_channels()
     }
 
     fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {
@@ -100,12 +100,12 @@ impl<T: Traces> Stage for RayPass<T> {
         T::RATE
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory::of_surroundings(self.0.view(), self.0.facets(), reckoning)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory::of_surroundings(self.0.view(), self.0.facets(), context)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        Ok(Box::new(PreparedRays {
+        Ok(Box::new(PreparedRayPass {
             surroundings: Surroundings::of(self.0.view(), self.0.facets(), prepare)?,
             quantity: self.0.quantity(prepare)?,
             node: self.0.clone(),
@@ -113,13 +113,13 @@ impl<T: Traces> Stage for RayPass<T> {
     }
 }
 
-struct PreparedRays<T> {
+struct PreparedRayPass<T> {
     node: T,
     surroundings: Arc<Surroundings>,
     quantity: Quantity,
 }
 
-impl<T: Traces> Prepared for PreparedRays<T> {
+impl<T: RayQuantity> Prepared for PreparedRayPass<T> {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(out) = outputs.only(0) else { return Ok(()) };
         self.surroundings.fill(block, inputs, self.node.view(), out, &self.quantity)
@@ -127,7 +127,7 @@ impl<T: Traces> Prepared for PreparedRays<T> {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         // The reference's rays hit the surfaces themselves, so facets may pass or block rays differently.
-        bounding.bound_by(outputs, (Only, 0), |sample| {
+        bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             bounding.where_covered(self.node.view(), sample, || Span::unclear(0.0, self.node.most()))
         });
         Ok(())

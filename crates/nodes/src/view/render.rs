@@ -1,6 +1,6 @@
 //! Render: surfaces as seen by a camera.
 
-use super::{Looking, SurfaceHandle};
+use super::{RenderHandle, SurfaceHandle};
 use crate::geometry::memory;
 use std::cell::RefCell;
 use trochoid_graph::*;
@@ -88,8 +88,8 @@ impl Stage for Render {
         Rate::Surface
     }
 
-    fn memory(&self, reckoning: &Reckoning<'_>) -> MemoryUse {
-        memory::of_view(&self.surfaces, self.fineness, reckoning)
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        memory::of_view(&self.surfaces, self.fineness, context)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
@@ -123,11 +123,11 @@ impl Stage for Render {
             }
         }
         let port = self.surfaces.id();
-        Ok(Box::new(Prospect { port, camera, surfaces, format, follows, visible, certain }))
+        Ok(Box::new(PreparedRender { port, camera, surfaces, format, follows, visible, certain }))
     }
 }
 
-struct Prospect {
+struct PreparedRender {
     /// Port of the surfaces.
     port: PortId,
     camera: scene::Camera,
@@ -160,9 +160,9 @@ thread_local! {
     static SAMPLES: RefCell<scene::Samples> = RefCell::default();
 }
 
-impl Prepared for Prospect {
+impl Prepared for PreparedRender {
     fn handle(&self) -> Option<Handle> {
-        Some(std::sync::Arc::new(Looking { camera: self.camera, surfaces: self.surfaces.clone() }))
+        Some(std::sync::Arc::new(RenderHandle { camera: self.camera, surfaces: self.surfaces.clone() }))
     }
 
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
@@ -265,7 +265,7 @@ impl Prepared for Prospect {
     }
 }
 
-impl Prospect {
+impl PreparedRender {
     /// Whether each sample's mesh shows the same sheet of the surface as the surface itself.
     fn sees(&self, block: &Block<'_>, sights: &[scene::Sight]) -> Vec<bool> {
         let Some(visible) = &self.visible else { return vec![true; sights.len()] };

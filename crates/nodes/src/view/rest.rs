@@ -1,6 +1,6 @@
 //! Rest: position of the seen point at rest.
 
-use super::Copies;
+use super::ChannelCopy;
 use trochoid_graph::*;
 
 /// The rest point of the seen point; patterns based on it move with the surface.
@@ -20,7 +20,7 @@ pub(crate) struct Rest {
     view: One<port::View>,
 }
 
-impl Copies for Rest {
+impl ChannelCopy for Rest {
     const CHANNELS: &[Channel] = &[Channel::RestX, Channel::RestY, Channel::RestZ];
 
     fn view(&self) -> &One<port::View> {

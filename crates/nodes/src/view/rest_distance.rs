@@ -1,6 +1,6 @@
 //! RestDistance: displacement of the seen particle.
 
-use super::Copies;
+use super::ChannelCopy;
 use trochoid_graph::*;
 
 /// The distance of the seen particle from its rest point.
@@ -20,7 +20,7 @@ pub(crate) struct RestDistance {
     view: One<port::View>,
 }
 
-impl Copies for RestDistance {
+impl ChannelCopy for RestDistance {
     const CHANNELS: &[Channel] = &[Channel::RestDistance];
 
     fn view(&self) -> &One<port::View> {

@@ -7,7 +7,7 @@ use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Ray};
 
 /// A seen point.
-pub(crate) struct Seen {
+pub(crate) struct SeenPoint {
     /// Position in the picture, in pixels.
     pub(crate) at: [f64; 2],
     pub(crate) point: DVec3,
@@ -25,16 +25,16 @@ pub(crate) struct Rays<'a> {
 }
 
 /// Number of points between checks for cancellation.
-const ASKED: usize = 64;
+const CANCEL_INTERVAL: usize = 64;
 
 /// Returns the channels that the view must supply.
-pub(crate) fn asked() -> ChannelSet {
+pub(crate) fn required_channels() -> ChannelSet {
     ChannelSet::of(&NORMAL).union(ChannelSet::of(&POSITION)).union(Channel::Coverage.into())
 }
 
 impl Surroundings {
-    fn seen(&self, at: [f64; 2], point: DVec3, normal: DVec3) -> Seen {
-        Seen { at, point, normal: unit_or_up(normal), facet: self.facet(point) }
+    fn seen(&self, at: [f64; 2], point: DVec3, normal: DVec3) -> SeenPoint {
+        SeenPoint { at, point, normal: unit_or_up(normal), facet: self.facet(point) }
     }
 
     /// Fills a block with a quantity of the seen points, using tessellated surfaces; 0 where nothing is seen.
@@ -47,7 +47,7 @@ impl Surroundings {
         inputs: &Inputs<'_>,
         view: &One<port::View>,
         out: &mut [f32],
-        quantity: impl Fn(&Seen, Rays<'_>) -> f64,
+        quantity: impl Fn(&SeenPoint, Rays<'_>) -> f64,
     ) -> Result<(), NodeError> {
         let (points, normals) = (view_planes(inputs, view, POSITION), view_planes(inputs, view, NORMAL));
         let coverage = inputs.view(view, Channel::Coverage);
@@ -57,8 +57,8 @@ impl Surroundings {
         let rays = Rays { first: &first, blocks: &blocks };
         for (index, (out, at)) in out.iter_mut().zip(block.places()).enumerate() {
             // Rays may be slow: a row of soft shadows can take longer than anyone wants to wait.
-            if index % ASKED == 0 {
-                inputs.go_on()?;
+            if index % CANCEL_INTERVAL == 0 {
+                inputs.check_cancelled()?;
             }
             *out = if coverage[index] > 0.0 {
                 quantity(&self.seen(at, vector(points, index), vector(normals, index)), rays) as f32
@@ -74,7 +74,7 @@ impl Surroundings {
         &self,
         inputs: &References<'_>,
         view: &One<port::View>,
-        quantity: impl Fn(&Seen, Rays<'_>) -> f64,
+        quantity: impl Fn(&SeenPoint, Rays<'_>) -> f64,
     ) -> f64 {
         if !is_covered(inputs, view) {
             return 0.0;

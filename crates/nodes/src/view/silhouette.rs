@@ -1,7 +1,7 @@
 //! Silhouette: lines where a surface turns away from the eye.
 
-use super::{Around, NORMAL, POSITION, change, grown, is_covered, may_see, surface_of, view_planes, view_vector};
-use crate::lit::{Near, Toward, eye, toward_eye, view_directions};
+use super::{NORMAL, Neighborhood, POSITION, change, grown, is_covered, may_see, surface_of, view_planes, view_vector};
+use crate::lit::{BoundedDirection, BoundedVector, eye, toward_eye, view_directions};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::Projector;
@@ -34,7 +34,7 @@ pub(crate) struct Silhouette {
     #[knob(default = 0.05, range = 0.0..=1.0)]
     ramp: f64,
     /// Width of the line; if set, it replaces the cutoff.
-    #[knob(range = 0.0..=100.0, drawn)]
+    #[knob(range = 0.0..=100.0, in_pixels)]
     width: Option<f64>,
 }
 
@@ -51,11 +51,11 @@ enum Out {
 impl Node for Silhouette {}
 
 impl Stage for Silhouette {
-    fn asks(&self, _wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
     }
 
-    fn prefers(&self, _wanted: &[bool]) -> ChannelSet {
+    fn optional_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&POSITION).union(Channel::Surface.into())
     }
 
@@ -117,7 +117,7 @@ const LOST: f64 = 1e-12;
 impl Prepared for PreparedSilhouette {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let view = &self.node.view;
-        let around = Around::of(inputs, view);
+        let around = Neighborhood::of(inputs, view);
         let [nx, ny, nz] = view_planes(inputs, view, NORMAL);
         let views = view_directions(inputs, view, &self.eye, around.area())?;
         let surfaces = around.surfaces();
@@ -158,13 +158,13 @@ impl Prepared for PreparedSilhouette {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let view = &self.node.view;
-        let around = Around::of(bounding.inputs, view);
+        let around = Neighborhood::of(bounding.inputs, view);
         let edge = |there: usize| {
-            let toward = Toward::eye(&self.eye, Near::point(bounding, view, there));
-            Toward::normal(bounding, view, there).cosine(toward).within(0.0, 1.0)
+            let toward = BoundedDirection::eye(&self.eye, BoundedVector::point(bounding, view, there));
+            BoundedDirection::normal(bounding, view, there).cosine(toward).within(0.0, 1.0)
         };
         let pixels: Vec<usize> = bounding.block.pixels().map(|[x, y]| around.index(x, y)).collect();
-        bounding.bound_by(outputs, (Out::Edge, 0), |sample| {
+        bounding.bound_by(outputs, Out::Edge, 0, |sample| {
             // Where nothing is seen, `edge` is 1.
             let faced = bounding.where_covered(view, pixels[sample], || edge(pixels[sample]).through(|e| 1.0 - e));
             if faced.is_exact() {
@@ -174,7 +174,7 @@ impl Prepared for PreparedSilhouette {
             }
         });
         let mut places = bounding.block.pixels();
-        bounding.bound_by(outputs, (Out::Mask, 0), |sample| {
+        bounding.bound_by(outputs, Out::Mask, 0, |sample| {
             let [x, y] = places.next().unwrap_or_default();
             bounding.where_covered(view, pixels[sample], || match self.node.width {
                 None => {

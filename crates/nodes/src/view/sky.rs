@@ -1,7 +1,7 @@
 //! Sky: elevation of the view ray and of its reflection.
 
 use super::{NORMAL, is_covered, view_planes, view_vector};
-use crate::lit::{Toward, eye};
+use crate::lit::{BoundedDirection, eye};
 use trochoid_graph::*;
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Projector};
@@ -56,7 +56,7 @@ impl Node for Sky {
 }
 
 impl Stage for Sky {
-    fn asks(&self, wanted: &[bool]) -> ChannelSet {
+    fn required_channels(&self, wanted: &[bool]) -> ChannelSet {
         // The sky itself needs only the camera.
         if wanted.get(usize::from(Out::Reflected)).is_some_and(|wanted| *wanted) {
             ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
@@ -124,14 +124,15 @@ impl Prepared for PreparedSky {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let ray = |[x, y]: [f64; 2]| self.eye.ray(x, y).direction;
-        bounding.bound_at(outputs, (Out::Sky, 0), |at| self.mask(ray(at)));
+        bounding.bound_at(outputs, Out::Sky, 0, |at| self.mask(ray(at)));
         let mut places = bounding.block.places();
-        bounding.bound_by(outputs, (Out::Reflected, 0), |sample| {
+        bounding.bound_by(outputs, Out::Reflected, 0, |sample| {
             let at = places.next().unwrap_or_default();
             bounding.where_covered(&self.node.view, sample, || {
                 // When a normal rotates, its reflection rotates by twice the angle, and the elevation by no more than
                 // that.
-                let mirrored = Toward::normal(bounding, &self.node.view, sample).mirrored(Toward::exactly(-ray(at)));
+                let mirrored = BoundedDirection::normal(bounding, &self.node.view, sample)
+                    .mirrored(BoundedDirection::exactly(-ray(at)));
                 mirrored.elevation().through(|degrees| self.share(degrees)).wider(LOST).within(0.0, 1.0)
             })
         });

@@ -1,6 +1,6 @@
 //! Surroundings of the points of a view, for rays that start there.
 
-use super::{Looking, SurfaceHandle};
+use super::{RenderHandle, SurfaceHandle};
 use std::sync::Arc;
 use trochoid_graph::{BadData, Items, NodeError, One, Prepare, port};
 use trochoid_scene::{DVec3, Obstacles, Projector, Ray, Surface, first_reference, surroundings};
@@ -48,17 +48,17 @@ impl Surroundings {
     /// The view has no surfaces, only passes.
     pub(crate) fn of(view: &One<port::View>, facets: &Facets, prepare: &Prepare<'_>) -> Result<Arc<Self>, NodeError> {
         let handle = prepare.handle_of(view);
-        let Some(looking) = handle.as_deref().and_then(|handle| handle.downcast_ref::<Looking>()) else {
+        let Some(render) = handle.as_deref().and_then(|handle| handle.downcast_ref::<RenderHandle>()) else {
             let expected = "a view of surfaces";
             return Err(BadData::new("a view of passes", expected, "connect a Render").into());
         };
-        let eye = looking.camera.projector(prepare.frame.format);
+        let eye = render.camera.projector(prepare.frame.format);
         let projector = surroundings(&eye, facets.beyond, facets.detail);
         // Surfaces are identified by their addresses. The shared value keeps them alive, so that no address is reused.
         let address = |surface: &SurfaceHandle| Arc::as_ptr(surface).cast::<()>().addr();
-        let addresses: Vec<usize> = looking.surfaces.iter().map(address).collect();
+        let addresses: Vec<usize> = render.surfaces.iter().map(address).collect();
         prepare.shared(&(projector, addresses), || {
-            let surfaces = looking.surfaces.clone();
+            let surfaces = render.surfaces.clone();
             let obstacles = Obstacles::new(&projector, &borrowed(&surfaces));
             Ok(Self { projector, surfaces, obstacles })
         })

@@ -1,6 +1,6 @@
 //! Thickness: how much water light has to pass through.
 
-use super::{Facets, Quantity, Rays, Seen, Traces, Way};
+use super::{Facets, PathKnobs, Quantity, RayQuantity, Rays, SeenPoint};
 use crate::lit::{eye, toward_eye};
 use trochoid_graph::*;
 use trochoid_scene::shading::unit_or_up;
@@ -33,7 +33,7 @@ pub(crate) struct Thickness {
     #[knob(default = 1.333, range = 1.0..=10.0)]
     ior: f64,
     #[items]
-    way: Way,
+    path_knobs: PathKnobs,
     #[items]
     facets: Facets,
 }
@@ -44,7 +44,7 @@ enum Leads {
     Eye,
 }
 
-impl Traces for Thickness {
+impl RayQuantity for Thickness {
     const RATE: Rate = Rate::Surface;
 
     fn view(&self) -> &One<port::View> {
@@ -56,12 +56,12 @@ impl Traces for Thickness {
     }
 
     fn most(&self) -> f64 {
-        self.way.most()
+        self.path_knobs.most()
     }
 
     fn interval(&self) -> Option<(f64, f64)> {
         // The value is rounded to f32.
-        Some((0.0, f64::from(self.way.most() as f32)))
+        Some((0.0, f64::from(self.path_knobs.most() as f32)))
     }
 
     fn check(&self, check: &mut Check<'_>) {
@@ -77,13 +77,13 @@ impl Traces for Thickness {
             Leads::Light => prepare.handles::<Light>(&self.light)?.first().copied(),
             Leads::Eye => None,
         };
-        let &Self { ior, way, .. } = self;
-        Ok(Box::new(move |seen: &Seen, rays: Rays<'_>| {
+        let &Self { ior, path_knobs, .. } = self;
+        Ok(Box::new(move |seen: &SeenPoint, rays: Rays<'_>| {
             let along = match &light {
                 Some(light) => light.illuminate(seen.point).direction,
                 None => refracted(-unit_or_up(toward_eye(&eye, seen.point)), seen.normal, ior),
             };
-            way.length(seen, along, rays.first)
+            path_knobs.length(seen, along, rays.first)
         }))
     }
 

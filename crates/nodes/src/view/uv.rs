@@ -1,6 +1,6 @@
 //! UV: texture coordinates of the seen point.
 
-use super::Copies;
+use super::ChannelCopy;
 use trochoid_graph::*;
 
 /// The texture coordinates of the seen point.
@@ -21,7 +21,7 @@ pub(crate) struct UV {
     view: One<port::View>,
 }
 
-impl Copies for UV {
+impl ChannelCopy for UV {
     const CHANNELS: &[Channel] = &[Channel::U, Channel::V];
 
     fn view(&self) -> &One<port::View> {

@@ -18,7 +18,7 @@ pub enum TargetError {
     Evaluate(#[from] EvalError),
     /// The most accurate settings miss the tolerance.
     #[error("{0}")]
-    Missed(Box<Missed>),
+    Missed(Box<MissedTolerance>),
     /// No error of an output is certified.
     #[error(
         "output \"{output}\": found no sample with a certified error, because {why}; expected a bound to compare with the \
@@ -55,7 +55,7 @@ pub enum Uncertain {
 
 /// Description of how far the most accurate settings miss a tolerance, and why.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Missed {
+pub struct MissedTolerance {
     /// Tolerance in display-encoded values.
     pub tolerance: f64,
     /// Error that the tolerance allows in the working space.
@@ -70,7 +70,7 @@ pub struct Missed {
     pub pass: Option<(String, &'static str)>,
 }
 
-impl fmt::Display for Missed {
+impl fmt::Display for MissedTolerance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { output, certified, pixel: [x, y], allowed, .. } = self;
         write!(

@@ -1,6 +1,6 @@
 //! Plan files: settings that meet a tolerance, as JSON.
 
-use super::Planned;
+use super::PlannedSettings;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -98,7 +98,7 @@ const EXPECTED: &str = "expected a plan as `trochoid plan --out` writes it";
 
 impl PlanFile {
     /// Creates the plan file of a document.
-    pub fn new(graph: &CheckedGraph, frame: i64, tolerance: Tolerance, planned: &Planned) -> Self {
+    pub fn new(graph: &CheckedGraph, frame: i64, tolerance: Tolerance, planned: &PlannedSettings) -> Self {
         let finite = |value: f64| value.is_finite().then_some(value);
         let certified = planned.certified.iter().map(|certified| {
             let all = certified.clear.total() + certified.unclear.total();

@@ -1,6 +1,6 @@
 //! Knobs that control the accuracy of nodes.
 
-use trochoid_graph::{CheckedGraph, Item, Knob, NodeId, Takes};
+use trochoid_graph::{CheckedGraph, Item, Knob, KnobType, NodeId};
 
 /// Knob of a node that chooses among methods with the same reference.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,7 +27,7 @@ pub(super) fn find(graph: &CheckedGraph, outputs: &[&str], frame: i64) -> Vec<Ac
     let of = reached(graph, outputs, frame).flat_map(|id| {
         let node = graph.node(id);
         node.ty.declaration().items.iter().filter_map(move |item| match item {
-            Item::Knob(Knob { name: knob, takes: Takes::Choice(words), accuracy: true, .. }) => {
+            Item::Knob(Knob { name: knob, takes: KnobType::Choice(words), accuracy: true, .. }) => {
                 Some(AccuracyKnob { node: id, name: node.name.clone(), knob, words })
             }
             _ => None,
@@ -56,7 +56,7 @@ pub(super) fn numbers(
 /// Returns the nodes that these outputs need at a frame; those of all outputs if none is named.
 fn reached(graph: &CheckedGraph, outputs: &[&str], frame: i64) -> impl Iterator<Item = NodeId> {
     let named = graph.outputs().iter().filter(|output| outputs.is_empty() || outputs.contains(&output.name.as_str()));
-    let reached = graph.reached(named.map(|output| output.node), frame);
+    let reached = graph.dependencies(named.map(|output| output.node), frame);
     (0..graph.nodes().len()).filter(move |id| reached[*id]).map(NodeId)
 }
 
@@ -73,7 +73,7 @@ pub(super) fn raise(
     let own = (0..knobs.len()).filter(|index| Some(knobs[*index].node) == limiting && open(*index, levels));
     let own: Vec<usize> = own.collect();
     let chosen = if own.is_empty() {
-        let seen = limiting.map(|limiting| graph.reached([limiting], frame));
+        let seen = limiting.map(|limiting| graph.dependencies([limiting], frame));
         let sees = |index: &usize| seen.as_ref().is_none_or(|seen| seen[knobs[*index].node.0]);
         (0..knobs.len()).filter(|index| sees(index) && open(*index, levels)).collect()
     } else {
@@ -89,13 +89,15 @@ pub(super) struct Number {
     knob: &'static str,
     /// Value in the document.
     at: f64,
-    takes: Takes,
+    takes: KnobType,
 }
 
 impl Number {
     fn of(node: &str, item: &Item, at: impl Fn(&str) -> f64, wanted: &dyn Fn(&Knob) -> bool) -> Option<Self> {
         match item {
-            Item::Knob(knob @ Knob { takes: Takes::Number { .. } | Takes::Integer { .. }, .. }) if wanted(knob) => {
+            Item::Knob(knob @ Knob { takes: KnobType::Number { .. } | KnobType::Integer { .. }, .. })
+                if wanted(knob) =>
+            {
                 Some(Self { node: node.to_owned(), knob: knob.name, at: at(knob.name), takes: knob.takes })
             }
             _ => None,
@@ -109,8 +111,8 @@ impl Number {
     /// Returns a multiple of the value, clamped to the knob's range.
     pub(super) fn value(&self, factor: f64) -> f64 {
         match self.takes {
-            Takes::Number { min, max } => (self.at * factor).clamp(min, max),
-            Takes::Integer { min, max } => (self.at * factor).round().clamp(min as f64, max as f64),
+            KnobType::Number { min, max } => (self.at * factor).clamp(min, max),
+            KnobType::Integer { min, max } => (self.at * factor).round().clamp(min as f64, max as f64),
             _ => self.at,
         }
     }

@@ -11,7 +11,7 @@ mod knobs;
 mod ladder;
 mod pilot;
 
-pub use error::{Missed, TargetError, Uncertain};
+pub use error::{MissedTolerance, TargetError, Uncertain};
 #[cfg(feature = "io")]
 pub use file::{NoPlan, PlanFile, PlanFileError};
 pub use knobs::AccuracyKnob;
@@ -38,7 +38,7 @@ pub struct Request<'a> {
 
 /// Settings that meet a tolerance.
 #[derive(Clone, Debug)]
-pub struct Planned {
+pub struct PlannedSettings {
     /// Assignments `NODE.KNOB=VALUE` for [`load`](crate::load()), as for `--set`.
     pub set: Vec<String>,
     /// Certified errors of the outputs with these settings; empty if nothing was certified, as for
@@ -82,7 +82,7 @@ pub fn plan(
     load: &dyn Fn(&[String]) -> Result<Loaded, LoadError>,
     request: &Request<'_>,
     monitor: &dyn Monitor,
-) -> Result<Planned, TargetError> {
+) -> Result<PlannedSettings, TargetError> {
     let graph = load(&[])?.graph;
     let knobs = knobs::find(&graph, request.outputs, request.frame);
     let exact: Vec<usize> = knobs.iter().map(|knob| knob.words.len() - 1).collect();
@@ -92,7 +92,7 @@ pub fn plan(
     let Tolerance::Error(tolerance) = request.tolerance else {
         let set = set(&exact);
         let predicted = predict(&load(&set)?.graph, request.outputs, request.frame, request.settings, monitor)?;
-        return Ok(Planned { set, certified: Vec::new(), predicted });
+        return Ok(PlannedSettings { set, certified: Vec::new(), predicted });
     };
     let mut levels = vec![0; knobs.len()];
     let mut whole = false;
@@ -103,7 +103,7 @@ pub fn plan(
         match trial.run(whole)? {
             Outcome::Holds(certified) => {
                 let predicted = predict(&graph, request.outputs, request.frame, request.settings, monitor)?;
-                return Ok(Planned { set, certified, predicted });
+                return Ok(PlannedSettings { set, certified, predicted });
             }
             Outcome::Misses(missed, stage) => {
                 if !knobs::raise(&knobs, &mut levels, &graph, stage, request.frame) {
@@ -158,7 +158,7 @@ fn unbounded(graph: &CheckedGraph, certified: &[Certified]) -> Option<(NodeId, &
 enum Outcome {
     Holds(Vec<Certified>),
     /// The tolerance is missed; also names the pass that limits the worst pixel.
-    Misses(Box<Missed>, Option<NodeId>),
+    Misses(Box<MissedTolerance>, Option<NodeId>),
 }
 
 struct Trial<'a> {
@@ -242,7 +242,7 @@ impl Trial<'_> {
             let node = self.graph.node(id);
             (node.name.clone(), node.ty.declaration().name)
         });
-        let missed = Missed {
+        let missed = MissedTolerance {
             tolerance: self.tolerance,
             allowed: self.allowed(certified.kind).unwrap_or(self.tolerance),
             output: self.graph.outputs()[certified.output].name.clone(),

@@ -1,6 +1,6 @@
 //! Checks of certificates: everything that document, inputs and image determine, then pixels against the references.
 
-use super::failed::Failed;
+use super::failed_claim::FailedClaim;
 use super::image::StoredImage;
 use super::inputs::{files, folder_of, hashed, is_same, plain};
 use super::make::{channels_of, format_of, plan_of};
@@ -83,7 +83,7 @@ pub struct Verification {
     /// Results for each output; empty unless document, inputs and image are as certified.
     pub outputs: Vec<Findings>,
     /// Everything that does not hold.
-    pub failures: Vec<Failed>,
+    pub failures: Vec<FailedClaim>,
 }
 
 impl Verification {
@@ -94,7 +94,7 @@ impl Verification {
 
     pub(super) fn fail(&mut self, place: impl ToString, found: impl ToString, expected: impl ToString) {
         let [place, found, expected] = [place.to_string(), found.to_string(), expected.to_string()];
-        self.failures.push(Failed { place, found, expected });
+        self.failures.push(FailedClaim { place, found, expected });
     }
 
     /// Adds a failure unless both values are equal.
@@ -153,7 +153,7 @@ pub fn verify(request: &Request<'_>, monitor: &dyn Monitor) -> Result<Verificati
     inputs(&mut found, &certificate, &graph, &outputs, &folder)?;
     let file = OutputFile { path: request.image.into(), outputs };
     let image = StoredImage::read(request.image)?;
-    pixels_of_file(&mut found, (&certificate, request.certificate.display()), &graph, &file, &image);
+    pixels_of_file(&mut found, &certificate, request.certificate.display(), &graph, &file, &image);
     let mut checks = Vec::new();
     for (written, index) in certificate.outputs.iter().zip(&file.outputs) {
         checks.extend(PixelCheck::new(&mut found, &certificate, written, (&graph, *index), &image));
@@ -167,7 +167,7 @@ pub fn verify(request: &Request<'_>, monitor: &dyn Monitor) -> Result<Verificati
     for check in checks {
         let reference = ReferenceFrame::prepared(&graph, check.name(), certificate.frame, &mut cache, monitor)?;
         let count = check.count(request.choice);
-        let findings = check.run(&mut found, &reference, count, &Part { monitor, before: done, total })?;
+        let findings = check.run(&mut found, &reference, count, &OutputMonitor { monitor, before: done, total })?;
         found.outputs.push(findings);
         done += count;
     }
@@ -270,7 +270,8 @@ fn inputs(
 /// Compares the size, the channels and the block hashes of the image with those of the certificate.
 fn pixels_of_file(
     found: &mut Verification,
-    (certificate, name): (&Certificate, std::path::Display<'_>),
+    certificate: &Certificate,
+    name: std::path::Display<'_>,
     graph: &CheckedGraph,
     file: &OutputFile,
     image: &StoredImage,
@@ -343,14 +344,14 @@ fn named(controls: bool) -> &'static str {
 }
 
 /// Monitor of one output's share of the work.
-struct Part<'m> {
+struct OutputMonitor<'m> {
     monitor: &'m dyn Monitor,
     /// Pixels done before, and pixels in total.
     before: usize,
     total: usize,
 }
 
-impl Monitor for Part<'_> {
+impl Monitor for OutputMonitor<'_> {
     fn preparing(&self, node: &str) {
         self.monitor.preparing(node);
     }

@@ -7,7 +7,7 @@ use trochoid_graph::CheckedGraph;
 /// Returns the files that these outputs depend on at a frame.
 pub(super) fn files(graph: &CheckedGraph, outputs: &[usize], frame: i64) -> Vec<PathBuf> {
     let roots = outputs.iter().map(|index| graph.outputs()[*index].node);
-    graph.files(&graph.reached(roots, frame), &graph.frame_context(frame, u64::MAX))
+    graph.files(&graph.dependencies(roots, frame), &graph.frame_context(frame, u64::MAX))
 }
 
 /// Hashes a file; its path is relative to a folder.

@@ -16,7 +16,7 @@ use trochoid_io::{FileKind, SampleType};
 
 /// Data that a certificate is made from.
 #[derive(Clone, Copy, Debug)]
-pub struct Made<'m> {
+pub struct CertificateInputs<'m> {
     /// Graph of the document.
     pub graph: &'m CheckedGraph,
     /// Image file, which must be written already, because its pixels are read from it.
@@ -36,9 +36,9 @@ pub struct Made<'m> {
 ///
 /// # Errors
 /// The image or an input cannot be read.
-pub fn certify(made: &Made<'_>, path: &Path) -> Result<Certificate, CertificateError> {
-    let Made { graph, file, frame, .. } = *made;
-    let optimized = made.settings.switches != Switches::NONE;
+pub fn certify(inputs: &CertificateInputs<'_>, path: &Path) -> Result<Certificate, CertificateError> {
+    let CertificateInputs { graph, file, frame, .. } = *inputs;
+    let optimized = inputs.settings.switches != Switches::NONE;
     folder_of_file(path)?;
     let folder = folder_of(path);
     let inputs = files(graph, &file.outputs, frame.number);
@@ -51,13 +51,13 @@ pub fn certify(made: &Made<'_>, path: &Path) -> Result<Certificate, CertificateE
     let image = StoredImage::read(&file.path)?;
     let outputs = frame.pictures.iter().filter(|picture| file.outputs.contains(&picture.output));
     let outputs = outputs.filter_map(|picture| {
-        let certified = made.certified.iter().find(|certified| certified.output == picture.output)?;
-        Some(output(made, picture, certified, image.kind == FileKind::Png))
+        let certified = inputs.certified.iter().find(|certified| certified.output == picture.output)?;
+        Some(output(inputs, picture, certified, image.kind == FileKind::Png))
     });
     Ok(Certificate {
         digest: String::new(),
         document: DocumentText { canonical, folder: seen_from(&folder, graph.folder()), hash: graph.document_hash() },
-        fingerprint: fingerprint_of(made, &image),
+        fingerprint: fingerprint_of(inputs, &image),
         format: format_of(graph),
         frame: frame.number,
         image: image.hashes(seen_from(&folder, &file.path)),
@@ -71,9 +71,9 @@ pub fn certify(made: &Made<'_>, path: &Path) -> Result<Certificate, CertificateE
 }
 
 /// Returns the fingerprint in the image's own metadata, so that image and certificate agree.
-fn fingerprint_of(made: &Made<'_>, image: &StoredImage) -> String {
+fn fingerprint_of(inputs: &CertificateInputs<'_>, image: &StoredImage) -> String {
     let said = image.metadata.iter().find(|(key, _)| key == crate::resume::KEY).map(|(_, value)| value.clone());
-    said.unwrap_or_else(|| Fingerprints::with(made.settings).of(made.graph, made.file, made.frame.number))
+    said.unwrap_or_else(|| Fingerprints::with(inputs.settings).of(inputs.graph, inputs.file, inputs.frame.number))
 }
 
 /// Returns the format that a document requests.
@@ -138,8 +138,8 @@ pub(super) fn hash_of_corners(corners: &[Rgb]) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-fn output(made: &Made<'_>, picture: &Picture, certified: &Certified, png: bool) -> CertifiedOutput {
-    let graph = made.graph;
+fn output(inputs: &CertificateInputs<'_>, picture: &Picture, certified: &Certified, png: bool) -> CertifiedOutput {
+    let graph = inputs.graph;
     let spec = &graph.outputs()[picture.output];
     let audit = &picture.audit;
     let name = |guarantee: Guarantee| guarantee.name().to_string();
@@ -154,7 +154,7 @@ fn output(made: &Made<'_>, picture: &Picture, certified: &Certified, png: bool) 
             weight_sum_max_deviation: audit.weight_sum_max_deviation,
             worst: finite(audit.worst_exit),
         },
-        channels: channels_of(graph, spec, made.file, png).into_iter().map(|(name, _)| name).collect(),
+        channels: channels_of(graph, spec, inputs.file, png).into_iter().map(|(name, _)| name).collect(),
         controls: picture.guarantee.map(|_| Controls {
             count: picture.control_count as u64,
             corners: certified.palette.len() as u64,
@@ -163,7 +163,7 @@ fn output(made: &Made<'_>, picture: &Picture, certified: &Certified, png: bool) 
         }),
         error: error(certified),
         guarantee: picture.guarantee.map(|class| GuaranteeText {
-            asked: requirement(spec, made.required).map(name),
+            asked: requirement(spec, inputs.required).map(name),
             class: name(class),
             held: held(picture).map(name),
         }),

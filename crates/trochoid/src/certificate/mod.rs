@@ -9,7 +9,7 @@
 //! working spaces.
 //!
 //! ```
-//! use trochoid::certificate::{self, Choice, Made, Request};
+//! use trochoid::certificate::{self, Choice, CertificateInputs, Request};
 //! use trochoid::{Buffers, Cache, Certifier, OutputFile, Plan, Settings, Silent, write_output};
 //!
 //! let folder = tempfile::tempdir()?;
@@ -24,7 +24,7 @@
 //! write_output(&graph, &frame, &file, &[])?;
 //!
 //! let certified = Certifier::new(&graph, &[], 1, &[], &settings)?.certify(&Buffers::new(), &mut cache, &Silent)?;
-//! let made = Made { graph: &graph, file: &file, frame: &frame, certified: &certified, settings: &settings, required: None };
+//! let made = CertificateInputs { graph: &graph, file: &file, frame: &frame, certified: &certified, settings: &settings, required: None };
 //! let path = folder.path().join("a.certificate.json");
 //! let certificate = certificate::certify(&made, &path)?;
 //! assert!(certificate.outputs[0].error.samples.max.is_some_and(|max| max < 1e-6));
@@ -39,7 +39,7 @@
 mod chance;
 mod check;
 mod color;
-mod failed;
+mod failed_claim;
 mod image;
 mod inputs;
 mod make;
@@ -53,8 +53,8 @@ mod types;
 mod words;
 
 pub use check::{Choice, Findings, Request, Verification, verify};
-pub use failed::Failed;
+pub use failed_claim::FailedClaim;
 pub use image::error_image;
-pub use make::{Made, certify};
+pub use make::{CertificateInputs, certify};
 pub use seal::{CertificateError, NoCertificate, OtherDigest};
 pub use types::*;

@@ -2,7 +2,7 @@
 
 use super::chance::{allowed, choose};
 use super::color::Coding;
-use super::failed::Failed;
+use super::failed_claim::FailedClaim;
 use super::image::{StoredChannel, StoredImage};
 use super::make::hash_of_corners;
 use super::map::PixelMap;
@@ -43,12 +43,12 @@ pub(super) struct PixelCheck<'c> {
 /// Failures of one kind: the first few with their pixels, the others as a count.
 #[derive(Default)]
 struct Faults {
-    named: Vec<Failed>,
+    named: Vec<FailedClaim>,
     count: u64,
 }
 
 impl Faults {
-    fn add(&mut self, fault: impl FnOnce() -> Failed) {
+    fn add(&mut self, fault: impl FnOnce() -> FailedClaim) {
         self.count += 1;
         if self.count <= NAMED {
             self.named.push(fault());
@@ -74,7 +74,8 @@ impl<'c> PixelCheck<'c> {
         found: &mut Verification,
         certificate: &'c Certificate,
         written: &'c CertifiedOutput,
-        (graph, index): (&CheckedGraph, usize),
+        graph: &CheckedGraph,
+        index: usize,
         image: &'c StoredImage,
     ) -> Option<Self> {
         let spec = &graph.outputs()[index];
@@ -197,7 +198,7 @@ impl<'c> PixelCheck<'c> {
         let chosen = choose(self.digest, self.window.area(), count);
         for (index, piece) in chosen.chunks(PIECE).enumerate() {
             let places: Vec<[i64; 2]> = piece.iter().map(|pixel| self.place(*pixel)).collect();
-            let after = After { monitor, before: index * PIECE };
+            let after = PieceMonitor { monitor, before: index * PIECE };
             let pixels = reference.pixels(&places, &after)?;
             for (&pixel, reference) in piece.iter().zip(&pixels) {
                 findings.weight_min = findings.weight_min.min(reference.weight_min);
@@ -228,9 +229,9 @@ impl<'c> PixelCheck<'c> {
         [self.window.x0 + (pixel % width) as i64, self.window.y0 + (pixel / width) as i64]
     }
 
-    fn fault(&self, pixel: usize, found: String, expected: String) -> Failed {
+    fn fault(&self, pixel: usize, found: String, expected: String) -> FailedClaim {
         let [x, y] = self.place(pixel);
-        Failed { place: format!("output \"{}\", pixel ({x}, {y})", self.written.name), found, expected }
+        FailedClaim { place: format!("output \"{}\", pixel ({x}, {y})", self.written.name), found, expected }
     }
 
     /// Returns the range of values before rounding for each channel of a stored pixel.
@@ -357,12 +358,12 @@ struct Hulls {
 }
 
 /// Monitor of one piece of an output's work.
-struct After<'m> {
+struct PieceMonitor<'m> {
     monitor: &'m dyn Monitor,
     before: usize,
 }
 
-impl Monitor for After<'_> {
+impl Monitor for PieceMonitor<'_> {
     fn progress(&self, done: usize, total: usize) {
         self.monitor.progress(self.before + done, self.before + total);
     }

@@ -63,7 +63,7 @@ impl Studio {
         for file in &files {
             let metadata = crate::Fingerprints::new().metadata(&graph, file, &picture);
             write_output(&graph, &picture, file, &metadata).expect("written");
-            let made = Made {
+            let made = CertificateInputs {
                 graph: &graph,
                 file,
                 frame: &picture,

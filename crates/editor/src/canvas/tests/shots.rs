@@ -18,7 +18,7 @@ fn seen(scene: &str) -> Editor {
     let mut window = sized(Session::open(&file).unwrap(), None, [400.0, 300.0]);
     ask(&mut window, Action::Proxy(4));
     finished(&mut window);
-    until(&mut window, "thumbnails", |editor| !editor.state().seen.thumbnails.is_empty());
+    until(&mut window, "thumbnails", |editor| !editor.state().evaluated.thumbnails.is_empty());
     window.into_state().unwrap()
 }
 

@@ -1,7 +1,7 @@
 use super::{SMALL, small};
 use crate::document::{Edit, Path, Session, change, edit};
 use serde_json::json;
-use trochoid::{Item, Takes, registry};
+use trochoid::{Item, KnobType, registry};
 
 fn valid(session: &Session) {
     let errors: Vec<String> = session.meaning().errors().map(ToString::to_string).collect();
@@ -30,7 +30,7 @@ fn every_type_of_node_can_be_added_and_taken_back() {
             let item = declaration.items.iter().find(|item| item.name() == port);
             let is_open = matches!(item, Some(trochoid::Item::Port(_)));
             let is_text = matches!(item, Some(trochoid::Item::Knob(knob))
-                if matches!(knob.takes, trochoid::Takes::Path | trochoid::Takes::Text | trochoid::Takes::Numbers { .. }));
+                if matches!(knob.takes, trochoid::KnobType::Path | trochoid::KnobType::Text | trochoid::KnobType::Numbers { .. }));
             let is_list = matches!(item, Some(trochoid::Item::List(_)));
             let is_open = is_open || fault.remedy.contains("connect");
             assert!(is_open || is_text || is_list, "{name}: {fault}");
@@ -181,11 +181,11 @@ fn a_record_holds_what_its_items_take() {
         for item in items {
             match item {
                 Item::Knob(knob) => match (&knob.takes, body.get(knob.name)) {
-                    (Takes::Number { min, max }, Some(value)) => {
+                    (KnobType::Number { min, max }, Some(value)) => {
                         let number = value.as_f64().unwrap_or(f64::NAN);
                         assert!((*min..=*max).contains(&number), "{node}: {} {value}", knob.name);
                     }
-                    (Takes::Vector(count), Some(value)) => {
+                    (KnobType::Vector(count), Some(value)) => {
                         let found = value.as_array().map(Vec::len);
                         assert_eq!(found, Some(*count), "{node}: {} {value}", knob.name);
                     }

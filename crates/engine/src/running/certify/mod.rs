@@ -94,7 +94,7 @@ impl<'g> Certifier<'g> {
             let unbounded = run.unbounded.into_inner().unwrap_or_else(PoisonError::into_inner);
             for (certified, output) in all.iter_mut().zip(&plan.outputs) {
                 let node = plan.graph.outputs()[output.index].node;
-                let reached = plan.graph.reached([node], plan.frame());
+                let reached = plan.graph.dependencies([node], plan.frame());
                 certified.unbounded =
                     unbounded.iter().map(|(id, why)| (*id, *why)).filter(|(id, _)| reached[id.0]).collect();
                 match output.kind {

@@ -23,7 +23,9 @@ use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::HashMap;
 use std::time::Instant;
-use trochoid_graph::{Block, Connection, Found, Inputs, NoBound, NodeError, NodeId, Outputs, Slot, Stage, Variance};
+use trochoid_graph::{
+    Block, Connection, Inputs, NoBound, NodeError, NodeId, Outputs, SharedResult, Slot, Stage, Variance,
+};
 use trochoid_image::Window;
 
 /// All stages of a pass, with their planes over the current tile.
@@ -68,7 +70,7 @@ struct FillState<'p> {
     /// Results of the first sample at the pixels where the current sample does not share them.
     replaced: ReplacedValues,
     /// What the stage found at the first sample, for use at all samples.
-    found: Option<Found>,
+    found: Option<SharedResult>,
     /// Window needed for the current sample: everything that the planes hold, except for what was shared.
     need: Window,
     /// Why the stage knows no bound, if it was asked for one and has none.
@@ -245,7 +247,7 @@ impl<'p> Fills<'p> {
                 let asked = if sample == 0 {
                     stage.regions_of_interest(*port, own, format)
                 } else {
-                    stage.regions_once_found(*port, own, format)
+                    stage.regions_after_find(*port, own, format)
                 };
                 for (feeds, image) in connections.iter().zip(images) {
                     image.region = clamped(asked, image.extent);
@@ -337,7 +339,7 @@ impl<'p> Fills<'p> {
         sample: Sample,
         planes: &mut [Vec<Vec<f32>>],
         machine: Option<&mut Runner<'p>>,
-    ) -> Result<Option<Found>, NodeError> {
+    ) -> Result<Option<SharedResult>, NodeError> {
         let state = &self.fills[index];
         let before = &self.fills[..index];
         let window = state.own_window(state.window);

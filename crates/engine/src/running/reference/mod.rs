@@ -100,7 +100,7 @@ impl<'g> ReferenceFrame<'g> {
     /// Returns a node and its dependencies, inputs first.
     fn order(&self, id: NodeId) -> Arc<[NodeId]> {
         let upstream = || {
-            let needed = self.plan.graph.reached([id], self.plan.context.frame);
+            let needed = self.plan.graph.dependencies([id], self.plan.context.frame);
             self.plan.graph.order().iter().filter(|id| needed[id.0]).copied().collect()
         };
         let mut orders = self.orders.lock().unwrap_or_else(PoisonError::into_inner);

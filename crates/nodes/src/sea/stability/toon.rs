@@ -26,22 +26,22 @@ pub(crate) fn toon(sea: &ToonSea) -> Stability {
         Forecast { radius, .. } if radius < 1.0 - 1e-12 => Verdict::Stable,
         _ => Verdict::Bounded,
     };
-    let says = says(sea, &forecast, verdict);
+    let explanation = explanation(sea, &forecast, verdict);
     let map = match motion {
         Motion::Literal(mixing) | Motion::Resampled { mixing, .. } => Some(map(*mixing, basin)),
         Motion::Physical { .. } => None,
     };
-    Stability { verdict, says, figures: figures(sea, &forecast), map }
+    Stability { verdict, explanation, figures: figures(sea, &forecast), map }
 }
 
 fn cells(basin: &Basin) -> String {
     format!("{} × {} cells", basin.columns, basin.rows)
 }
 
-fn says(sea: &ToonSea, forecast: &Forecast, verdict: Verdict) -> Vec<String> {
+fn explanation(sea: &ToonSea, forecast: &Forecast, verdict: Verdict) -> Vec<String> {
     let (motion, basin) = (sea.motion(), sea.basin());
     let rate = motion.rate();
-    let mut says = vec![match verdict {
+    let mut explanation = vec![match verdict {
         Verdict::Stable => format!(
             "Every wave dies away: the slowest loses half in {:.3} steps ({}), and is down to a thousandth in {:.1}.",
             forecast.half_life,
@@ -56,7 +56,7 @@ fn says(sea: &ToonSea, forecast: &Forecast, verdict: Verdict) -> Vec<String> {
     match motion {
         Motion::Literal(mixing) | Motion::Resampled { mixing, .. } => {
             let [[low1, high1], [low2, high2]] = mixing.limits(basin);
-            says.push(format!(
+            explanation.push(format!(
                 "It becomes unstable with c1 outside {low1:.4} to {high1:.4} at c2 {}, with c2 outside {low2:.4} to \
                  {high2:.4} at c1 {}, or with a change of {:.4} in the worst direction.",
                 mixing.c2,
@@ -65,19 +65,19 @@ fn says(sea: &ToonSea, forecast: &Forecast, verdict: Verdict) -> Vec<String> {
             ));
             if mixing.c1 > 0.0 {
                 let Physics { speed, damping, frequency, .. } = mixing.continuum(basin.spacing);
-                says.push(format!(
+                explanation.push(format!(
                     "As waves: speed {speed:.3} m/s, damping {damping:.2} /s, frequency {frequency:.2} rad/s; mode \
                      \"physical\" with these values is always stable."
                 ));
             }
         }
-        Motion::Physical { .. } => says.push(
+        Motion::Physical { .. } => explanation.push(
             "It is always stable: a step is the exact solution on the grid, at any speed, damping and number of steps \
              per second."
                 .into(),
         ),
     }
-    says
+    explanation
 }
 
 fn figures(sea: &ToonSea, forecast: &Forecast) -> Vec<Figure> {

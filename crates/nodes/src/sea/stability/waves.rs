@@ -18,31 +18,31 @@ const TIMES: [f64; 4] = [0.0, 1.0, 10.0, 1000.0];
 /// Returns the stability report of a sum of waves.
 pub(crate) fn waves(waves: Vec<Wave>) -> Stability {
     let sea = Sea::new(waves);
-    let (mut says, mut figures) = (Vec::new(), Vec::new());
-    says.push(
+    let (mut explanation, mut figures) = (Vec::new(), Vec::new());
+    explanation.push(
         "Every frame is computed from its own time: nothing carries over from frame to frame, so no error grows."
             .into(),
     );
     if !sea.waves().is_empty() {
-        phases(&sea, &mut says, &mut figures);
+        phases(&sea, &mut explanation, &mut figures);
         heights(&sea, &mut figures);
     }
     if sea.waves().iter().any(|wave| wave.horizontal != 0.0) {
-        folds(&sea, &mut says, &mut figures);
+        folds(&sea, &mut explanation, &mut figures);
     } else {
-        says.push("Nothing folds: waves only move up and down.".into());
+        explanation.push("Nothing folds: waves only move up and down.".into());
     }
-    Stability { verdict: Verdict::ClosedForm, says, figures, map: None }
+    Stability { verdict: Verdict::ClosedForm, explanation, figures, map: None }
 }
 
-fn phases(sea: &Sea, says: &mut Vec<String>, figures: &mut Vec<Figure>) {
+fn phases(sea: &Sea, explanation: &mut Vec<String>, figures: &mut Vec<Figure>) {
     let worst = |of: &dyn Fn(&Wave) -> f64| sea.waves().iter().map(of).fold(0.0, f64::max);
     let places = [[0.0, 0.0], [FAR, -FAR], [-FAR, 0.3 * FAR]];
     let measured = |wave: &Wave| places.iter().map(|&place| wave.phase_error(place, FAR)).fold(0.0, f64::max);
     let bound = |wave: &Wave| places.iter().map(|&place| wave.phase_error_bound(place, FAR)).fold(0.0, f64::max);
     let rate = worst(&|wave| wave.phase_error_bound([0.0; 2], FAR)) / FAR;
     let reach = worst(&|wave| wave.phase_error_bound([FAR, FAR], 0.0)) / FAR;
-    says.push(format!(
+    explanation.push(format!(
         "Phases are accurate to a thousandth of a turn for {}, and up to {:.0e} m from the origin; beyond, the \
          fastest or the shortest wave is less accurate.",
         duration(VISIBLE / rate),
@@ -90,7 +90,7 @@ fn heights(sea: &Sea, figures: &mut Vec<Figure>) {
     });
 }
 
-fn folds(sea: &Sea, says: &mut Vec<String>, figures: &mut Vec<Figure>) {
+fn folds(sea: &Sea, explanation: &mut Vec<String>, figures: &mut Vec<Figure>) {
     let folds = TIMES.map(|time| sea.folding(FoldOptions { time, ..FoldOptions::default() }));
     let least = folds.iter().map(|fold| fold.jacobian_min).fold(f64::INFINITY, f64::min);
     let share = folds.iter().map(|fold| fold.folded_share).fold(0.0, f64::max);
@@ -98,7 +98,7 @@ fn folds(sea: &Sea, says: &mut Vec<String>, figures: &mut Vec<Figure>) {
     let (fold, samples) = (folds[0], FoldOptions::default().samples);
     // The bound holds only for waves with the settled signs.
     let proved = fold.proved() && sea.waves().iter().all(|wave| wave.horizontal >= 0.0);
-    says.push(match (proved, scale.is_finite()) {
+    explanation.push(match (proved, scale.is_finite()) {
         (true, _) => format!(
             "Nothing folds anywhere at any time: λ1 is {:.3}, less than 1. The proof holds until every sharpness is \
              multiplied by {:.3}.",

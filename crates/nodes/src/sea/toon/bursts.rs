@@ -5,7 +5,7 @@ use trochoid_sea::toon::{self as model, ToonError};
 
 /// A path and its timing.
 #[derive(Clone, Items)]
-pub(crate) struct Way {
+pub(crate) struct TimedPath {
     /// Control points x, z, x, z, … of a cubic Bézier curve, relative to the grid's first cell.
     #[knob(len = 8..=8, unit = "m", required)]
     path: Vec<f64>,
@@ -19,7 +19,7 @@ pub(crate) struct Way {
 
 /// The shape that a burst raises.
 #[derive(Clone, Items)]
-struct Heap {
+struct BurstShape {
     /// Height H of the burst.
     #[knob(default = 1.0, range = -1e6..=1e6, unit = "m")]
     height: f64,
@@ -36,7 +36,7 @@ struct Heap {
 
 /// The time during which it acts.
 #[derive(Clone, Items)]
-struct Span {
+struct ActiveTime {
     /// Share of the path over which it fades in at the start and out at the end.
     #[knob(default = 0.0, range = 0.0..=0.5)]
     fade: f64,
@@ -52,11 +52,11 @@ struct Span {
 #[derive(Clone, Items)]
 pub(crate) struct Burst {
     #[items]
-    way: Way,
+    path: TimedPath,
     #[items]
-    heap: Heap,
+    shape: BurstShape,
     #[items]
-    span: Span,
+    active: ActiveTime,
 }
 
 /// A burst and its randomized copies.
@@ -86,11 +86,11 @@ pub(crate) struct Guide {
 
 /// A floating body that travels along a path.
 #[derive(Clone, Items)]
-pub(crate) struct Afloat {
+pub(crate) struct FloatingBody {
     #[items]
-    way: Way,
+    path: TimedPath,
     #[items]
-    span: Span,
+    active: ActiveTime,
     /// Length of the hull.
     #[knob(default = 4.0, range = 1e-3..=1e5, unit = "m")]
     length: f64,
@@ -102,9 +102,9 @@ pub(crate) struct Afloat {
     draught: f64,
 }
 
-impl Way {
+impl TimedPath {
     /// Returns a burst that travels the path during the span.
-    fn burst(&self, span: &Span) -> model::Burst {
+    fn burst(&self, span: &ActiveTime) -> model::Burst {
         let part = |index: usize| self.path.get(index).copied().unwrap_or_default();
         model::Burst {
             duration: self.duration,
@@ -118,8 +118,8 @@ impl Way {
 
 impl Burst {
     pub(crate) fn burst(&self) -> model::Burst {
-        let Heap { height, peak, along, across } = self.heap;
-        model::Burst { height, peak, influence: [along, across], ..self.way.burst(&self.span) }
+        let BurstShape { height, peak, along, across } = self.shape;
+        model::Burst { height, peak, influence: [along, across], ..self.path.burst(&self.active) }
     }
 }
 
@@ -143,13 +143,13 @@ impl Guide {
     }
 }
 
-impl Afloat {
+impl FloatingBody {
     /// Returns the bursts with which the body moves the water.
     ///
     /// # Errors
     /// A value is out of range.
     pub(crate) fn bursts(&self) -> Result<Vec<model::Burst>, ToonError> {
         let Self { length, beam, draught, .. } = *self;
-        model::Body { way: self.way.burst(&self.span), length, beam, draught }.bursts()
+        model::Body { way: self.path.burst(&self.active), length, beam, draught }.bursts()
     }
 }

@@ -3,5 +3,5 @@
 mod bursts;
 mod prepared;
 
-pub(crate) use bursts::{Afloat, Burst, Guide, Way};
-pub(crate) use prepared::{Place, PreparedToon};
+pub(crate) use bursts::{Burst, FloatingBody, Guide, TimedPath};
+pub(crate) use prepared::{GridLayout, PreparedToonSea};

@@ -45,14 +45,14 @@ impl Trails {
 }
 
 /// Position of the grid.
-pub(crate) struct Place {
+pub(crate) struct GridLayout {
     pub(crate) columns: usize,
     pub(crate) spacing: f64,
     pub(crate) origin: [f64; 2],
     pub(crate) level: f64,
 }
 
-impl Place {
+impl GridLayout {
     fn exact(&self, frame: reference::Reference, scale: f64) -> SurfaceHandle {
         let single = |values: Vec<f64>, scale: f64| values.into_iter().map(|value| (value * scale) as f32).collect();
         let rift = single(frame.rift, 1.0);
@@ -89,22 +89,22 @@ impl Simulations {
     }
 }
 
-pub(crate) struct PreparedToon {
+pub(crate) struct PreparedToonSea {
     surface: SurfaceHandle,
     sea: ToonSea,
     time: f64,
-    place: Place,
+    layout: GridLayout,
     simulations: Simulations,
     /// The same surface from the f64 simulation, computed when a reference is first requested.
     reference: OnceLock<SurfaceHandle>,
 }
 
-impl PreparedToon {
+impl PreparedToonSea {
     /// Prepares the sea at the frame's time.
     ///
     /// # Errors
     /// The user cancelled.
-    pub(crate) fn new(sea: ToonSea, place: Place, prepare: &Prepare<'_>) -> Result<Self, NodeError> {
+    pub(crate) fn new(sea: ToonSea, layout: GridLayout, prepare: &Prepare<'_>) -> Result<Self, NodeError> {
         // Frames of one sea share its simulations, so that each takes only the steps since the previous frame. Trails
         // have separate simulations, which begin only when a view requests them.
         let simulation = prepare.shared(&sea, || Ok(Mutex::new(sea.simulate(TrailFields::default()))))?;
@@ -126,19 +126,19 @@ impl PreparedToon {
         };
         let simulations = Simulations { heights: simulation, trails: [rift.shared.clone(), drift.shared.clone()] };
         let surface: SurfaceHandle =
-            Arc::new(place.grid(heights).with_trails(move || rift.rift(), move || drift.drift()));
-        Ok(Self { surface, sea, time, place, simulations, reference: OnceLock::new() })
+            Arc::new(layout.grid(heights).with_trails(move || rift.rift(), move || drift.drift()));
+        Ok(Self { surface, sea, time, layout, simulations, reference: OnceLock::new() })
     }
 }
 
-impl Prepared for PreparedToon {
+impl Prepared for PreparedToonSea {
     fn handle(&self) -> Option<Handle> {
         Some(Arc::new(self.surface.clone()))
     }
 
     fn reference(&self, _inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let surface = self.reference.get_or_init(|| {
-            self.place.exact(reference::frame(&self.sea, self.time, ALL), self.sea.behavior().drift.scale())
+            self.layout.exact(reference::frame(&self.sea, self.time, ALL), self.sea.behavior().drift.scale())
         });
         Ok(vec![Reference::Handle(Arc::new(surface.clone()))])
     }

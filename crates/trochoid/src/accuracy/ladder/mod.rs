@@ -14,7 +14,7 @@ pub use work::{Saving, Scaling};
 use super::{Request, TargetError, allowed_of, knobs, pilot};
 use crate::{LoadError, Loaded};
 use limit::limit;
-use rung::Measuring;
+use rung::RungMeasurement;
 use trochoid_engine::Monitor;
 use trochoid_graph::CheckedGraph;
 use trochoid_image::{Format, Window};
@@ -88,15 +88,17 @@ pub fn climb(
     let settings = settings(&graph, request);
     // Steps: the references, the rungs, and three more. Progress of a run within a step is not reported.
     let told = monitor;
-    let monitor = &Unhurried(monitor);
+    let monitor = &WithoutProgress(monitor);
     let (grain, steps) = (asked.pixels.max(1), settings.len() + 4);
     let tell = |step: usize| told.progress(step * grain, steps * grain);
-    let truth = Truth::new(&graph, asked, &regions, &Part { monitor: told, steps })?;
+    let truth = Truth::new(&graph, asked, &regions, &FirstSteps { monitor: told, steps })?;
     let mut rungs: Vec<Rung> = Vec::new();
     for (index, (set, is_method)) in settings.into_iter().enumerate() {
         tell(index + 1);
         let graph = sized(&set)?;
-        rungs.push(Measuring { graph: &graph, asked, regions: &regions, truth: &truth, monitor }.rung(set, is_method)?);
+        rungs.push(
+            RungMeasurement { graph: &graph, asked, regions: &regions, truth: &truth, monitor }.rung(set, is_method)?,
+        );
     }
     for index in 0..rungs.len() {
         let own = (rungs[index].seconds, rungs[index].certified.max);
@@ -137,9 +139,9 @@ fn fastest(rungs: &[Rung], allowed: f64) -> Option<usize> {
 }
 
 /// Monitor that forwards everything but progress.
-struct Unhurried<'a>(&'a dyn Monitor);
+struct WithoutProgress<'a>(&'a dyn Monitor);
 
-impl Monitor for Unhurried<'_> {
+impl Monitor for WithoutProgress<'_> {
     fn preparing(&self, node: &str) {
         self.0.preparing(node);
     }
@@ -152,12 +154,12 @@ impl Monitor for Unhurried<'_> {
 }
 
 /// Monitor of the first of several equal steps.
-struct Part<'a> {
+struct FirstSteps<'a> {
     monitor: &'a dyn Monitor,
     steps: usize,
 }
 
-impl Monitor for Part<'_> {
+impl Monitor for FirstSteps<'_> {
     fn preparing(&self, node: &str) {
         self.monitor.preparing(node);
     }

@@ -81,7 +81,7 @@ pub struct PassError {
 }
 
 /// Inputs for measuring a rung.
-pub(super) struct Measuring<'a> {
+pub(super) struct RungMeasurement<'a> {
     pub(super) graph: &'a CheckedGraph,
     pub(super) asked: &'a LadderRequest<'a>,
     pub(super) regions: &'a [Window],
@@ -89,7 +89,7 @@ pub(super) struct Measuring<'a> {
     pub(super) monitor: &'a dyn Monitor,
 }
 
-impl Measuring<'_> {
+impl RungMeasurement<'_> {
     pub(super) fn rung(&self, set: Vec<String>, is_method: bool) -> Result<Rung, TargetError> {
         let (graph, request) = (self.graph, &self.asked.request);
         let predicted = predict(graph, request.outputs, request.frame, request.settings, self.monitor)?;

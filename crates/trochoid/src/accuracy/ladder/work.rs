@@ -71,7 +71,7 @@ pub(super) fn scalings(
     monitor: &dyn Monitor,
 ) -> Result<Vec<Scaling>, TargetError> {
     let mut scalings = Vec::new();
-    for number in knobs::numbers(graph, request.outputs, request.frame, |knob| knob.scales || knob.accuracy) {
+    for number in knobs::numbers(graph, request.outputs, request.frame, |knob| knob.affects_cost || knob.accuracy) {
         let mut points: Vec<(f64, f64)> = Vec::new();
         for factor in WORK {
             let value = number.value(factor);

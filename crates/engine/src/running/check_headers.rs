@@ -7,14 +7,14 @@ impl Plan<'_> {
     /// an evaluation would fail, for all nodes at once. Decodes no pixels.
     ///
     /// Skips files that do not exist, since they may still be made, and files that the document may not reach.
-    pub fn examine(&self) -> Vec<EvalError> {
+    pub fn check_headers(&self) -> Vec<EvalError> {
         let fault = |(id, wanted): &(_, Vec<Vec<bool>>)| {
             let stage = self.stage(*id)?;
             let is_there = stage.files(&self.context).iter().all(|file| file.exists());
             if !is_there || self.graph.refused(*id, &self.context).is_some() {
                 return None;
             }
-            let error = stage.examine(&self.context, wanted).err()?;
+            let error = stage.check_headers(&self.context, wanted).err()?;
             Some(EvalError::of(self.graph, *id, error))
         };
         self.prepares.iter().filter_map(fault).collect()

@@ -1,12 +1,12 @@
 //! Graphs at another size, with lengths in pixels scaled.
 
-use crate::{CheckedGraph, Item, Record, Setting, Takes};
+use crate::{CheckedGraph, Item, KnobType, Record, Setting};
 use trochoid_image::Format;
 
 impl CheckedGraph {
     /// Sets another format, for proxies and previews, and scales knobs in pixels, such as the width of a line, with
     /// the width of the picture.
-    pub fn drawn_at(mut self, format: Format) -> Self {
+    pub fn with_scaled_format(mut self, format: Format) -> Self {
         let scale = f64::from(format.width()) / f64::from(self.format.width());
         for node in &mut self.nodes {
             shrink(node.ty.declaration().items, &mut node.record, scale);
@@ -18,12 +18,12 @@ impl CheckedGraph {
 fn shrink(items: &[Item], record: &mut Record, scale: f64) {
     for item in items {
         let Item::Knob(knob) = item else { continue };
-        if !knob.drawn {
+        if !knob.in_pixels {
             continue;
         }
         let range = |value: f64| match knob.takes {
-            Takes::Number { min, max } => value.clamp(min, max),
-            Takes::Integer { min, max } => value.round().clamp(min as f64, max as f64),
+            KnobType::Number { min, max } => value.clamp(min, max),
+            KnobType::Integer { min, max } => value.round().clamp(min as f64, max as f64),
             _ => value,
         };
         let settings = record.knobs.iter_mut().filter(|(name, _)| *name == knob.name);
@@ -42,10 +42,10 @@ mod tests {
     #[derive(Clone, Items)]
     struct Line {
         /// A line's width.
-        #[knob(default = 4.0, range = 0.5..=64.0, drawn)]
+        #[knob(default = 4.0, range = 0.5..=64.0, in_pixels)]
         width: f64,
         /// A reach.
-        #[knob(default = 4, range = 1..=64, drawn)]
+        #[knob(default = 4, range = 1..=64, in_pixels)]
         reach: i64,
         /// A wave's height.
         #[knob(default = 4.0, range = 0.0..=64.0, unit = "m")]

@@ -6,7 +6,7 @@ use egui::{RichText, ScrollArea, TextEdit, Ui};
 
 /// State of the text panel.
 #[derive(Debug, Default)]
-pub(crate) struct Source {
+pub(crate) struct TextPanel {
     draft: Option<Draft>,
     /// Incremented by every change of the draft.
     typings: u64,
@@ -21,7 +21,7 @@ struct Draft {
     typed: bool,
 }
 
-impl Source {
+impl TextPanel {
     /// Returns the typed text that is not applied yet.
     pub(crate) fn pending(&self) -> Option<&str> {
         self.draft.as_ref().filter(|draft| draft.typed).map(|draft| draft.text.as_str())
@@ -39,9 +39,9 @@ impl Source {
 }
 
 /// Draws the text, with its faults and their places above.
-pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+pub(crate) fn text_panel_ui(panel: &mut TextPanel, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let session = &state.session;
-    if let Some(draft) = source.draft.as_mut().filter(|draft| draft.revision != session.revision()) {
+    if let Some(draft) = panel.draft.as_mut().filter(|draft| draft.revision != session.revision()) {
         draft.revision = session.revision();
         // Typed text is kept whatever happens to the document in the meantime.
         if !draft.typed {
@@ -49,19 +49,19 @@ pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions
         }
         draft.typed = draft.text != session.text();
     }
-    let typed = source.pending().is_some();
+    let typed = panel.pending().is_some();
     ui.horizontal(|ui| {
         if ui
             .add_enabled(typed, egui::Button::new("Apply"))
             .on_hover_text("Replace the document with this text (one undo step)")
             .clicked()
-            && let Some(text) = source.take()
+            && let Some(text) = panel.take()
         {
             actions.push(Action::Rewrite(text));
         }
         if ui.add_enabled(typed, egui::Button::new("Revert")).clicked() {
-            source.draft = None;
-            source.typings += 1;
+            panel.draft = None;
+            panel.typings += 1;
         }
         if typed {
             ui.weak("Not applied yet");
@@ -81,7 +81,7 @@ pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions
         .on_hover_text(&fault.remedy);
     }
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-        let draft = source.draft.get_or_insert_with(|| Draft {
+        let draft = panel.draft.get_or_insert_with(|| Draft {
             revision: session.revision(),
             text: session.text().into(),
             typed: false,
@@ -89,7 +89,7 @@ pub(crate) fn source_ui(source: &mut Source, ui: &mut Ui, state: &State, actions
         let edit = TextEdit::multiline(&mut draft.text).code_editor().desired_width(f32::INFINITY);
         if ui.add(edit).changed() {
             draft.typed = draft.text != session.text();
-            source.typings += 1;
+            panel.typings += 1;
         }
     });
 }

@@ -1,11 +1,11 @@
-//! Rooms of the engine: allowed dependencies between them, checked by the paths in their files.
+//! The folders of the engine: which may know which, by the paths that their files name.
 
 use crate::architecture::sources;
 use crate::support::root;
 use std::collections::BTreeMap;
 
 /// Rooms of the engine, with the other rooms that each may use; other modules are rooms of their own.
-const ROOMS: &[(&str, &[&str])] = &[
+const FOLDERS: &[(&str, &[&str])] = &[
     ("settings", &[]),
     ("rules", &[]),
     ("kernel", &["rules"]),
@@ -80,22 +80,22 @@ fn module(file: &str) -> Vec<&str> {
     path
 }
 
-/// Returns the room of each name that the root of the crate re-exports.
+/// Which folder hands each name on through the crate's root.
 fn exported(root: &str) -> BTreeMap<String, String> {
     let code = code(root);
     let uses = code.match_indices("use ").flat_map(|(at, word)| tree(&code[at + word.len()..]).0);
     uses.map(|path| (path[path.len() - 1].to_owned(), path[0].to_owned())).collect()
 }
 
-/// Returns the uses of other rooms that the table does not allow.
+/// What is known of another folder against the table.
 fn faults(files: &[(String, String)], exported: &BTreeMap<String, String>) -> Vec<String> {
-    let rooms: BTreeMap<&str, &[&str]> = ROOMS.iter().copied().collect();
+    let folders: BTreeMap<&str, &[&str]> = FOLDERS.iter().copied().collect();
     let mut faults = Vec::new();
     for (file, text) in files {
         let module = module(file);
         let Some(own) = module.first() else { continue };
-        let Some(allowed) = rooms.get(own) else {
-            faults.push(format!("{file} stands in no room"));
+        let Some(allowed) = folders.get(own) else {
+            faults.push(format!("{file} stands in no folder"));
             continue;
         };
         let code = code(text);
@@ -104,9 +104,9 @@ fn faults(files: &[(String, String)], exported: &BTreeMap<String, String>) -> Ve
             let from = if above > 0 { &module[..module.len().saturating_sub(above)] } else { &[] };
             let absolute = [from, &path[above.max(1)..]].concat();
             let Some(name) = absolute.first() else { continue };
-            let room = exported.get(*name).map_or(*name, String::as_str);
-            if room != *own && !allowed.contains(&room) {
-                faults.push(format!("{file} knows {room}, by {}", path.join("::")));
+            let folder = exported.get(*name).map_or(*name, String::as_str);
+            if folder != *own && !allowed.contains(&folder) {
+                faults.push(format!("{file} knows {folder}, by {}", path.join("::")));
             }
         }
     }
@@ -123,11 +123,11 @@ fn engine() -> (Vec<(String, String)>, BTreeMap<String, String>) {
 #[test]
 fn planning_knows_nothing_of_running() {
     let (files, exported) = engine();
-    for (room, _) in ROOMS {
-        assert!(files.iter().any(|(file, _)| module(file).first() == Some(room)), "{room} has no files");
+    for (folder, _) in FOLDERS {
+        assert!(files.iter().any(|(file, _)| module(file).first() == Some(folder)), "{folder} has no files");
     }
-    for (name, room) in [("Plan", "planning"), ("EvalError", "running"), ("Settings", "settings")] {
-        assert_eq!(exported[name], room);
+    for (name, folder) in [("Plan", "planning"), ("EvalError", "running"), ("Settings", "settings")] {
+        assert_eq!(exported[name], folder);
     }
     let faults = faults(&files, &exported);
     assert!(faults.is_empty(), "{}", faults.join("\n"));

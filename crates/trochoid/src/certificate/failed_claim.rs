@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Claim of a certificate that does not hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Failed {
+pub struct FailedClaim {
     /// Place of the failure.
     pub place: String,
     /// Value that was found there.
@@ -13,7 +13,7 @@ pub struct Failed {
     pub expected: String,
 }
 
-impl fmt::Display for Failed {
+impl fmt::Display for FailedClaim {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: found {}; expected {}", self.place, self.found, self.expected)
     }

@@ -9,11 +9,11 @@ pub(crate) fn grown(window: Window, by: i64) -> Window {
 }
 
 /// The planes of the view around a block; beyond the image, the nearest pixel repeats.
-pub(crate) struct Around<'a> {
+pub(crate) struct Neighborhood<'a> {
     view: &'a Connection<'a>,
 }
 
-impl<'a> Around<'a> {
+impl<'a> Neighborhood<'a> {
     pub(crate) fn of(inputs: &Inputs<'a>, view: &One<port::View>) -> Self {
         Self { view: &inputs.all(view)[0] }
     }
@@ -70,14 +70,14 @@ impl<'a> Around<'a> {
     }
 }
 
-/// Returns the index of the surface that a sample sees, as in [`Around::surfaces`].
+/// Returns the index of the surface that a sample sees, as in [`Neighborhood::surfaces`].
 pub(crate) fn surface_of(inputs: &References<'_>, view: &One<port::View>) -> f64 {
     let channel = |channel: Channel| inputs.view(view, channel);
     // Views that do not distinguish surfaces hold the background's −1.
     if channel(Channel::Coverage) > 0.0 { channel(Channel::Surface).max(0.0) } else { -1.0 }
 }
 
-/// Returns the span of the surface indices that a sample may see, as in [`Around::surfaces`]; any index if uncertain.
+/// Returns the span of the surface indices that a sample may see, as in [`Neighborhood::surfaces`]; any index if uncertain.
 pub(crate) fn may_see(bounding: &Bounding<'_>, view: &One<port::View>, sample: usize) -> Span {
     let [coverage, surface] =
         [Channel::Coverage, Channel::Surface].map(|channel| bounding.certain(view, channel, sample));

@@ -6,7 +6,7 @@ use super::picture::PictureError;
 use super::shown::{Display, Screen};
 use super::subject::Subject;
 use std::sync::Arc;
-use trochoid::{Format, NodeReport, Phases, Picture, Refused};
+use trochoid::{Format, NodeReport, Phases, Picture, RefusedFile};
 
 /// Request for a picture.
 #[derive(Clone, Debug)]
@@ -113,7 +113,7 @@ pub enum News {
         /// Whether evaluation had started; it does not start if the node has no picture.
         begun: bool,
         /// Files that may not be read; the first one of each node.
-        refused: Vec<Refused>,
+        refused: Vec<RefusedFile>,
     },
     /// Thumbnails of nodes.
     Thumbnails(Vec<Thumbnail>),

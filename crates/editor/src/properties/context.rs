@@ -22,14 +22,14 @@ pub(crate) struct Properties {
 }
 
 /// Path and value that a widget edits.
-pub(super) struct Place<'p> {
+pub(super) struct WidgetContext<'p> {
     pub(super) state: &'p State,
     pub(super) path: Path,
     /// Value in the document.
     pub(super) value: Option<&'p Value>,
 }
 
-impl Place<'_> {
+impl WidgetContext<'_> {
     /// Creates an edit that sets the value; edits during one gesture merge into one undo step.
     pub(super) fn set(&self, value: &Value) -> Edit {
         Edit::set(self.path.clone(), value).merging(self.path.to_string())
