@@ -3,8 +3,8 @@
 
 use serde_json::Value;
 use trochoid::{
-    Diagnostic, EvalError, Means, MeasureError, NameFault, NamePlace, NodeError, Outside, Refused, folders_to_allow,
-    io, quoted, quoted_path,
+    AccessViolation, Diagnostic, EvalError, Means, MeasureError, NameFault, NamePlace, NodeError, RefusedFile,
+    folders_to_allow, io, quoted, quoted_path,
 };
 use trochoid_terminal::enough_memory;
 
@@ -12,12 +12,12 @@ use trochoid_terminal::enough_memory;
 pub(crate) const REPLACE: &str = "give another name, or replace it with --overwrite";
 
 /// Returns the options that allow some files.
-pub(crate) fn allow<'o>(files: impl IntoIterator<Item = &'o Outside>) -> String {
+pub(crate) fn allow<'o>(files: impl IntoIterator<Item = &'o AccessViolation>) -> String {
     let folders = folders_to_allow(files);
     folders.iter().map(|folder| format!("--allow {}", quoted_path(folder))).collect::<Vec<_>>().join(" ")
 }
 
-fn trusted(files: &[Outside]) -> String {
+fn trusted(files: &[AccessViolation]) -> String {
     let what = if files.len() == 1 { "this file" } else { "these files" };
     format!("if you trust the document with {what}: {}", allow(files))
 }
@@ -72,7 +72,7 @@ pub(crate) fn evaluation(failed: &EvalError) -> String {
             format!("{failed}, or to try it by --set {node}.{knob}=…")
         }
         EvalError::Node { place, node, ty, error } => match error.source().and_then(|error| error.downcast_ref()) {
-            Some(refused @ Refused { outside, .. }) => {
+            Some(refused @ RefusedFile { outside, .. }) => {
                 let (found, expected) = (refused.found(), outside.expected());
                 let remedy = trusted(std::slice::from_ref(outside));
                 format!("{place}: node \"{node}\" ({ty}): found {found}; expected {expected}; {remedy}")
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn options_allow_each_folder_once_as_a_shell_takes_them() {
-        let outside = |path: &str| Outside { leads_to: path.into(), allowed: Vec::new() };
+        let outside = |path: &str| AccessViolation { leads_to: path.into(), allowed: Vec::new() };
         let paths = ["/a b/x.png", "/c/d/y.png", "/c/z.png", "/c/z2.png", "/it's/#1/x"].map(outside);
         assert_eq!(allow(&paths), r##"--allow '/a b' --allow /c --allow "/it's/#1""##);
         assert_eq!(trusted(&paths[..1]), "if you trust the document with this file: --allow '/a b'");

@@ -343,7 +343,7 @@ fn stability_ui(
         ui.weak("Analyzed before the last change of the document:");
     }
     ui.label(RichText::new(format!("Verdict: {}", stability.verdict.name())).strong());
-    for sentence in &stability.says {
+    for sentence in &stability.explanation {
         ui.add(egui::Label::new(sentence).wrap());
     }
     if let Some(map) = &stability.map {

@@ -89,8 +89,11 @@ const ALLOW_ALL: &str = "allow them if you trust the document";
 pub fn refusals(refused: &[RefusedFile]) -> Vec<Diagnostic> {
     let remedy = if refused.len() == 1 { ALLOW } else { ALLOW_ALL };
     let means = Means::Allow(refused.iter().map(|refused| refused.outside.clone()).collect());
-    let fault =
-        |refused: &RefusedFile| Diagnostic { remedy: remedy.into(), means: Some(means.clone()), ..refused.diagnostic() };
+    let fault = |refused: &RefusedFile| Diagnostic {
+        remedy: remedy.into(),
+        means: Some(means.clone()),
+        ..refused.diagnostic()
+    };
     refused.iter().map(fault).collect()
 }
 

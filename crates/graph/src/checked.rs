@@ -2,7 +2,9 @@
 //! evaluation.
 
 use crate::Tolerance;
-use crate::{Access, DocumentPlace, FrameContext, Item, Kind, KnobType, NodeId, NodeType, Record, Setting, Settled, Work};
+use crate::{
+    Access, DocumentPlace, FrameContext, Item, Kind, KnobType, NodeId, NodeType, Record, Setting, Settled, Work,
+};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use trochoid_image::{Format, WorkingSpace};

@@ -1,7 +1,7 @@
 //! Diagnostics of validation: faults and warnings, each with its place, what was found, what was expected, and a
 //! remedy.
 
-use crate::Outside;
+use crate::AccessViolation;
 use std::fmt;
 
 /// Place in a document.
@@ -62,7 +62,7 @@ pub struct Diagnostic {
 #[non_exhaustive]
 pub enum Means {
     /// Allowing the document these files.
-    Allow(Vec<Outside>),
+    Allow(Vec<AccessViolation>),
     /// Assigning a whole list in place of an item of it.
     SetList {
         /// Name of the list.

@@ -171,7 +171,7 @@ impl Document {
         if offset >= OVERRIDE {
             return (0, 0);
         }
-        self.places.get_or_init(|| Places::new(&self.text)).find(&self.text, offset)
+        self.lines.get_or_init(|| LineIndex::new(&self.text)).find(&self.text, offset)
     }
 
     /// Returns the document as canonical text: keys sorted, `ui` and notes left out, assignments applied. Documents with

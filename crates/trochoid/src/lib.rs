@@ -110,13 +110,13 @@ pub use trochoid_engine::{
     ProofStep, ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{
-    Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, DataPlace, Declaration,
-    Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files,
-    Guarantee, Harmonic, Interpolation, Item, Key, Kind, Knob, KnobDefault, KnobType, List, Means, MemoryUse, NodeError, NodeId, NodeType,
-    Offer, Omission, OutputSpec, Paths, Port, Precision, REFUSALS, Refusal, RefusedFile, Registry, Relation,
-    Right, Role, Severity, Source, Spectrum, Stability, StabilityMap, Term, Tolerance, Verdict, Work, counted,
-    escape_frame, expand_frame, expected, folders_to_allow, in_bytes, nearest, quoted, quoted_path, refusal, refusals,
-    resolved, schema,
+    Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, DataPlace,
+    Declaration, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files, Guarantee, Harmonic,
+    Interpolation, Item, Key, Kind, Knob, KnobDefault, KnobType, List, Means, MemoryUse, NodeError, NodeId, NodeType,
+    Offer, Omission, OutputSpec, Paths, Port, Precision, REFUSALS, Refusal, RefusedFile, Registry, Relation, Right,
+    Role, Severity, Source, Spectrum, Stability, StabilityMap, Term, Tolerance, Verdict, Work, counted, escape_frame,
+    expand_frame, expected, folders_to_allow, in_bytes, nearest, quoted, quoted_path, refusal, refusals, resolved,
+    schema,
 };
 pub use trochoid_image::{Format, FormatError, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]

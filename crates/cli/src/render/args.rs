@@ -1,6 +1,6 @@
 //! Options of `trochoid render`.
 
-use crate::files::Files;
+use crate::files::FileOptions;
 use std::path::PathBuf;
 use trochoid::{Guarantee, Tolerance};
 

@@ -142,9 +142,9 @@ impl Editor {
         let why = self.state.session.meaning().errors().next().map(|fault| fault.found.clone()).unwrap_or_default();
         let evaluated = &mut self.state.evaluated;
         evaluated.failed = Some(format!("found text that is not JSON: {why}"));
-        (seen.culprit, seen.broken, seen.progress) = (None, false, None);
-        seen.refused.clear();
-        seen.last = seen.result.take().or(seen.last.take());
+        (evaluated.culprit, evaluated.broken, evaluated.progress) = (None, false, None);
+        evaluated.refused.clear();
+        evaluated.last = evaluated.result.take().or(evaluated.last.take());
     }
 
     /// Returns whether the last requested picture is this frame of the current document.

@@ -7,8 +7,8 @@ use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use std::path;
 use trochoid::{
-    CheckedGraph, Diagnostic, DocumentPlace, EvalError, Format, FormatError, Kind, LoadError, NodeId, RefusedFile, Role,
-    Severity, parse, registry,
+    CheckedGraph, Diagnostic, DocumentPlace, EvalError, Format, FormatError, Kind, LoadError, NodeId, RefusedFile,
+    Role, Severity, parse, registry,
 };
 
 /// Name of the lens's output.

@@ -98,7 +98,7 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
     let Some(node) = sheet.node(name) else { return };
     ui.horizontal_wrapped(|ui| {
         let read = |typed: &str| wrong_name(typed.trim(), sheet).map_or_else(|| Ok(typed.trim().to_string()), Err);
-        let named = field::draft_ui(ui, ("name", name), read, |text| {
+        let named = field::draft_ui(ui, "name", name, read, |text| {
             egui::TextEdit::singleline(text).desired_width(150.0).font(egui::TextStyle::Heading)
         });
         named.response.on_hover_text("Name of the node; references to it are updated when it changes");

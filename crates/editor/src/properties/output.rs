@@ -53,7 +53,7 @@ pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Ve
             Some(why) => Err(why),
             None => Ok(typed.trim().to_string()),
         };
-        let named = field::draft_ui(ui, ("name", name), read, |text| {
+        let named = field::draft_ui(ui, "name", name, read, |text| {
             TextEdit::singleline(text).desired_width(150.0).font(egui::TextStyle::Heading)
         });
         named.response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Name of the output"));
@@ -90,9 +90,9 @@ pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Ve
         });
         ui.end_row();
         let help = "Path ending in .exr or .png, relative to the document; #### is the frame, {output} the name.";
-        text_ui(ui, sheet, (name, "file", "File"), help, actions);
+        text_ui(ui, sheet, name, "file", "File", help, actions);
         let help = "Layer in the EXR file; by default the output's name. Outputs with the same file share it.";
-        text_ui(ui, sheet, (name, "layer", "Layer"), help, actions);
+        text_ui(ui, sheet, name, "layer", "Layer", help, actions);
         let body = sheet.get(&output::path(name));
         let precision = body.and_then(|body| body.get("precision")).and_then(Value::as_str);
         let set = |(word, gesture): (Option<&str>, Gesture), key: &str, value: fn(&str) -> Value, actions: &mut _| {

@@ -232,5 +232,5 @@ fn a_change_is_not_made_of_what_the_typed_text_has_changed() {
     act(&mut window, Action::Edit(Edit::set(Path::node("dusk").to("weight"), &json!(0.1))));
     assert_eq!(editor(&window).state().session.text(), typed);
     assert!(editor(&window).notices.texts().iter().any(|text| text.contains("repeat your edit")));
-    until(&mut window, "nothing typed", |editor| editor.panels.source.pending().is_none());
+    until(&mut window, "nothing typed", |editor| editor.panels.text.pending().is_none());
 }

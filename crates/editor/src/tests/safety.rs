@@ -139,10 +139,10 @@ fn text_that_is_not_applied_is_unsaved_work() {
         desk.window.get_by_label("Cancel").click();
         desk.window.run_steps(3);
     }
-    assert_eq!(editor(&desk.window).panels.source.pending(), Some(typed.as_str()));
+    assert_eq!(editor(&desk.window).panels.text.pending(), Some(typed.as_str()));
     desk.saves();
     assert_eq!(desk.stored(), typed);
-    assert!(!desk.dot() && editor(&desk.window).panels.source.pending().is_none());
+    assert!(!desk.dot() && editor(&desk.window).panels.text.pending().is_none());
     desk.keeps("the copy to go", None);
     desk.act(Action::Undo);
     assert_eq!(editor(&desk.window).state().session.text(), DUSK);
@@ -161,7 +161,7 @@ fn text_that_is_no_json_is_not_saved_in_silence() {
     desk.act(Action::SaveAs);
     assert!(!editor(&desk.window).prompts.is_open());
     assert_eq!(editor(&desk.window).state().session.text(), DUSK);
-    assert_eq!(editor(&desk.window).panels.source.pending(), Some("{ \"trochoid\": 1, "));
+    assert_eq!(editor(&desk.window).panels.text.pending(), Some("{ \"trochoid\": 1, "));
 }
 
 #[test]

@@ -112,7 +112,9 @@ pub(super) fn inspector_ui(ui: &mut Ui, state: &State, result: &Result, at: Pos2
                 blame_ui(ui, state, result, blamed, actions);
             });
         }
-        None if state.evaluated.progress.is_some() => drop(ui.weak("Composition available when the picture is finished.")),
+        None if state.evaluated.progress.is_some() => {
+            drop(ui.weak("Composition available when the picture is finished."))
+        }
         None => drop(ui.weak("Finding the control colors …")),
     }
 }

@@ -130,7 +130,7 @@ impl Reading<'_> {
         let mut reader = RowReader::open(self.path, &self.selection(channels), &limits(self.frame)).map_err(io)?;
         let info = reader.info().clone();
         filled(self.path, info.part, info.data)?;
-        let made = self.made(kind, &info, named, wanted)?;
+        let made = self.channel_plan(kind, &info, named, wanted)?;
         let bytes = |pixels: usize| (size_of::<f32>() * made.targets.len()) as u64 * pixels as u64;
         if bytes(info.data.area()) <= budget {
             return Ok(None);

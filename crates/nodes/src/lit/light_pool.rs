@@ -97,7 +97,7 @@ impl Stage for LightPool {
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let lights: Vec<Light> = prepare.handles(&self.light)?;
         let pools = Pools {
-            spots: self.pools.iter().map(PreparedPool::of).collect(),
+            pools: self.pools.iter().map(PreparedPool::of).collect(),
             slant: lights.first().map_or([0.0; 2], slant),
             ragged: self.ragged,
             from: self.from,
@@ -138,7 +138,7 @@ impl PreparedPool {
 
 /// All pools, and how their light is mapped to the mask.
 struct Pools {
-    spots: Vec<PreparedPool>,
+    pools: Vec<PreparedPool>,
     slant: [f64; 2],
     ragged: f64,
     from: f64,
@@ -163,7 +163,7 @@ impl Pools {
             let power = a * a + b * b;
             if power < NOTHING { pool.strength * libm::exp(-power) } else { 0.0 }
         };
-        let sum = self.spots.iter().map(light).sum::<f64>() + self.ragged * noise;
+        let sum = self.pools.iter().map(light).sum::<f64>() + self.ragged * noise;
         self.brightness(sum)
     }
 
@@ -186,7 +186,7 @@ impl Pools {
         if low.is_nan() || high.is_nan() || !(dx + dz).is_finite() {
             return Span::unclear(0.0, 1.0);
         }
-        for pool in &self.spots {
+        for pool in &self.pools {
             let [cos, sin] = pool.along.map(f64::abs);
             let [a, b] = self.across(pool, DVec3::from(middle));
             let away = [(a, (dx * cos + dz * sin) / pool.size[0]), (b, (dz * cos + dx * sin) / pool.size[1])];
@@ -198,7 +198,7 @@ impl Pools {
             high += light(power(|at, by| at - by));
         }
         // Account for Gaussians counted as 0, and for the rounding of sums.
-        let strength = self.spots.iter().map(|pool| pool.strength).sum::<f64>();
+        let strength = self.pools.iter().map(|pool| pool.strength).sum::<f64>();
         let sum = Span { low, high, clear: true }.wider(LOST * (strength + (self.ragged * noise.high).abs()));
         let ends = [sum.low, sum.high].map(|sum| self.brightness(sum));
         let clear = noise.clear && point.iter().all(|along| along.clear);
@@ -207,7 +207,7 @@ impl Pools {
     }
 
     /// Returns the distances of a point from a pool's center along and across it, as fractions of half its size.
-    fn across(&self, pool: &Spot, point: DVec3) -> [f64; 2] {
+    fn across(&self, pool: &PreparedPool, point: DVec3) -> [f64; 2] {
         let place = [point.x - self.slant[0] * point.y, point.z - self.slant[1] * point.y];
         let [dx, dz] = [place[0] - pool.center[0], place[1] - pool.center[1]];
         let [cos, sin] = pool.along;
@@ -260,7 +260,7 @@ mod tests {
 
     fn falling(slant: [f64; 2]) -> Pools {
         let spot = PreparedPool { center: [10.0, -5.0], along: [0.6, 0.8], size: [20.0, 5.0], strength: 1.0 };
-        Pools { spots: vec![spot], slant, ragged: 0.5, from: 0.0, to: 1.0 }
+        Pools { pools: vec![spot], slant, ragged: 0.5, from: 0.0, to: 1.0 }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! CrestFoam: foam on high, flat crests.
 
-use crate::view::{Masks, Ramp};
+use crate::view::{ChannelMask, Ramp};
 use trochoid_graph::*;
 
 /// A mask of foam on wave crests: where the surface is high and nearly level.
@@ -35,7 +35,7 @@ pub(crate) struct CrestFoam {
     softness: f64,
 }
 
-impl Masks for CrestFoam {
+impl ChannelMask for CrestFoam {
     fn view(&self) -> &One<port::View> {
         &self.view
     }

@@ -1,6 +1,6 @@
 //! FoldFoam: foam where waves squeeze the surface.
 
-use crate::view::{Masks, Ramp};
+use crate::view::{ChannelMask, Ramp};
 use trochoid_graph::*;
 
 /// A mask of foam where waves squeeze the surface; it starts before crests fold over.
@@ -29,7 +29,7 @@ pub(crate) struct FoldFoam {
     width: f64,
 }
 
-impl Masks for FoldFoam {
+impl ChannelMask for FoldFoam {
     fn view(&self) -> &One<port::View> {
         &self.view
     }

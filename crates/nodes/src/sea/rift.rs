@@ -1,6 +1,6 @@
 //! Rift: foam trails behind bursts.
 
-use crate::view::Copies;
+use crate::view::ChannelCopy;
 use trochoid_graph::*;
 
 /// The rift of a toon sea: the amount of foam that trails behind its bursts. Connect it to Bands or Clamp.
@@ -23,7 +23,7 @@ pub(crate) struct Rift {
     view: One<port::View>,
 }
 
-impl Copies for Rift {
+impl ChannelCopy for Rift {
     const CHANNELS: &[Channel] = &[Channel::Rift];
 
     fn view(&self) -> &One<port::View> {

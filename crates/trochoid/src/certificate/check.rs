@@ -156,7 +156,7 @@ pub fn verify(request: &Request<'_>, monitor: &dyn Monitor) -> Result<Verificati
     pixels_of_file(&mut found, &certificate, request.certificate.display(), &graph, &file, &image);
     let mut checks = Vec::new();
     for (written, index) in certificate.outputs.iter().zip(&file.outputs) {
-        checks.extend(PixelCheck::new(&mut found, &certificate, written, (&graph, *index), &image));
+        checks.extend(PixelCheck::new(&mut found, &certificate, written, &graph, *index, &image));
     }
     if !found.holds() {
         return Ok(found);

@@ -41,8 +41,8 @@ pub fn certify(inputs: &CertificateInputs<'_>, path: &Path) -> Result<Certificat
     let optimized = inputs.settings.switches != Switches::NONE;
     folder_of_file(path)?;
     let folder = folder_of(path);
-    let inputs = files(graph, &file.outputs, frame.number);
-    let inputs: Result<Vec<InputHash>, CertificateError> = inputs.iter().map(|path| hashed(path, &folder)).collect();
+    let paths = files(graph, &file.outputs, frame.number);
+    let hashes: Result<Vec<InputHash>, CertificateError> = paths.iter().map(|path| hashed(path, &folder)).collect();
     let canonical = RawValue::from_string(graph.canonical().into());
     let canonical = canonical.map_err(|error| CertificateError::NoCertificate {
         path: path.into(),
@@ -61,7 +61,7 @@ pub fn certify(inputs: &CertificateInputs<'_>, path: &Path) -> Result<Certificat
         format: format_of(graph),
         frame: frame.number,
         image: image.hashes(seen_from(&folder, &file.path)),
-        inputs: inputs?,
+        inputs: hashes?,
         optimized,
         outputs: outputs.collect(),
         plan: plan_of(graph, &file.outputs, frame.number, optimized)?,
