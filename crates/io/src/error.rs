@@ -184,7 +184,7 @@ pub enum Error {
     },
     /// The existing file may not be replaced; nothing was written.
     #[error(
-        "{}: the file cannot be written: the existing file is not Trochoid's: give another name, or move it away",
+        "{}: the file cannot be written: the existing file is not Trochoid's: give another name, or move the existing file away",
         path.display()
     )]
     Foreign {
