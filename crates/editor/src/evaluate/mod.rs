@@ -1,6 +1,7 @@
 //! Evaluation on a separate thread: newest request first, coarse before fine, and the interface never waits for it.
 
 pub mod blame;
+mod error;
 mod evaluator;
 pub mod lens;
 mod picture;

@@ -1,6 +1,7 @@
 //! Evaluation of a single picture.
 
-use super::lens::{Lens, LensError, OUTPUT};
+use super::error::PictureError;
+use super::lens::{Lens, OUTPUT};
 use super::queue::Cancellation;
 use super::request::{Job, Result};
 use super::shown;
@@ -8,7 +9,7 @@ use std::sync::Arc;
 use std::time::Instant;
 #[cfg(test)]
 use trochoid::Monitor;
-use trochoid::{Buffers, Cache, EvalError, Format, FormatError, Plan, PlanError, Settings, Window};
+use trochoid::{Buffers, Cache, EvalError, Format, Plan, Settings, Window};
 
 /// Reason why there is no picture.
 pub(super) enum Failure {
@@ -21,36 +22,6 @@ pub(super) enum Failure {
 impl<E: Into<PictureError>> From<E> for Failure {
     fn from(error: E) -> Self {
         Self::Because(error.into())
-    }
-}
-
-/// Reason that a picture cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum PictureError {
-    /// The node cannot be viewed.
-    #[error(transparent)]
-    Lens(#[from] LensError),
-    /// The format is invalid.
-    #[error(transparent)]
-    Format(#[from] FormatError),
-    /// Planning failed.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    /// Evaluation failed.
-    #[error(transparent)]
-    Evaluate(#[from] EvalError),
-    /// No picture was made.
-    #[error("nothing was evaluated")]
-    Nothing,
-}
-
-impl PictureError {
-    /// Returns the node that failed, if the failure belongs to one.
-    pub fn node(&self) -> Option<&str> {
-        match self {
-            Self::Evaluate(EvalError::Node { node, .. }) => Some(node),
-            _ => None,
-        }
     }
 }
 

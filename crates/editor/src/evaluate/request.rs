@@ -1,8 +1,8 @@
 //! Requests to the evaluation thread, and its answers.
 
 use super::blame::Blamed;
+use super::error::PictureError;
 use super::lens::Lens;
-use super::picture::PictureError;
 use super::shown::{Display, Screen};
 use super::subject::Subject;
 use std::sync::Arc;

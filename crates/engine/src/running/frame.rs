@@ -1,6 +1,6 @@
 //! Results of an evaluation: pictures, what was counted on them, and where the time went.
 
-use super::buffers::BufferFault;
+use super::buffer_fault::BufferFault;
 use super::foreign::ForeignError;
 use crate::LeftOut;
 use std::sync::Arc;

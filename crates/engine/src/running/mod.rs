@@ -7,6 +7,7 @@
 //! `reference` the slow f64 result, `examine` faults of input files.
 
 pub(crate) mod bands;
+pub(crate) mod buffer_fault;
 pub(crate) mod buffers;
 pub(crate) mod certify;
 mod check_headers;

@@ -1,6 +1,6 @@
 //! Evaluates batches of shading samples, for renderers that shade points instead of images.
 
-use super::buffers::BufferFault;
+use super::buffer_fault::BufferFault;
 use crate::kernel::{Chunks, Machine, Plane};
 use crate::{Buffers, EvalError, Plan, PlanError, Settings};
 use trochoid_graph::{CheckedGraph, Kind};

@@ -1,7 +1,15 @@
 //! Errors of formulas, as data and in words.
 
-use super::{Function, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH};
+use super::Function;
 use std::fmt::{Display, Formatter, Result};
+
+/// Maximum depth of nesting, far deeper than formulas written by hand. Deeper nesting could overflow the stack.
+pub const MAX_DEPTH: usize = 64;
+/// Maximum length in characters, far longer than formulas written by hand. It also bounds the depth to which a chain of
+/// operators nests.
+pub const MAX_LENGTH: usize = 1000;
+/// Maximum number of components of a value.
+pub const MAX_WIDTH: usize = 4;
 
 /// Error in a formula.
 #[derive(Clone, Debug, PartialEq, Eq)]

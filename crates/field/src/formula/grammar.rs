@@ -12,13 +12,7 @@
 //! lack vectors.
 
 use super::typing::{each, join};
-use super::{Expected, Expression, Fault, Found, Function, MAX_WIDTH, Tree};
-
-/// Maximum depth of nesting, far deeper than formulas written by hand. Deeper nesting could overflow the stack.
-pub const MAX_DEPTH: usize = 64;
-/// Maximum length in characters, far longer than formulas written by hand. It also bounds the depth to which a chain of
-/// operators nests.
-pub const MAX_LENGTH: usize = 1000;
+use super::{Expected, Expression, Fault, Found, Function, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH, Tree};
 
 /// Parses a formula. `inputs` gives the numbers of components of the inputs a, b, c and d; `None` if unconnected.
 ///

@@ -12,8 +12,7 @@ mod typing;
 
 pub use expression::Expression;
 use expression::Tree;
-pub use fault::{Expected, Fault, Found, Remedy};
+pub use fault::{Expected, Fault, Found, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH, Remedy};
 use function::Function;
-pub use grammar::{MAX_DEPTH, MAX_LENGTH, parse};
+pub use grammar::parse;
 pub use program::Program;
-pub use typing::MAX_WIDTH;

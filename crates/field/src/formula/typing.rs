@@ -1,11 +1,8 @@
 //! Names in formulas, and checks of the numbers of components that are combined.
 
 use super::grammar::{Parsed, Parser, fault_at};
-use super::{Expected, Expression, Fault, Found, Function, Remedy, Tree};
+use super::{Expected, Expression, Fault, Found, Function, MAX_WIDTH, Remedy, Tree};
 use trochoid_graph::nearest;
-
-/// Maximum number of components of a value.
-pub const MAX_WIDTH: usize = 4;
 
 const INPUTS: [&str; 4] = ["a", "b", "c", "d"];
 

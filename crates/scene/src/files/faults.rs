@@ -1,11 +1,15 @@
 //! Errors of surface files, as data and in words: place, what was found, what was expected, and what to do.
 
-use super::obj::{MOST, explained};
-use super::patches::FARTHEST;
 use crate::bezier::{MAX_PATCHES, RailsError};
 use crate::{MAX_TRIANGLES, TrianglesError};
 use gltf::accessor::{DataType, Dimensions};
 use thiserror::Error;
+use tobj::LoadError;
+
+/// Largest coordinate of a mesh, in absolute value: beyond it, a scene could not tell neighboring vertices apart.
+pub(super) const MAX_COORDINATE: f64 = 1e15;
+/// Largest coordinate of a model of patches, in absolute value.
+pub(super) const MAX_PATCH_COORDINATE: f64 = 1e9;
 
 /// Error in the bytes of a mesh file.
 #[derive(Debug, Error)]
@@ -60,7 +64,7 @@ pub enum ObjFault {
         /// Line, from 1.
         line: usize,
         /// Reason.
-        fault: tobj::LoadError,
+        fault: LoadError,
     },
     /// An index of an element that does not exist.
     #[error(
@@ -79,7 +83,7 @@ pub enum ObjFault {
     },
     /// A coordinate that is not finite, or too large.
     #[error(
-        "object {object}: found the coordinate {found:?} of a vertex; expected finite numbers up to {MOST:e}: correct it, \
+        "object {object}: found the coordinate {found:?} of a vertex; expected finite numbers up to {MAX_COORDINATE:e}: correct it, \
          or export the file again"
     )]
     Coordinate {
@@ -251,7 +255,7 @@ pub enum PatchesFault {
     #[error("found \"trochoid_model\": {0}; expected 1")]
     Version(u32),
     /// A point that is not finite, or too large.
-    #[error("{at}: found {found:?}; expected coordinates within ±{FARTHEST:e}")]
+    #[error("{at}: found {found:?}; expected coordinates within ±{MAX_PATCH_COORDINATE:e}")]
     Point {
         /// Place of the point in the file.
         at: PointPlace,
@@ -312,4 +316,20 @@ impl std::fmt::Display for PointPlace {
             Self::Rail { sheet, rail, point } => write!(f, "sheet {sheet}, rail {rail}, point {point}"),
         }
     }
+}
+
+/// Translates an error of the library: what was expected, and what to do.
+fn explained(error: &LoadError) -> String {
+    let (expected, remedy) = match error {
+        LoadError::PositionParseError => ("v and three numbers", "correct the line"),
+        LoadError::NormalParseError => ("vn and three numbers", "correct the line"),
+        LoadError::TexcoordParseError => ("vt and two numbers", "correct the line"),
+        LoadError::FaceParseError => ("f and corners such as 1, 1/1, 1//1 or 1/1/1", "correct the line"),
+        LoadError::FaceVertexOutOfBounds => ("corners of vertices that come before the face", "correct the index"),
+        LoadError::FaceTexCoordOutOfBounds => ("corners of texture coordinates before the face", "correct the index"),
+        LoadError::FaceNormalOutOfBounds => ("corners of normals that come before the face", "correct the index"),
+        LoadError::ReadError => ("text in UTF-8", "is it a mesh? Read are .obj, .glb and .gltf"),
+        _ => ("a Wavefront OBJ", "export the mesh again, as .obj or .glb"),
+    };
+    format!("found a {error}; expected {expected}: {remedy}")
 }

@@ -1,10 +1,11 @@
 //! Wavefront OBJ, parsed by the crate `tobj`.
 
+use super::faults::MAX_COORDINATE;
 use super::{ObjElement, ObjFault};
 use crate::{DVec3, Triangles};
 use std::cell::Cell;
 use std::io::{BufRead, Read};
-use tobj::{LoadError, LoadOptions};
+use tobj::LoadOptions;
 
 /// Reads the objects and groups of a file. Points, lines and materials are left out.
 pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, ObjFault> {
@@ -19,9 +20,6 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Vec<Triangles>, ObjFault> {
     models.into_iter().map(|model| part(model.name, model.mesh)).collect()
 }
 
-/// Limit of coordinates: beyond it, a scene could not tell neighboring vertices apart.
-pub(super) const MOST: f64 = 1e15;
-
 fn part(object: String, mesh: tobj::Mesh) -> Result<Triangles, ObjFault> {
     let vectors = |values: &[f64]| values.chunks_exact(3).map(DVec3::from_slice).collect();
     let (triangles, _) = mesh.indices.as_chunks();
@@ -31,7 +29,7 @@ fn part(object: String, mesh: tobj::Mesh) -> Result<Triangles, ObjFault> {
         uvs: mesh.texcoords.as_chunks().0.to_vec(),
         triangles: triangles.to_vec(),
     };
-    let wild = |v: &f64| !v.is_finite() || v.abs() > MOST;
+    let wild = |v: &f64| !v.is_finite() || v.abs() > MAX_COORDINATE;
     if let Some(at) = mesh.positions.iter().position(wild) {
         return Err(ObjFault::Coordinate { object, found: mesh.positions[at] });
     }
@@ -40,22 +38,6 @@ fn part(object: String, mesh: tobj::Mesh) -> Result<Triangles, ObjFault> {
         Ok(()) => Ok(part),
         Err(fault) => Err(ObjFault::Corners { object, fault }),
     }
-}
-
-/// Translates an error of the library: what was expected, and what to do.
-pub(super) fn explained(error: &LoadError) -> String {
-    let (expected, remedy) = match error {
-        LoadError::PositionParseError => ("v and three numbers", "correct the line"),
-        LoadError::NormalParseError => ("vn and three numbers", "correct the line"),
-        LoadError::TexcoordParseError => ("vt and two numbers", "correct the line"),
-        LoadError::FaceParseError => ("f and corners such as 1, 1/1, 1//1 or 1/1/1", "correct the line"),
-        LoadError::FaceVertexOutOfBounds => ("corners of vertices that come before the face", "correct the index"),
-        LoadError::FaceTexCoordOutOfBounds => ("corners of texture coordinates before the face", "correct the index"),
-        LoadError::FaceNormalOutOfBounds => ("corners of normals that come before the face", "correct the index"),
-        LoadError::ReadError => ("text in UTF-8", "is it a mesh? Read are .obj, .glb and .gltf"),
-        _ => ("a Wavefront OBJ", "export the mesh again, as .obj or .glb"),
-    };
-    format!("found a {error}; expected {expected}: {remedy}")
 }
 
 /// Reader that counts the lines it returns.

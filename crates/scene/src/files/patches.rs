@@ -3,13 +3,11 @@
 //! The JSON has `points`, `patches` that list 4 (bilinear) or 16 (bicubic) points by number, row by row, and `sheets`
 //! with rails that a surface passes through.
 
+use super::faults::MAX_PATCH_COORDINATE;
 use super::{PatchesFault, PointPlace};
 use crate::DVec3;
 use crate::bezier::{MAX_PATCHES, Patch, Rails};
 use serde::Deserialize;
-
-/// Largest allowed coordinate, in absolute value.
-pub(super) const FARTHEST: f64 = 1e9;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -49,7 +47,7 @@ pub fn patches(bytes: &[u8]) -> Result<Vec<Patch>, PatchesFault> {
         return Err(PatchesFault::Version(model.trochoid_model));
     }
     let point = |at: PointPlace, found: [f64; 3]| {
-        let near = found.iter().all(|part| part.abs() <= FARTHEST);
+        let near = found.iter().all(|part| part.abs() <= MAX_PATCH_COORDINATE);
         if near { Ok(DVec3::from(found)) } else { Err(PatchesFault::Point { at, found }) }
     };
     let points = model.points.iter().enumerate().map(|(index, found)| point(PointPlace::Points(index), *found));

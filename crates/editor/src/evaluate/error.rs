@@ -1,0 +1,34 @@
+//! Reasons that a picture cannot be made, below everything that makes one.
+
+use super::lens::LensError;
+use trochoid::{EvalError, FormatError, PlanError};
+
+/// Reason that a picture cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// The node cannot be viewed.
+    #[error(transparent)]
+    Lens(#[from] LensError),
+    /// The format is invalid.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// Planning failed.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// Evaluation failed.
+    #[error(transparent)]
+    Evaluate(#[from] EvalError),
+    /// No picture was made.
+    #[error("nothing was evaluated")]
+    Nothing,
+}
+
+impl PictureError {
+    /// Returns the node that failed, if the failure belongs to one.
+    pub fn node(&self) -> Option<&str> {
+        match self {
+            Self::Evaluate(EvalError::Node { node, .. }) => Some(node),
+            _ => None,
+        }
+    }
+}
