@@ -204,7 +204,7 @@ impl GerstnerSpectrum {
             Dispersion::Deep => {}
             Dispersion::Speed(speed) => within(WaveParameter::Speed, speed, any, "a finite number of m/s")?,
             Dispersion::Period(period) => {
-                within(WaveParameter::Period, period, (1e-9, f64::MAX), "more than 0 seconds")?
+                within(WaveParameter::Period, period, (1e-9, f64::MAX), "more than 0 seconds")?;
             }
         }
         Ok(())

@@ -182,7 +182,7 @@ impl Sweep<'_, '_, '_, '_> {
                 Instruction::Normalize { values, floor, to } => {
                     partition(frame, inputs, x, values, to, |to, values| {
                         a::normalize_rows(values, *floor, to);
-                    })
+                    });
                 }
                 Instruction::AuditMask(row) => see_row(simd, row!(*row), &mut frame.weights),
                 Instruction::AuditPartition(rows) => {

@@ -100,7 +100,7 @@ impl Scheduler<'_, '_, '_> {
             match op {
                 Op::Load(slot) => self.want(wanted, *slot, per_sample),
                 Op::LoadColor(slot) => {
-                    (0..3).for_each(|channel| self.want(wanted, Slot { channel, ..*slot }, per_sample))
+                    (0..3).for_each(|channel| self.want(wanted, Slot { channel, ..*slot }, per_sample));
                 }
                 _ => {}
             }

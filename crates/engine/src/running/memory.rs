@@ -81,7 +81,7 @@ impl MemoryAccount {
         match self.consumers.iter_mut().find(|(consumer, ..)| *consumer == MemoryConsumer::Node(id)) {
             Some((_, held, _)) => *held = bytes.max(*held),
             None => {
-                self.consumers.push((MemoryConsumer::Node(id), bytes, "lower the format's \"width\" and \"height\""))
+                self.consumers.push((MemoryConsumer::Node(id), bytes, "lower the format's \"width\" and \"height\""));
             }
         }
     }
