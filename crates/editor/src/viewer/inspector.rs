@@ -113,7 +113,7 @@ pub(super) fn inspector_ui(ui: &mut Ui, state: &State, result: &Result, at: Pos2
             });
         }
         None if state.evaluated.progress.is_some() => {
-            drop(ui.weak("Composition available when the picture is finished."))
+            drop(ui.weak("Composition available when the picture is finished."));
         }
         None => drop(ui.weak("Finding the control colors …")),
     }
