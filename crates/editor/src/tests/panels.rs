@@ -286,7 +286,7 @@ fn the_timeline_of_a_still_has_its_one_frame() {
 }
 
 /// What panels are called.
-const PANELS: [&str; 7] = ["canvas", "properties", "report", "source", "timeline", "viewer", "waves"];
+const PANELS: [&str; 7] = ["canvas", "properties", "report", "text_panel", "timeline", "viewer", "waves"];
 
 /// The texts of a panel, by file.
 fn sources(panel: &str) -> Vec<(String, String)> {
