@@ -118,7 +118,7 @@ const BATCH: usize = 16;
 ///
 /// Sums are in f64, in the order of the kernel, and each result is rounded to f32 once across and once down. The bits
 /// therefore do not depend on where a tile begins, and no result lies outside the values under the kernel
-/// ([`trochoid_weights::arithmetic::blend`]). When `stop` returns true, filtering ends early and the contents of `out`
+/// ([`arithmetic::blend`](crate::arithmetic::blend)). When `stop` returns true, filtering ends early and the contents of `out`
 /// are unspecified.
 pub fn filter(
     kernels: [&Kernel; 2],
