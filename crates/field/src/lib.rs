@@ -5,10 +5,10 @@
 //! ([`Span`](trochoid_graph::Span)).
 //!
 //! ```
-//! use trochoid_field::{Axes, Noise, NoiseKind, Program, parse};
+//! use trochoid_field::{Noise, NoiseKind, NoiseParameters, Program, parse};
 //!
-//! let axes = Axes { scale: 0.5, octaves: 3, lacunarity: 2.0, gain: 0.5, seed: 7 };
-//! let noise = Noise::new(NoiseKind::Fbm, axes, None);
+//! let parameters = NoiseParameters { scale: 0.5, octaves: 3, lacunarity: 2.0, gain: 0.5, seed: 7 };
+//! let noise = Noise::new(NoiseKind::Fbm, parameters, None);
 //! let mut fast = [0.0];
 //! noise.fill([[0.3, 8.1]].into_iter(), &[], &mut fast);
 //! assert!((f64::from(fast[0]) - noise.reference(&[0.3, 8.1], 0.0)).abs() < 1e-6);
