@@ -102,10 +102,10 @@ impl Lines {
     /// Returns bounds on [`mask`](Self::mask), and whether it is continuous between them.
     ///
     /// ```
-    /// use trochoid_sea::toon::{NearPhase, NearPlace, lines::{Lines, Place}};
+    /// use trochoid_sea::toon::{NearPhase, NearPlace, lines::{LinePoint, Lines}};
     ///
     /// let lines = Lines::default();
-    /// let place = Place { weight: 1.0, phase: [0.8, 0.6], height: 0.5, density: 0.1 };
+    /// let place = LinePoint { weight: 1.0, phase: [0.8, 0.6], height: 0.5, density: 0.1 };
     /// let near = |number: f64| [number - 1e-4, number + 1e-4];
     /// let ([low, high], _) = lines.mask_span(&NearPlace {
     ///     weight: near(place.weight),
