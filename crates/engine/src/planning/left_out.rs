@@ -1,4 +1,4 @@
-//! Why nodes are left out of a plan.
+//! Reasons that nodes are left out of a plan.
 
 use super::lower::LoweredGraph;
 use super::optimize::{Cut, OptimizedProgram};
@@ -6,7 +6,7 @@ use super::planner::Planner;
 use std::collections::HashSet;
 use trochoid_graph::{NodeId, Op};
 
-/// Why a node is not evaluated.
+/// Reason that a node is not evaluated.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LeftOut {
     /// The document disables it.
@@ -27,6 +27,7 @@ pub enum LeftOut {
     Unneeded,
 }
 
+/// Certificates quote these words and are checked against them: a change invalidates those made before.
 impl std::fmt::Display for LeftOut {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -35,7 +36,7 @@ impl std::fmt::Display for LeftOut {
             Self::Bound => f.write_str("a bound buffer stands in for it"),
             Self::Switched(at) => write!(f, "not chosen by \"{at}\""),
             Self::Weight(at) => write!(f, "its weight at \"{at}\" is proved 0 everywhere"),
-            Self::Constant(at) => write!(f, "\"{at}\" is proved not to depend on it"),
+            Self::Constant(at) => write!(f, "\"{at}\" is proved to be the same whatever it is"),
             Self::SameAs(name) => write!(f, "the same as \"{name}\""),
             Self::Unneeded => f.write_str("nothing that is evaluated reads it"),
         }
