@@ -150,7 +150,7 @@ impl<'a> Checker<'a> {
             (Arity::Optional, None) => Vec::new(),
             (Arity::Many { min: 0, .. }, None) => Vec::new(),
             (_, None) => {
-                let remedy = format!("connect it: {}", port.help);
+                let remedy = format!("connect it ({})", port.help.trim_end_matches('.'));
                 self.error(place, format!("no \"{}\"", port.name), format!("a {}", port.accepts), remedy);
                 Vec::new()
             }

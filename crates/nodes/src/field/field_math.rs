@@ -19,6 +19,7 @@ use trochoid_image::Window;
 /// Computes in f64. An operand of one component is combined with each component of the other operand. A result that is
 /// NaN, like 0/0 or the root of a negative number, is replaced by `nan` and counted as repaired; ±∞ is kept. ^ is
 /// right-associative and binds more tightly than a leading sign: −2^2 is −4. As conditions, 0 and NaN are false.
+/// For time, connect a keyed number: `"d": { "keys": [[1, 0], [10, 3.14]] }`.
 ///
 /// # Source
 /// Fields are not colors, so any arithmetic is allowed on them; a Clamp turns the result into a mask.

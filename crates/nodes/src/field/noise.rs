@@ -17,7 +17,7 @@ use trochoid_graph::*;
 /// corner in picture heights, so the noise does not change with the picture's size. A view without a camera or depth
 /// has no footprints, so its noise is not filtered. Views store positions in 32 bits: far from the origin, cells finer
 /// than that precision are lost, but the noise itself stays precise. Random numbers are computed from integers, so they
-/// are the same on every machine.
+/// are the same on every machine. A Clamp with `min` −1 turns all of fbm into a mask.
 ///
 /// # Source
 /// Perlin, Improving Noise, 2002; Musgrave, Kolb and Mace, The Synthesis and Rendering of Eroded Fractal Terrains,

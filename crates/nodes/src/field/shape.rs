@@ -17,6 +17,7 @@ use trochoid_graph::*;
 /// Signed distance fields; the even-odd rule for polygons.
 #[derive(Clone, Node)]
 #[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "The mask: 1 inside any of the shapes."))]
+#[also_called("Text" => "letters as polygons, or a picture of them by a Read \"as\": \"field\"")]
 #[also_called("Roto", "RotoPaint", "Ellipse", "Circle", "Rectangle", "Box", "Radial", "Polygon")]
 pub(crate) struct Shape {
     /// Shapes to draw.

@@ -30,6 +30,7 @@ use trochoid_scene::bezier::{MAX_PATCHES, MAX_SEGMENTS, Patch, PatchModel, Rails
     reads("a model of Bézier patches": "json"),
     output(surface: Kind::Surface = "The surface.")
 )]
+#[also_called("Sphere", "Primitive", "Cube", "Card")]
 pub(crate) struct BezierModel {
     /// Model file with points, patches of 4 or 16 points, and sheets of rails.
     #[knob(path)]
@@ -37,7 +38,8 @@ pub(crate) struct BezierModel {
     /// Patches, given by their control points.
     #[list(0..=1024)]
     patches: Vec<PatchPoints>,
-    /// Rails: rows of points that the surface passes through.
+    /// Rails: rows of points that the surface passes through, u along each rail and v from rail to rail. It is smooth
+    /// everywhere: for a sharp edge, use two models.
     #[list(0..=256)]
     rails: Vec<RailPoints>,
     /// Connects the last point of each rail to its first.

@@ -13,7 +13,9 @@ use trochoid_scene as scene;
 ///
 /// # Edge cases
 /// Intensity does not fall off with distance. At the position of the light itself, and for a direction of length 0, the
-/// light comes from straight above.
+/// light comes from straight above. A disc drawn for a directional light (see `Shape`) belongs at x = A/2·(1 + r·d/(f·d)/T),
+/// y = ½ − A/2·u·d/(f·d)/T in picture heights: d is `direction`, f, r and u point forward, right and up from the camera,
+/// A = width/height, T = tan(fov/2).
 ///
 /// # Source
 /// Thesis 3.2.3.1 (spotlight) and 3.2.3.2 (light source P_L).

@@ -46,7 +46,8 @@ pub(crate) struct Strokes {
     /// draft at half the size has the same strokes. By default, sizes are in pixels of the picture itself.
     #[knob(range = 1..=1 << 20, unit = "pixels")]
     height: Option<i64>,
-    /// Space in which strokes are fixed: rest (points of the surface at rest) or screen (the picture).
+    /// Space in which strokes are fixed: rest (points of the surface at rest) or screen (the picture). Views from passes
+    /// have no points at rest and need screen.
     anchor: Anchor,
     /// Smallest jump in depth that counts as an edge, as a fraction of the depth.
     #[knob(default = 0.12, range = 1e-3..=1e3)]

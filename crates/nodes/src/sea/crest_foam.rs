@@ -17,6 +17,7 @@ use trochoid_graph::*;
 /// A toon water after Hokusai: where the normal is steepest above a height, the crest turns and foams.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(mask: Kind::MASK = "The foam."))]
+#[also_called("Foam", "Whitecaps")]
 pub(crate) struct CrestFoam {
     /// View of the water.
     #[port(wants(Folds))]

@@ -373,6 +373,8 @@ impl Node for GerstnerSea {
                 100.0 * folds.folded_share,
                 folds.unfolded_scale
             )
+        } else if folds.jacobian_min < 0.0 {
+            "crests fold over on less than a thousandth of the sea".into()
         } else if folds.unfolded_scale.is_finite() {
             format!(
                 "crests do not fold over; with up to {:.3} times the sharpness, they still would not",

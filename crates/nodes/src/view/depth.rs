@@ -15,6 +15,7 @@ use trochoid_graph::*;
 /// Thesis 3.2.3.4, Z_s.
 #[derive(Clone, Node)]
 #[node(end = Front, revision = 1, output(depth: Kind::Field(1) = "Planar distance, m.", ["Z"]))]
+#[also_called("Fog", "Mist", "Haze" => "then a Clamp to a mask, and a Mix toward the color")]
 pub(crate) struct Depth {
     /// View to take depth from.
     view: One<port::View>,

@@ -37,7 +37,7 @@ pub(crate) struct FlowField {
     /// Clockwise rotation of all directions.
     #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]
     turn: f64,
-    /// World-space direction used where the surface is flat.
+    /// World-space direction used where the surface is flat; no effect while `flat` and `steep` are 0.
     #[knob(default = [1.0, 0.0, 0.0])]
     calm: [f64; 3],
     /// Value of 1 − n·Y below which only `calm` counts.
