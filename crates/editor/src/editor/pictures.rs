@@ -275,11 +275,6 @@ impl Editor {
     }
 }
 
-/// Returns the memory used by a picture, in bytes.
-pub(super) fn bytes(result: &crate::evaluate::Result) -> usize {
-    result.screen.pixels.len() + result.picture.planes.iter().map(|plane| 4 * plane.samples().len()).sum::<usize>()
-}
-
 /// Caches a frame for playback and drops the frames needed last: while playing, those furthest ahead in playback order,
 /// otherwise those furthest from the current frame. Two frames always stay, whatever their size: the one shown and the
 /// next.
@@ -291,13 +286,13 @@ fn keep_frame(
     room: usize,
 ) {
     frames.insert(result.frame, result.clone());
-    let mut taken: usize = frames.values().map(|result| bytes(result)).sum();
+    let mut taken: usize = frames.values().map(|result| result.bytes()).sum();
     let away = |frame: i64| match range {
         Some(range) => super::play::ahead(frame, present, range),
         None => (frame - present).abs(),
     };
     while taken > room && frames.len() > 2 {
         let Some(last) = frames.keys().copied().max_by_key(|frame| away(*frame)) else { break };
-        taken -= frames.remove(&last).map_or(0, |result| bytes(&result));
+        taken -= frames.remove(&last).map_or(0, |result| result.bytes());
     }
 }

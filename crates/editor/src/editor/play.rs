@@ -119,7 +119,7 @@ impl Editor {
     /// Returns the upcoming frames that are not cached, as many as fit in the cache.
     pub(super) fn missing(&self) -> Vec<i64> {
         let range = self.state.range;
-        let largest = self.state.evaluated.frames.values().map(|made| super::pictures::bytes(made)).max().unwrap_or(0);
+        let largest = self.state.evaluated.frames.values().map(|made| made.bytes()).max().unwrap_or(0);
         let room = self.room.checked_div(largest).map_or(AHEAD, |room| room.saturating_sub(1).clamp(1, AHEAD));
         let mut next = Vec::new();
         let mut frame = self.state.frame;

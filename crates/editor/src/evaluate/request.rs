@@ -56,6 +56,13 @@ pub struct Result {
     pub seconds: (Phases, f64),
 }
 
+impl Result {
+    /// Returns the memory used by the picture, in bytes.
+    pub fn bytes(&self) -> usize {
+        self.screen.pixels.len() + self.picture.planes.iter().map(|plane| 4 * plane.samples().len()).sum::<usize>()
+    }
+}
+
 /// Thumbnail of a node, sRGB with four bytes per pixel.
 #[derive(Clone, Debug)]
 pub struct Thumbnail {
