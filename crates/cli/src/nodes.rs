@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::shell::{self, HEADING, wrap};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
-use trochoid::{Arity, Declaration, End, Item, Knob, KnobType, Port, counted, expected, nearest, registry};
+use trochoid::{Arity, Declaration, End, Item, Knob, KnobType, Port, Term, counted, expected, nearest, registry};
 
 /// Options of `trochoid nodes`.
 #[derive(Debug, clap::Args)]
@@ -44,9 +44,10 @@ fn unknown(name: &str) -> Failure {
             format!("found the operation {name}, which is not convex: {}; {}", refusal.reason, refusal.witness);
         return Failure::usage(message, refusal.rewrite);
     }
-    let remedy = match nearest(name, registry().names()) {
-        Some(near) => format!("did you mean {near}?"),
-        None => "run `trochoid nodes` for a list of the types".into(),
+    let remedy = match (Term::of(name, registry()), nearest(name, registry().names())) {
+        (Some(term), _) => term.remedy(),
+        (None, Some(near)) => format!("did you mean {near}?"),
+        (None, None) => "run `trochoid nodes` for a list of the types".into(),
     };
     Failure::usage(format!("found the node type \"{name}\"; expected a known one"), remedy)
 }

@@ -233,7 +233,13 @@ impl<'a> Checker<'a> {
                     _ => "",
                 };
                 let expected = format!("a reference to a {accepts}{literal}");
-                self.error(place, value.brief(), expected, "write the name of a node in quotes");
+                let remedy = match (&value.json, accepts) {
+                    (Json::Array(_), Accepts::Mask | Accepts::Scalar | Accepts::Field) => {
+                        "write the name of a node in quotes; for keys, write { \"keys\": [[1, 0], [10, 1]] }"
+                    }
+                    _ => "write the name of a node in quotes",
+                };
+                self.error(place, value.brief(), expected, remedy);
                 None
             }
         }
@@ -250,7 +256,9 @@ impl<'a> Checker<'a> {
         let (name, output) = text.split_once('.').map_or((text, None), |(name, output)| (name, Some(output)));
         let Some(&(node, declaration)) = names.get(name) else {
             let near = if self.is_full() { None } else { nearest(name, names.keys().copied()) };
+            let is_hex = matches!(name.len(), 3 | 6) && name.bytes().all(|byte| byte.is_ascii_hexdigit());
             let remedy = match near {
+                _ if or_color && is_hex => format!("did you mean \"#{name}\"?"),
                 Some(near) => format!("did you mean \"{near}\"?"),
                 None if or_color => "add the node, or correct the name; a color is written \"#rrggbb\"".into(),
                 None => "add the node, or correct the name".into(),

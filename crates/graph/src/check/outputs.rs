@@ -102,7 +102,7 @@ impl<'a> Checker<'a> {
         }
         self.file(&mut spec, place);
         let Some((item, resolved)) = source else {
-            let remedy = "add one, for example \"color\": \"node\"";
+            let remedy = "add one, for example \"color\": \"node\"; a mask is written under \"weights\"";
             self.error(place, "an output that renders nothing", "one of \"color\", \"weights\" and \"field\"", remedy);
             return None;
         };
