@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use trochoid_field::{Noise, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
 
-/// Mask of the weave of canvas or the tooth of paper, fixed on the picture, with a mean of ½.
+/// A mask of the weave of canvas or the tooth of paper, fixed on the picture, with a mean of ½.
 ///
 /// # Formula
 /// ½ + relief·(h − mean)/2, limited to [0, 1]. canvas: threads cross alternately over and under; h = sin(πs)·(0.55 +

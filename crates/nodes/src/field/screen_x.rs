@@ -2,7 +2,7 @@
 
 use trochoid_graph::*;
 
-/// Mask that rises from 0 at the left edge of the picture to 1 at the right.
+/// A mask that rises from 0 at the left edge of the picture to 1 at the right.
 ///
 /// # Formula
 /// (x − ½)/(width − 1), limited to [0, 1], with x in pixels from the left edge.

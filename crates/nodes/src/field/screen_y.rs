@@ -2,7 +2,7 @@
 
 use trochoid_graph::*;
 
-/// Mask that rises from 0 at the top of the picture to 1 at the bottom.
+/// A mask that rises from 0 at the top of the picture to 1 at the bottom.
 ///
 /// # Formula
 /// (y − ½)/(height − 1), limited to [0, 1], with y in pixels from the upper edge.

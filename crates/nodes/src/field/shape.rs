@@ -3,7 +3,7 @@
 use crate::field::Screen;
 use trochoid_graph::*;
 
-/// Mask of discs, boxes and polygons; 1 inside any of them.
+/// A mask of discs, boxes and polygons; 1 inside any of them.
 ///
 /// # Formula
 /// ½ − d/edge, limited to [0, 1], where d is the smallest signed distance to a shape, in pixels, negative inside.

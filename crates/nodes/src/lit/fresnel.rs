@@ -5,7 +5,7 @@ use trochoid_graph::*;
 use trochoid_scene::DVec3;
 use trochoid_scene::shading::fresnel;
 
-/// Mask of the fraction of light that the surface reflects, which grows toward grazing angles.
+/// A mask of the fraction of light that the surface reflects, which grows toward grazing angles.
 ///
 /// # Formula
 /// F₀ + (1 − F₀)(1 − cos θ)⁵ with F₀ = ((η − 1)/(η + 1))²; cos θ = N · V, or H · V if `cosine` is half

@@ -4,7 +4,7 @@ use crate::view::{POSITION, is_covered, nothing, ramp, uncover, view_planes, vie
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Light};
 
-/// Mask of pools of light in world space, like sunlight that falls through gaps in the clouds.
+/// A mask of pools of light in world space, like sunlight that falls through gaps in the clouds.
 ///
 /// # Formula
 /// t²(3 − 2t) with t = (s − from)/(to − from) limited to [0, 1]; s = Σ strengthᵢ·exp(−(a/length)² − (b/width)²) +

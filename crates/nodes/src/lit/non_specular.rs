@@ -5,7 +5,7 @@ use trochoid_graph::*;
 use trochoid_scene::DVec3;
 use trochoid_scene::shading::lambert;
 
-/// Mask of diffuse light on the surface: Lambert's cosine, mapped from [−1, 1] to [0, 1].
+/// A mask of diffuse light on the surface: Lambert's cosine, mapped from [−1, 1] to [0, 1].
 ///
 /// # Formula
 /// Cᵖ with C = (N · L + 1)/2 and p = `power`, times the intensity of the light at this point

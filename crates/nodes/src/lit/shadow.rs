@@ -8,7 +8,7 @@ use trochoid_image::Format;
 use trochoid_scene::Ray;
 use trochoid_scene::shading::unit_or_up;
 
-/// Mask of the shadows that the surfaces of a view cast on each other and on themselves.
+/// A mask of the shadows that the surfaces of a view cast on each other and on themselves.
 ///
 /// # Formula
 /// 1 − the fraction of `rays` that reach the light, times its intensity at this point, combined over the lights. Ray i

@@ -7,7 +7,7 @@ use trochoid_graph::*;
 use trochoid_scene::DVec3;
 use trochoid_scene::shading::blinn;
 
-/// Mask of the specular highlights: the blurred mirror images of lights in the surface.
+/// A mask of the specular highlights: the blurred mirror images of lights in the surface.
 ///
 /// # Formula
 /// half: (N · H)ˢ, computed as exp(s · log1p(−½|N − H|²)), with H halfway between light and eye. reflection: (R · V)ˢ.

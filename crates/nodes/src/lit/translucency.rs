@@ -5,7 +5,7 @@ use crate::view::{Facets, PathKnobs, Quantity, RayQuantity, Rays, SeenPoint};
 use trochoid_graph::*;
 use trochoid_scene::shading::unit_or_up;
 
-/// Mask of the light that shines through thin water toward the eye, for example through crests in front of a low sun.
+/// A mask of the light that shines through thin water toward the eye, for example through crests in front of a low sun.
 ///
 /// # Formula
 /// exp(−t/a)·fᵖ, times the intensity of the light at this point. t is the thickness of the water toward the light, as

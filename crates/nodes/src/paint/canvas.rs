@@ -18,7 +18,7 @@ pub(crate) struct StrokeInputs {
     size: Optional<port::Mask>,
     /// Fraction of the strokes that are painted at each place.
     density: Optional<port::Mask>,
-    /// Suppresses all layers except the last: where it is 1, only the last layer paints.
+    /// Share of the last (finest) layer: where it is 1, only that layer paints; where 0, all do.
     detail: Optional<port::Mask>,
 }
 
