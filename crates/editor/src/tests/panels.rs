@@ -20,7 +20,7 @@ fn a_picture_comes_and_says_that_nothing_left_the_palette() {
 }
 
 #[test]
-fn nothing_is_said_of_a_picture_that_is_gone() {
+fn no_count_is_shown_while_the_picture_has_an_error() {
     let mut window = window(dusk(), None);
     finished(&mut window);
     let broken = DUSK.replace("\"dusk\": {", "\"dusk\": { \"unheard\": 1,");
@@ -38,7 +38,7 @@ fn nothing_is_said_of_a_picture_that_is_gone() {
     finished(&mut window);
     window.run_steps(2);
     assert!(window.query_by_label("0 outside the palette").is_none());
-    assert!(editor(&window).state().evaluated.last.is_some(), "it stays in sight");
+    assert!(editor(&window).state().evaluated.last.is_some(), "the last picture stays visible");
     act(&mut window, Action::Undo);
     finished(&mut window);
     window.run_steps(2);
@@ -79,7 +79,7 @@ fn a_name_is_typed_and_everything_follows() {
 }
 
 #[test]
-fn a_number_is_typed_also_where_its_beginning_is_a_fault() {
+fn a_number_can_be_typed_although_its_first_digits_are_a_fault() {
     let text = DUSK.replace(
         r#""down": {"#,
         r#""band": { "type": "Clamp", "field": "down", "min": 0.25, "max": 0.75 },
@@ -97,13 +97,13 @@ fn a_number_is_typed_also_where_its_beginning_is_a_fault() {
     for key in ["0", ".", "5"] {
         window.event(egui::Event::Text(key.into()));
         window.run_steps(3);
-        assert_eq!(max(&window), Some(0.75), "a beginning counts for nothing");
+        assert_eq!(max(&window), Some(0.75), "an incomplete number changes nothing");
     }
     window.key_press(egui::Key::Enter);
     window.run_steps(3);
     assert_eq!(max(&window), Some(0.5));
     act(&mut window, Action::Undo);
-    assert_eq!(max(&window), Some(0.75), "one step");
+    assert_eq!(max(&window), Some(0.75), "undone in one step");
 }
 
 #[test]
@@ -113,7 +113,7 @@ fn a_faulty_document_says_where() {
     window.run_steps(2);
     window.get_by_label("1 error").click();
     window.run_steps(3);
-    assert!(editor(&window).state().selection.contains("dusk"), "the culprit is chosen");
+    assert!(editor(&window).state().selection.contains("dusk"), "the faulty node is selected");
     assert!(editor(&window).state().evaluated.failed.is_some());
 }
 
@@ -171,7 +171,7 @@ fn a_sea_shows_its_waves() {
 fn a_window_at_rest_draws_nothing() {
     let mut window = window(dusk(), None);
     finished(&mut window);
-    // What comes after the picture comes soon: small pictures of nodes, fades.
+    // Thumbnails and fades still follow the picture for a short time.
     let started = std::time::Instant::now();
     let mut quiet = 0;
     while quiet < 10 {
@@ -190,7 +190,7 @@ fn a_narrow_window_cuts_nothing_off() {
         finished(&mut window);
         window.state_mut().as_mut().unwrap().select(chosen.as_slice());
         window.run_steps(3);
-        // Tabs scroll.
+        // Tabs may extend beyond the edge, because they scroll.
         let tabs = window.query_all_by_label("Properties").next().unwrap().rect().bottom();
         for role in [Role::SpinButton, Role::Slider, Role::Button, Role::TextInput, Role::ComboBox, Role::CheckBox] {
             for widget in window.query_all_by_role(role) {
@@ -202,7 +202,7 @@ fn a_narrow_window_cuts_nothing_off() {
 }
 
 #[test]
-fn what_the_line_above_the_picture_has_no_room_for_is_in_a_menu() {
+fn the_toolbar_of_a_narrow_viewer_has_a_menu_for_the_rest() {
     let mut wide = window(dusk(), None);
     finished(&mut wide);
     assert!(wide.query_by_label("More").is_none());
@@ -219,7 +219,7 @@ fn what_the_line_above_the_picture_has_no_room_for_is_in_a_menu() {
     narrow.run_steps(3);
     narrow.get_by_label("Hold A").click();
     narrow.run_steps(3);
-    // The menu stays open, and shows what belongs to what is held.
+    // The menu stays open, and now has the controls of the held picture.
     narrow.get_by_label("Diff");
     narrow.get_by_label("Near");
 }
@@ -270,7 +270,7 @@ fn the_timeline_of_a_still_has_its_one_frame() {
     assert_eq!(frames(&still), (1.0, 1.0));
     assert_eq!(frames(&DUSK.replace("\"first\": 1, \"last\": 8", "\"first\": 7, \"last\": 7")), (7.0, 7.0));
     assert_eq!(frames(DUSK), (1.0, 8.0));
-    // Wherever it is pressed, it is that frame.
+    // A press anywhere selects that frame.
     let mut window = unseen(Session::new(still, None));
     let strip = window.get_by_label("Timeline").rect();
     for at in [strip.left() + 20.0, strip.right() - 20.0] {
@@ -285,10 +285,10 @@ fn the_timeline_of_a_still_has_its_one_frame() {
     }
 }
 
-/// What panels are called.
+/// Modules of the panels.
 const PANELS: [&str; 7] = ["canvas", "properties", "report", "text_panel", "timeline", "viewer", "waves"];
 
-/// The texts of a panel, by file.
+/// Returns the source files of a module with their texts.
 fn sources(panel: &str) -> Vec<(String, String)> {
     fn files(place: std::path::PathBuf, found: &mut Vec<std::path::PathBuf>) {
         if place.is_dir() {
@@ -308,7 +308,7 @@ fn sources(panel: &str) -> Vec<(String, String)> {
     own.into_iter().map(|file| (file.display().to_string(), std::fs::read_to_string(file).unwrap())).collect()
 }
 
-/// What stands above panels and brings them together.
+/// Modules above the panels, which combine them.
 const ABOVE: [&str; 2] = ["editor", "window"];
 
 #[test]
@@ -320,18 +320,18 @@ fn no_panel_knows_another() {
             }
         }
     }
-    // What they ask for each other by knows none of them, nor what they are drawn with.
+    // Panels communicate by actions, which must depend neither on panels nor on what draws them.
     for (file, text) in sources("actions") {
         for other in PANELS.iter().chain(&ABOVE).chain(&["commands", "field", "layout", "prompts", "state"]) {
             assert!(!text.contains(&format!("crate::{other}")), "{file} knows {other}");
         }
-        assert!(!text.contains("crate::{"), "{file} names several modules at once, of which none would be found");
+        assert!(!text.contains("crate::{"), "{file} has a grouped import, which this test cannot resolve");
     }
 }
 
 #[test]
 fn only_gestures_ask_for_edits_of_values() {
-    // Widgets that change what they are given, and what would write without a gesture; all of them lie in `field`.
+    // Widgets that change a value in place, and actions that edit without a gesture; only `field` may use them.
     let forbidden =
         ["DragValue", "Slider::", ".checkbox(", "color_edit_button", ".changed()", "Action::Edit(", "Action::Rewire("];
     for panel in ["properties", "timeline", "waves", "viewer"] {

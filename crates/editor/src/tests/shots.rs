@@ -5,11 +5,10 @@ use crate::document::Session;
 use crate::testing::{Window, act, editor, finished, sized};
 use std::path::{Path, PathBuf};
 
-/// Draws until nothing on the window changes any more: thumbnails as well.
+/// Draws until the picture and the thumbnails are complete.
 fn still(window: &mut Window) {
     finished(window);
     crate::testing::until(window, "thumbnails", |editor| !editor.state().evaluated.thumbnails.is_empty());
-    // Times differ from run to run.
     window.run_steps(8);
 }
 
@@ -18,20 +17,20 @@ fn graphs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../graphs")
 }
 
-/// What scenes read lies beneath the root: where they are opened from.
+/// Makes the root of the repository the current folder, because scenes read files beneath it.
 pub(crate) fn at_root() {
     std::env::set_current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")).unwrap();
 }
 
-/// What lies around the window in these pictures, pixels.
+/// Width of the margin that is cropped from all sides of the window, in pixels.
 const MARGIN: u32 = 8;
 
-/// Writes what README shows into the folder that `TROCHOID_SHOTS` names.
+/// Writes the screenshots of README into the folder that `TROCHOID_SHOTS` names.
 #[test]
 #[ignore = "needs a graphics driver, and minutes"]
 fn screenshots_of_scenes() {
     let Some(folder) = std::env::var_os("TROCHOID_SHOTS").map(PathBuf::from) else { return };
-    // Which nodes the graph shows, which one is chosen, and what is seen of it.
+    // Scene, nodes that the graph frames, selected node, and panel.
     let scenes: [(&str, &[&str], &str, Pane); 3] = [
         ("stormy_sea_bare", &[], "sea", Pane::Waves),
         ("toon_sea", &[], "waves", Pane::Properties),

@@ -1,13 +1,14 @@
 //! Parts of the editor as they are drawn, compared with pictures beside this file.
 //!
-//! They are drawn by wgpu, for which Mesa's software driver will do (Debian: mesa-vulkan-drivers), so they run on request:
+//! wgpu draws them and needs a graphics driver; Mesa's software driver is enough (Debian: mesa-vulkan-drivers). So they
+//! run only on request:
 //!
 //! ```text
 //! cargo test -p trochoid-editor --lib -- --ignored snapshots
 //! ```
 //!
-//! Where one differs, `snapshots/<name>.diff.png` shows by what, and `<name>.new.png` what was drawn. If that is as it should
-//! be, the same command with `UPDATE_SNAPSHOTS=1` before it takes it over; look at the pictures before they are committed.
+//! If one differs, `snapshots/<name>.diff.png` shows the difference, and `<name>.new.png` what was drawn. The same
+//! command with `UPDATE_SNAPSHOTS=1` stores what is drawn; look at the pictures before you commit them.
 
 use super::DUSK;
 use crate::actions::Action;
@@ -22,7 +23,7 @@ use egui::{Theme, Ui};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 
-/// A node of each kind, on places of their own; those of the scene are not needed by the output.
+/// Nodes of each kind at fixed positions; the output does not need those of the scene.
 const KINDS: &str = r##"{
   "trochoid": 1,
   "format": { "width": 48, "height": 27 },
@@ -54,7 +55,8 @@ const KINDS: &str = r##"{
 }
 "##;
 
-/// What is open, with its pictures: those of the scene are left out, and every node has taken a millisecond.
+/// Returns the state of an open document with its thumbnails, except those of the scene. Every node has taken a
+/// millisecond, because measured times differ from run to run.
 fn seen(text: &str) -> State {
     let mut window = sized(Session::new(text.into(), None), None, [800.0, 600.0]);
     finished(&mut window);
@@ -67,7 +69,7 @@ fn seen(text: &str) -> State {
     state
 }
 
-/// Draws a part of the editor in both themes, and compares; `before` is done once it is drawn.
+/// Draws a part of the editor in both themes, and compares; `before` acts on the part after its first frames.
 fn compare<P: 'static>(
     name: &str,
     size: [f32; 2],
@@ -79,7 +81,7 @@ fn compare<P: 'static>(
     let mut results = SnapshotResults::new();
     for theme in [Theme::Dark, Theme::Light] {
         let ui = move |ui: &mut Ui, (part, state): &mut (P, State)| {
-            // As behind the panels of the window.
+            // The background that panels have in the window.
             egui::Frame::new().inner_margin(6).fill(ui.visuals().panel_fill).show(ui, |ui| {
                 ui.set_min_size(ui.available_size());
                 draw(part, ui, state, &mut Vec::new());
@@ -91,7 +93,7 @@ fn compare<P: 'static>(
         harness.run_steps(4);
         before(&mut harness);
         harness.run_steps(8);
-        // Drivers round colors and edges differently, by what nobody sees: some steps of 255 at some pixels.
+        // Drivers round colors and edges differently: a few 8-bit steps at a few pixels, which nobody sees.
         let options = SnapshotOptions::new().output_path("src/tests/snapshots").threshold(8.0).max_failed_pixels(10);
         harness.snapshot_options(format!("{name}_{theme:?}").to_lowercase(), &options);
         results.extend(harness.take_snapshot_results());

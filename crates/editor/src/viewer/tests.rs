@@ -60,7 +60,7 @@ fn settle(window: &mut Window) {
         let is_done = seen.result.as_ref().is_some_and(|result| result.finished && result.display == look.display);
         seen.progress.is_none() && (seen.failed.is_some() || (is_done && is_blamed))
     });
-    // What came last is drawn now.
+    // Draws the latest result.
     window.run_steps(2);
 }
 
@@ -73,7 +73,6 @@ fn press(window: &mut Window, key: Key) {
     settle(window);
 }
 
-/// Moves the pointer there.
 fn hover(window: &mut Window, at: Pos2) {
     window.hover_at(at);
     window.step();
@@ -119,7 +118,7 @@ fn a_pixel_is_picked_and_its_colors_listed() {
     {
         assert!(window.query_by_label(text).is_some(), "{text}");
     }
-    // Half a pixel beyond the middle: the rows are of 38.1, 36.9 and 25 percent.
+    // The pixel is half a pixel right of the middle, so the shares are 38.1, 36.9 and 25 percent.
     assert!(window.query_by_label("38.1 %").is_some() && window.query_by_label("36.9 %").is_some());
     hover(&mut window, center);
     press(&mut window, Key::Escape);
@@ -128,10 +127,10 @@ fn a_pixel_is_picked_and_its_colors_listed() {
 }
 
 #[test]
-fn what_is_told_of_a_pixel_covers_nothing_of_the_picture() {
+fn the_inspector_covers_nothing_of_the_picture() {
     let mut window = open(MIXED, WINDOW);
     let before = picture(&window);
-    // Not while the pointer is held: it would move from below it.
+    // The inspector waits for the release, or the picture would move away from the pointer.
     let at = before.center();
     window.hover_at(at);
     for (to, pressed) in [(at, true), (at + vec2(9.0, 0.0), true), (at + vec2(9.0, 0.0), false)] {
@@ -154,7 +153,7 @@ fn what_is_told_of_a_pixel_covers_nothing_of_the_picture() {
     }
     press(&mut window, Key::Escape);
     act(&mut window, Action::Pick(None));
-    assert_eq!(picture(&window), before, "the room is given back");
+    assert_eq!(picture(&window), before, "the picture gets its space back");
 }
 
 #[test]
@@ -204,7 +203,7 @@ fn a_region_is_dragged_and_cleared() {
     window.key_press_modifiers(Modifiers::SHIFT, Key::W);
     settle(&mut window);
     assert_eq!(editor(&window).state().look.region, None);
-    // By the button, too: once.
+    // After a click on the button, the next drag draws a region; the one after that does not.
     window.get_by_label("Region").click();
     settle(&mut window);
     drag(&mut window, from, to, Modifiers::NONE);
@@ -227,7 +226,7 @@ fn a_color_taken_from_the_picture_goes_where_it_was_asked_for() {
     click(&mut window, center);
     let state = editor(&window).state();
     assert_eq!(state.dropper, None);
-    // A quarter of white light.
+    // 25 % of white in linear light.
     assert_eq!(state.sheet().get(&place).unwrap(), "#898989");
     assert_eq!(state.look.pick, None);
     act(&mut window, Action::Undo);
@@ -317,7 +316,7 @@ fn what_is_no_picture_says_so() {
 }
 
 #[test]
-fn the_picture_is_fitted_and_moved() {
+fn the_picture_is_shown_one_to_one_and_fitted() {
     let mut window = open(MIXED, WINDOW);
     let center = picture(&window).center();
     window.get_by_label("1:1").click();
@@ -343,7 +342,7 @@ fn a_double_click_takes_numbers_back() {
     }
     settle(&mut window);
     assert_eq!(editor(&window).state().look.display.exposure, 0.0);
-    // Nothing is being typed any more: keys count again.
+    // No field has the focus any more, so keys reach the viewer.
     hover(&mut window, area.center());
     press(&mut window, Key::R);
     assert_eq!(editor(&window).state().look.display.channel, Channel::One(0));
@@ -361,7 +360,7 @@ fn a_path_of_the_chosen_sea_is_moved_in_the_picture() {
     drag(&mut window, grip, grip + vec2(30.0, 0.0), Modifiers::NONE);
     let moved = written(&window);
     assert!(moved.ends_with("4,5,6,5,8,5]") && moved != "[2,5,4,5,6,5,8,5]", "{moved}");
-    // The hand took it along: it is where it was dropped, and all of it one step of undo.
+    // The handle is where it was dropped, and the drag is undone in one step.
     let now = window.get_by_label("guides[0], point 1").rect().center();
     assert!((now - grip - vec2(30.0, 0.0)).length() < 2.0, "{now:?} {grip:?}");
     act(&mut window, Action::Undo);
@@ -371,7 +370,7 @@ fn a_path_of_the_chosen_sea_is_moved_in_the_picture() {
 }
 
 #[test]
-fn what_is_projected_comes_back() {
+fn projecting_a_point_and_back_gives_the_same_point() {
     let mut window = open(SEA, [800.0, 600.0]);
     act(&mut window, Action::Select(["waves".to_string()].into()));
     for knobs in
@@ -391,7 +390,7 @@ fn what_is_projected_comes_back() {
     }
 }
 
-/// Writes what the viewer looks like into the folder that `TROCHOID_SHOTS` names.
+/// Writes screenshots of the viewer into the folder that `TROCHOID_SHOTS` names.
 #[test]
 #[ignore = "needs a graphics driver, and minutes"]
 fn screenshots_of_the_viewer() {
@@ -464,7 +463,7 @@ fn screenshots_of_the_viewer() {
 }
 
 #[test]
-fn every_switch_of_the_viewer_is_a_command() {
+fn switches_of_the_viewer_are_commands() {
     let mut window = open(MIXED, WINDOW);
     let run = |window: &mut Window, name: &str| {
         let state = editor(window).state();
@@ -474,7 +473,7 @@ fn every_switch_of_the_viewer_is_a_command() {
         crate::testing::act(window, action);
     };
     run(&mut window, "Difference");
-    assert!(window.query_by_label("Release A").is_some(), "what is seen is held, where nothing was");
+    assert!(window.query_by_label("Release A").is_some(), "the current picture is held if none was");
     run(&mut window, "Wipe");
     assert!(window.query_by_label("Release A").is_some());
     run(&mut window, "Release A");

@@ -101,7 +101,7 @@ fn screenshots_of_what_appears() {
     shoot(&mut harness, "search");
     harness.key_press(Key::Escape);
     harness.run_steps(3);
-    // In the midst of drawing a wire.
+    // While a wire is drawn.
     harness.hover_at(from.center());
     press(&harness, from.center(), true, PointerButton::Primary, Modifiers::NONE);
     harness.hover_at(empty + vec2(-30.0, 200.0));

@@ -9,7 +9,7 @@ use rand_pcg::Pcg64Mcg;
 use serde_json::json;
 use trochoid::registry;
 
-/// Anything that a hand could do.
+/// Returns a random command, as a user could give it.
 fn any(session: &Session, random: &mut Pcg64Mcg) -> Option<Edit> {
     let sheet = session.sheet();
     let types: Vec<&str> = registry().names().collect();
@@ -73,7 +73,7 @@ fn undone_and_redone(count: usize) {
     let mut states = vec![SMALL.to_string()];
     let mut made = 0;
     while made < count {
-        // Documents that have grown wild are put aside, so that each command is of a graph that hands could make.
+        // A document that has grown large is replaced, so that commands act on graphs as users make them.
         if session.sheet().nodes.len() > 60 {
             session.replace(SMALL, "Start again");
             states.push(session.text().to_string());
