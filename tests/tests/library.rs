@@ -59,7 +59,7 @@ fn batches_equal_pictures_bit_for_bit() {
             let plan = ShadingPlan::new(&graph, &output.name, 1, &bound, &settings(|s| s.switches = switches));
             let plan = plan.unwrap();
             assert_eq!(plan.channels(), picture.planes.len());
-            // Odd batches, so that the ends of rows are met everywhere.
+            // Odd sizes of batches, so that they end in the middle of rows.
             for count in [AREA, 1, 257] {
                 let mut planes = vec![vec![f32::NAN; count]; plan.channels()];
                 let mut slices: Vec<&mut [f32]> = planes.iter_mut().map(Vec::as_mut_slice).collect();
@@ -84,7 +84,7 @@ fn batches_equal_pictures_bit_for_bit() {
 fn an_unbound_pass_is_named() {
     let graph = shaded();
     match ShadingPlan::new(&graph, "out", 1, &["depth"], &Settings::default()) {
-        // What stands nearest to the output's data: the view that the light needs.
+        // The pass that is missing: the light, or the view that it needs.
         Err(error @ PlanError::Unbound { .. }) => {
             let text = error.to_string();
             assert!(
@@ -162,7 +162,7 @@ fn cancelled_evaluations_say_so() {
     let plan = Plan::new(&graph, &[], 1, &[], &settings(|s| (s.tile, s.threads) = (Some((4, 4)), 2))).unwrap();
     let expected = all_bits(&plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap());
     let mut cache = Cache::new();
-    // How often a run that nobody stops asks.
+    // The number of questions in a run that is not cancelled.
     let counter = Impatient { left: AtomicUsize::new(usize::MAX) };
     plan.evaluate(&Buffers::new(), &mut Cache::new(), &counter).unwrap();
     let all = usize::MAX - counter.left.into_inner();
@@ -188,11 +188,11 @@ fn pictures_beyond_the_limit_are_refused_before_anything_is_allocated() {
         }
         other => panic!("{:?}", other.map(|_| ())),
     }
-    // Handed on row by row, they take what a few of the rows take.
+    // Handed on row by row, they take the memory of a few rows.
     let one = settings(|s| s.threads = 1);
     let plan = Plan::new(&graph, &[], 1, &[], &one).unwrap();
     assert!(plan.memory(Pictures::Rows).total() < 2 << 30);
-    // A part of the same picture is no trouble.
+    // A part of the same picture fits.
     let part = settings(|s| s.region = Some(Window::new(1_000_000, 2000, 1_000_008, 2002)));
     assert_eq!(evaluate(&graph, 1, &Buffers::new(), &part).pictures[0].audit.hull_exits, 0);
 }

@@ -11,14 +11,14 @@ use trochoid::{
     Switches, parse,
 };
 
-/// The workspace's root; from now on the current folder too, so that scenes may read beneath it.
+/// Returns the workspace's root, and makes it the current folder, so that scenes may read beneath it.
 pub(crate) fn root() -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     std::env::set_current_dir(root).unwrap();
     root.into()
 }
 
-/// The graph of a document's text; paths are relative to `folder`.
+/// Returns the graph of a document's text; paths are relative to `folder`.
 pub(crate) fn graph_in(folder: &Path, text: &str) -> CheckedGraph {
     match parse("test.json", text, folder, &[]) {
         Ok(loaded) => loaded.graph,
@@ -26,7 +26,7 @@ pub(crate) fn graph_in(folder: &Path, text: &str) -> CheckedGraph {
     }
 }
 
-/// The graph of these nodes and outputs at a format.
+/// Returns the graph of these nodes and outputs at a format.
 pub(crate) fn graph(format: &str, nodes: &str, outputs: &str) -> CheckedGraph {
     let text = format!(
         r#"{{ "trochoid": 1, "format": {{ {format} }}, "frames": {{ "first": 1, "last": 100 }},
@@ -35,7 +35,7 @@ pub(crate) fn graph(format: &str, nodes: &str, outputs: &str) -> CheckedGraph {
     graph_in(Path::new("."), &text)
 }
 
-/// All outputs at a frame.
+/// Evaluates all outputs at a frame.
 pub(crate) fn evaluate(graph: &CheckedGraph, frame: i64, buffers: &Buffers<'_>, settings: &Settings) -> Frame {
     evaluate_some(graph, &[], frame, buffers, settings)
 }
@@ -52,7 +52,7 @@ pub(crate) fn evaluate_again(
     plan.evaluate(buffers, cache, &Silent).unwrap()
 }
 
-/// Some outputs at a frame.
+/// Evaluates some outputs at a frame.
 pub(crate) fn evaluate_some(
     graph: &CheckedGraph,
     outputs: &[&str],
@@ -64,17 +64,17 @@ pub(crate) fn evaluate_some(
     plan.evaluate(buffers, &mut Cache::new(), &Silent).unwrap()
 }
 
-/// The bits of a picture, channel by channel.
+/// Returns the bits of a picture, channel by channel.
 pub(crate) fn bits(picture: &Picture) -> Vec<Vec<u32>> {
     picture.planes.iter().map(|plane| plane.samples().iter().map(|v| v.to_bits()).collect()).collect()
 }
 
-/// The bits of all pictures of a frame.
+/// Returns the bits of all pictures of a frame.
 pub(crate) fn all_bits(frame: &Frame) -> Vec<Vec<Vec<u32>>> {
     frame.pictures.iter().map(bits).collect()
 }
 
-/// Default settings with one thing changed.
+/// Returns default settings with one thread and a change.
 pub(crate) fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
     let mut settings = Settings::default();
     settings.threads = 1;
@@ -82,8 +82,8 @@ pub(crate) fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
     settings
 }
 
-/// Settings that must not change a bit: every switch alone on and alone off, none, tile sizes, threads, what is kept
-/// from one evaluation to the next.
+/// Settings that must not change a bit: every switch alone on and alone off, all off, tile sizes, threads, instruction
+/// sets, machine code, and planes that are kept for the next evaluation.
 pub(crate) fn variants() -> Vec<(String, Settings)> {
     let mut variants = vec![
         ("all switches off".into(), settings(|s| s.switches = Switches::NONE)),
@@ -127,7 +127,7 @@ pub(crate) fn variants() -> Vec<(String, Settings)> {
     variants
 }
 
-/// Evaluates under every variant, holds all bits against the default settings, and gives the latter's frame.
+/// Evaluates under every variant, compares all bits with those of the default settings, and returns their frame.
 pub(crate) fn under_all_settings(graph: &CheckedGraph, frame: i64, buffers: &Buffers<'_>, what: &str) -> Frame {
     let expected = evaluate(graph, frame, buffers, &settings(|_| ()));
     let mut kept = Cache::new();
