@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 const MOST: u64 = 300_000_000;
 /// Memory limit for reading a small file, in bytes.
 const SMALL: u64 = 50_000_000;
-/// Time after which a run is killed, in case it waits for something that never comes.
+/// Time after which a run is killed, because it seems to wait forever.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Runs a command, and checks its peak memory against a limit.
@@ -53,7 +53,7 @@ fn pipe(path: &Path) {
 }
 
 #[test]
-fn few_pixels_of_a_huge_picture_take_little() {
+fn few_pixels_of_a_huge_picture_take_little_memory() {
     let scene = Scene::new(&READS.replace("\"in.exr\"", "\"in.png\", \"fit\": \"nearest\""));
     write_large(&scene.path("in.png"));
     within(MOST, &mut scene.command(&["render", "a.json"])).code(0);
@@ -61,7 +61,7 @@ fn few_pixels_of_a_huge_picture_take_little() {
 }
 
 #[test]
-fn what_twelve_huge_pictures_take_is_refused_unread() {
+fn twelve_huge_pictures_are_refused_unread() {
     let scene = Scene::new(SCENE);
     write_large(&scene.path("0.png"));
     let mut nodes = String::new();
@@ -162,7 +162,7 @@ fn claiming(compression: u8) -> Vec<u8> {
 }
 
 #[test]
-fn a_small_file_that_claims_much_takes_little() {
+fn a_small_file_that_claims_to_be_large_takes_little_memory() {
     for compression in 0..=9 {
         let scene = Scene::new(&READS.replace("\"as\"", "\"fit\": \"nearest\", \"as\""));
         let bytes = claiming(compression);
@@ -232,7 +232,7 @@ fn a_file_with_a_number_sign_in_its_name_can_be_read() {
 }
 
 #[test]
-fn litter_of_a_killed_run_goes_with_the_next() {
+fn the_next_run_removes_partial_files_of_a_killed_run() {
     let scene = Scene::new(SCENE);
     scene.run(&["render", "a.json"]).code(0);
     let whole = scene.files();

@@ -66,7 +66,7 @@ fn resume_renders_again_when_an_input_has_changed() {
 }
 
 #[test]
-fn values_that_were_replaced_are_told_once_by_their_node() {
+fn replaced_values_are_warned_of_once_with_their_node() {
     let nan = |more: &str| {
         let fm = format!("\"fm\": {{ \"type\": \"FieldMath\", \"expression\": \"0/0*a\", \"a\": \"across\"{more} }}");
         let scene = SCENE.replace(
@@ -163,7 +163,7 @@ fn equal_frames_are_equal_files_whatever_a_cache_held() {
 }
 
 #[test]
-fn what_a_file_keeps_free_is_not_shown() {
+fn reserved_space_in_a_file_is_not_shown() {
     let scene = Scene::new(SCENE);
     scene.run(&["render", "a.json", "--frames", "1"]).code(0);
     let run = scene.run(&["info", "out/beauty.0001.exr"]).code(0);
