@@ -1,9 +1,9 @@
 //! Features for other renderers: batches of samples, regions, and cancellation.
 
-use crate::support::{all_bits, evaluate, graph, settings};
+use crate::support::{all_bits, evaluate, graph, is_alone, settings};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use trochoid::{
-    Buffers, Cache, CheckedGraph, EvalError, Monitor, Pictures, Plan, PlanError, Settings, ShadingPlan, Silent,
+    Buffers, Cache, CheckedGraph, EvalError, Heap, Monitor, Pictures, Plan, PlanError, Settings, ShadingPlan, Silent,
     Switches, Window,
 };
 
@@ -177,22 +177,36 @@ fn cancelled_evaluations_say_so() {
 }
 
 #[test]
-fn pictures_beyond_the_limit_are_refused_before_anything_is_allocated() {
+fn pictures_beyond_the_limit_are_refused_before_they_are_allocated() {
+    if !is_alone("library::pictures_beyond_the_limit_are_refused_before_they_are_allocated") {
+        return;
+    }
+    // Returns the most memory that was taken at once, in bytes.
+    let taken = |run: &mut dyn FnMut()| {
+        let before = Heap::taken();
+        Heap::forget_peak();
+        run();
+        Heap::peak() - before
+    };
     let nodes = r##""x": { "type": "ScreenX" }, "out": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "x" }"##;
     let graph = graph(r#""width": 1048576, "height": 2047, "samples": 16"#, nodes, r#""out": { "color": "out" }"#);
     let plan = Plan::new(&graph, &[], 1, &[], &Settings::default()).unwrap();
-    match plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent) {
+    let mut result = None;
+    let bytes = taken(&mut || result = Some(plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent)));
+    match result.unwrap() {
         Err(error @ EvalError::TooMuchMemory { total, .. }) => {
             assert!(total > (1 << 20) * 2047 * 12);
             assert!(error.to_string().contains("\"width\" and \"height\""), "{error}");
         }
         other => panic!("{:?}", other.map(|_| ())),
     }
+    assert!(bytes < 1 << 20, "{bytes} bytes were taken");
     // Handed on row by row, they take the memory of a few rows.
     let one = settings(|s| s.threads = 1);
     let plan = Plan::new(&graph, &[], 1, &[], &one).unwrap();
     assert!(plan.memory(Pictures::Rows).total() < 2 << 30);
-    // A part of the same picture fits.
-    let part = settings(|s| s.region = Some(Window::new(1_000_000, 2000, 1_000_008, 2002)));
-    assert_eq!(evaluate(&graph, 1, &Buffers::new(), &part).pictures[0].audit.hull_exits, 0);
+    // A part of the same picture fits, and its pixels are counted.
+    let part = settings(|s| s.region = Some(Window::new(1_000_000, 1900, 1_001_024, 2000)));
+    let bytes = taken(&mut || assert_eq!(evaluate(&graph, 1, &Buffers::new(), &part).pictures[0].audit.hull_exits, 0));
+    assert!(bytes >= 1024 * 100 * 12, "{bytes} bytes were taken");
 }

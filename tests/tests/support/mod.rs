@@ -6,9 +6,10 @@ pub(crate) mod large;
 pub(crate) use files::{folder, write_exr};
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use trochoid::{
-    Buffers, Cache, CheckedGraph, Frame, Instructions, Judging, Picture, Plan, ReferenceFrame, Settings, Silent, State,
-    Switches, parse,
+    Buffers, Cache, CheckedGraph, Frame, Instructions, Judging, Picture, Plan, Plane, ReferenceFrame, Settings, Silent,
+    State, Switches, Window, parse,
 };
 
 /// Returns the workspace's root, and makes it the current folder, so that scenes may read beneath it.
@@ -16,6 +17,23 @@ pub(crate) fn root() -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     std::env::set_current_dir(root).unwrap();
     root.into()
+}
+
+/// Environment variable of a process in which a single test runs.
+const ALONE: &str = "TROCHOID_TEST_ALONE";
+
+/// Returns whether a test runs in a process of its own, where no other test takes memory. Elsewhere, runs it in such a
+/// process, and panics if it fails there.
+#[track_caller]
+pub(crate) fn is_alone(test: &str) -> bool {
+    if std::env::var_os(ALONE).is_some() {
+        return true;
+    }
+    let mut command = Command::new(std::env::current_exe().unwrap());
+    let output = command.args(["--exact", test, "--nocapture"]).env(ALONE, "1").output().unwrap();
+    let told = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+    assert!(output.status.success() && told.contains("1 passed"), "{test}, alone: {told}");
+    false
 }
 
 /// Returns the graph of a document's text; paths are relative to `folder`.
@@ -130,6 +148,7 @@ pub(crate) fn variants() -> Vec<(String, Settings)> {
 /// Evaluates under every variant, compares all bits with those of the default settings, and returns their frame.
 pub(crate) fn under_all_settings(graph: &CheckedGraph, frame: i64, buffers: &Buffers<'_>, what: &str) -> Frame {
     let expected = evaluate(graph, frame, buffers, &settings(|_| ()));
+    assert_eq!(expected.pictures.len(), graph.outputs().len(), "{what}: pictures");
     let mut kept = Cache::new();
     for (name, settings) in variants() {
         let found = if settings.keep {
@@ -137,8 +156,14 @@ pub(crate) fn under_all_settings(graph: &CheckedGraph, frame: i64, buffers: &Buf
         } else {
             evaluate(graph, frame, buffers, &settings)
         };
+        assert_eq!(found.pictures.len(), expected.pictures.len(), "{what}: {name}: pictures");
         for (a, b) in expected.pictures.iter().zip(&found.pictures) {
             let output = &graph.outputs()[a.output].name;
+            let shape = |picture: &Picture| {
+                let windows: Vec<Window> = picture.planes.iter().map(Plane::window).collect();
+                (picture.output, windows)
+            };
+            assert_eq!(shape(b), shape(a), "{what}: {name}: planes of output {output}");
             for (channel, (a, b)) in a.planes.iter().zip(&b.planes).enumerate() {
                 let pairs = a.samples().iter().zip(b.samples());
                 if let Some(at) = pairs.clone().position(|(a, b)| a.to_bits() != b.to_bits()) {
