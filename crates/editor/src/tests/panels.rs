@@ -1,5 +1,5 @@
 use super::{DUSK, dusk};
-use crate::actions::{Action, Pane};
+use crate::actions::{Action, Pane, Switch};
 use crate::document::{Path, Session};
 use crate::testing::{Window, act, editor, finished, sized, unseen, window};
 use egui::accesskit::Role;
@@ -222,6 +222,24 @@ fn the_toolbar_of_a_narrow_viewer_has_a_menu_for_the_rest() {
     // The menu stays open, and now has the controls of the held picture.
     narrow.get_by_label("Diff");
     narrow.get_by_label("Near");
+}
+
+#[test]
+fn the_toolbar_of_the_viewer_stays_one_line_when_tools_are_added() {
+    for width in (840..1280).step_by(20) {
+        let mut window = sized(dusk(), None, [width as f32, 640.0]);
+        finished(&mut window);
+        for switch in [Switch::Hold, Switch::Difference, Switch::Near] {
+            act(&mut window, Action::Viewer(switch));
+            window.run_steps(3);
+            let line = window.get_by_label("RGB").rect().center().y;
+            for label in ["1:1", "Region", "Hold A", "Diff", "Hull", "Near", "More"] {
+                for tool in window.query_all_by_label(label).filter(|tool| tool.rect().top() < line + 60.0) {
+                    assert!((tool.rect().center().y - line).abs() < 2.0, "{label} at {width}, after {switch:?}");
+                }
+            }
+        }
+    }
 }
 
 #[test]
