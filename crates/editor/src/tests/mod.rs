@@ -8,7 +8,6 @@ mod panels;
 mod play;
 mod reach;
 mod safety;
-pub(crate) mod shots;
 mod snapshots;
 mod told;
 mod typing;

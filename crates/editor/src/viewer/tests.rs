@@ -8,7 +8,6 @@ use crate::testing::{Window, ask, editor, sized, until};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use std::path::PathBuf;
 
 const WINDOW: [f32; 2] = [1280.0, 800.0];
 
@@ -25,7 +24,7 @@ const MIXED: &str = r##"{
 }"##;
 
 /// A sea with one guide.
-const SEA: &str = r##"{
+pub(crate) const SEA: &str = r##"{
   "trochoid": 1, "format": { "width": 64, "height": 36 },
   "nodes": {
     "camera": { "type": "Camera", "position": [5, 8, 16], "target": [5, 0, 5] },
@@ -388,78 +387,6 @@ fn projecting_a_point_and_back_gives_the_same_point() {
             assert!((eye.project(world).unwrap() - share).length() < 1e-4, "{knobs} {share:?}");
         }
     }
-}
-
-/// Writes screenshots of the viewer into the folder that `TROCHOID_SHOTS` names.
-#[test]
-#[ignore = "needs a graphics driver, and minutes"]
-fn screenshots_of_the_viewer() {
-    let Some(folder) = std::env::var_os("TROCHOID_SHOTS").map(PathBuf::from) else { return };
-    let shot = |window: &mut Window, name: &str| {
-        window.run_steps(4);
-        window.render().unwrap().save(folder.join(format!("viewer_{name}.png"))).unwrap();
-    };
-    crate::tests::shots::at_root();
-    let graphs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../graphs");
-    let session = Session::open(&graphs.join("stormy_sea_bare.json")).unwrap();
-    let mut window = sized(session, None, WINDOW);
-    act(&mut window, Action::Proxy(2));
-    shot(&mut window, "plain");
-    act(&mut window, Action::Pick(Some([0.42, 0.6])));
-    shot(&mut window, "picked");
-    window.get_by_label("Hold A").click();
-    settle(&mut window);
-    let other = editor(&window).state().sheet().nodes.iter().rev().find_map(|node| {
-        let is_color = node.makes.first().and_then(|(_, kind)| *kind) == Some(trochoid::Kind::Color);
-        (is_color && Some(&node.name) != editor(&window).state().look.node.as_ref().map(|(name, _)| name))
-            .then(|| node.name.clone())
-    });
-    act(&mut window, Action::Look(other.unwrap(), 0));
-    shot(&mut window, "wipe");
-    window.get_by_label("Diff").click();
-    settle(&mut window);
-    shot(&mut window, "difference");
-    window.get_by_label("Release A").click();
-    settle(&mut window);
-    act(&mut window, Action::Look("beauty".into(), 0));
-    let center = picture(&window).center();
-    hover(&mut window, center);
-    press(&mut window, Key::N);
-    hover(&mut window, center + vec2(4.0, 4.0));
-    shot(&mut window, "near");
-    press(&mut window, Key::N);
-    press(&mut window, Key::H);
-    shot(&mut window, "hull");
-    press(&mut window, Key::H);
-    act(&mut window, Action::Look("sea".into(), 0));
-    act(&mut window, Action::Pick(None));
-    shot(&mut window, "clay");
-    let display = crate::evaluate::Display { false_color: true, range: Some([0.0, 1.0]), ..Default::default() };
-    act(&mut window, Action::Display(display));
-    shot(&mut window, "field");
-    act(&mut window, Action::Look("camera".into(), 0));
-    shot(&mut window, "failed");
-
-    let session = Session::open(&graphs.join("toon_sea.json")).unwrap();
-    let mut window = sized(session, None, WINDOW);
-    act(&mut window, Action::Proxy(4));
-    act(&mut window, Action::Select(["waves".to_string()].into()));
-    let point = window.get_by_label("guides 1, point 2").rect().center();
-    hover(&mut window, point);
-    shot(&mut window, "handles");
-    act(&mut window, Action::Theme);
-    act(&mut window, Action::Pick(Some([0.5, 0.5])));
-    shot(&mut window, "light");
-
-    let session = Session::open(&graphs.join("cartoon_bay.json")).unwrap();
-    let mut window = sized(session, None, [780.0, 640.0]);
-    act(&mut window, Action::Proxy(2));
-    act(&mut window, Action::Pick(Some([0.5, 0.7])));
-    window.get_by_label("More").click();
-    settle(&mut window);
-    window.get_by_label("Hold A").click();
-    settle(&mut window);
-    shot(&mut window, "narrow");
 }
 
 #[test]

@@ -2,7 +2,6 @@
 
 mod nodes;
 mod outputs;
-mod shots;
 mod wires;
 
 use super::{Canvas, arrange, backdrop, canvas_ui, deleting, lined_up};
