@@ -4,6 +4,7 @@ mod keys;
 mod lasting;
 mod leaving;
 mod looking;
+mod modules;
 mod panels;
 mod play;
 mod reach;

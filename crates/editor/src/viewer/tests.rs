@@ -1,7 +1,8 @@
 //! Tests of the viewer, driven by simulated clicks and keys.
 
 use super::handles::Eye;
-use crate::actions::Action;
+use crate::actions::{Action, Switch};
+use crate::commands::{COMMANDS, Command};
 use crate::document::{Path, Session};
 use crate::evaluate::{Channel, Display};
 use crate::testing::{Window, ask, editor, sized, until};
@@ -390,28 +391,59 @@ fn projecting_a_point_and_back_gives_the_same_point() {
 }
 
 #[test]
-fn switches_of_the_viewer_are_commands() {
-    let mut window = open(MIXED, WINDOW);
-    let run = |window: &mut Window, name: &str| {
+fn every_switch_of_the_viewer_is_a_command() {
+    let run = |window: &mut Window, switch: Switch| {
         let state = editor(window).state();
-        let command = crate::commands::COMMANDS.iter().find(|command| command.name == name).unwrap();
-        assert!((command.enabled)(state), "{name}");
-        let action = (command.action)(state);
-        crate::testing::act(window, action);
+        let does = |command: &&Command| (command.action)(state) == Action::Viewer(switch);
+        let command = COMMANDS.iter().find(does).unwrap_or_else(|| panic!("{switch:?} is no command"));
+        assert!((command.enabled)(state), "{}", command.name);
+        crate::testing::act(window, Action::Viewer(switch));
     };
-    run(&mut window, "Difference");
-    assert!(window.query_by_label("Release A").is_some(), "the current picture is held if none was");
-    run(&mut window, "Wipe");
-    assert!(window.query_by_label("Release A").is_some());
-    run(&mut window, "Release A");
-    assert!(window.query_by_label("Release A").is_none());
-    run(&mut window, "Hull");
-    assert!(window.query_by_label("Hull of the palette").is_some());
-    run(&mut window, "Hull");
-    run(&mut window, "Near");
-    assert!(window.query_by_label("The palette is flat: every color lies on its face.").is_some());
-    run(&mut window, "Region");
-    let place = picture(&window);
-    drag(&mut window, place.center(), place.center() + vec2(40.0, 20.0), Modifiers::NONE);
-    assert!(editor(&window).state().look.region.is_some());
+    let shows = |window: &Window, label: &str| window.query_by_label(label).is_some();
+    let mut next = Some(Switch::Hold);
+    while let Some(switch) = next {
+        let mut window = open(MIXED, WINDOW);
+        run(&mut window, switch);
+        let is_held = shows(&window, "Release A");
+        next = match switch {
+            Switch::Hold => {
+                assert!(is_held);
+                Some(Switch::LetGo)
+            }
+            Switch::LetGo => {
+                run(&mut window, Switch::Hold);
+                run(&mut window, Switch::LetGo);
+                assert!(!shows(&window, "Release A"));
+                Some(Switch::Wipe)
+            }
+            Switch::Wipe => {
+                assert!(is_held && shows(&window, "Wipe line"), "the current picture is held if none was");
+                Some(Switch::Difference)
+            }
+            Switch::Difference => {
+                assert!(is_held && !shows(&window, "Wipe line"), "the current picture is held if none was");
+                run(&mut window, Switch::Wipe);
+                assert!(shows(&window, "Release A") && shows(&window, "Wipe line"));
+                Some(Switch::Region)
+            }
+            Switch::Region => {
+                let place = picture(&window);
+                drag(&mut window, place.center(), place.center() + vec2(40.0, 20.0), Modifiers::NONE);
+                assert!(editor(&window).state().look.region.is_some());
+                Some(Switch::Hull)
+            }
+            Switch::Hull => {
+                assert!(shows(&window, "Hull of the palette") && !shows(&window, "Picture"));
+                run(&mut window, switch);
+                assert!(!shows(&window, "Hull of the palette") && shows(&window, "Picture"));
+                Some(Switch::Near)
+            }
+            Switch::Near => {
+                assert!(shows(&window, "The palette is flat: every color lies on its face."));
+                run(&mut window, switch);
+                assert!(!shows(&window, "The palette is flat: every color lies on its face."));
+                None
+            }
+        };
+    }
 }

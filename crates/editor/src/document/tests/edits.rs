@@ -119,12 +119,22 @@ fn a_copy_pastes_into_a_chat_and_back() {
 #[test]
 fn another_type_keeps_what_both_know() {
     let mut session = small();
-    let screen = registry().get("Clamp").unwrap().declaration();
-    session.edit(edit::retyped(session.sheet(), "across", screen)).unwrap();
-    assert_eq!(value(&session, "across", "type"), json!("Clamp"));
-    let blend = registry().get("Patch").unwrap().declaration();
-    session.edit(edit::retyped(session.sheet(), "both", blend)).unwrap();
-    assert_eq!(value(&session, "both", "colors"), json!(["sky", "sea"]));
+    let retype = |session: &mut Session, name: &str, ty: &str| {
+        let declaration = registry().get(ty).unwrap().declaration();
+        session.edit(edit::retyped(session.sheet(), name, declaration)).unwrap();
+        session.sheet().get(&Path::node(name)).cloned().unwrap()
+    };
+    // Every node has notes and can be disabled; what only the new type knows gets a constant.
+    session.edit(Edit::set(Path::node("across").to("notes"), &json!("left to right"))).unwrap();
+    session.edit(edit::disabled(session.sheet(), &names(&["across"]))).unwrap();
+    let clamp = json!({ "type": "Clamp", "field": 0, "notes": "left to right", "disabled": true });
+    assert_eq!(retype(&mut session, "across", "Clamp"), clamp);
+    assert_eq!(value(&session, "sea", "weight"), json!("across"), "readers stay connected");
+    // What only the old type knew is dropped.
+    let patch = json!({ "type": "Patch", "u": 0.5, "v": 0.5, "colors": ["sky", "sea"] });
+    assert_eq!(retype(&mut session, "both", "Patch"), patch);
+    let strokes = retype(&mut session, "soft", "Strokes");
+    assert_eq!([&strokes["image"], &strokes["size"]], [&json!("both"), &json!(2)], "a wire and a knob");
 }
 
 #[test]
