@@ -25,6 +25,7 @@ mod edges;
 mod extent;
 #[cfg(feature = "files")]
 pub mod files;
+mod first_hit;
 mod first_point;
 mod float;
 mod followed;
