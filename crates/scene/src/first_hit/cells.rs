@@ -4,7 +4,7 @@ use super::bernstein::{Net, SIDE, interpolated, nodes};
 use super::footprints::Footprints;
 use super::region::{Axes, Region};
 use super::remainder::{Remainder, remainder};
-use super::tree::Tree;
+use crate::boxes::Tree;
 use crate::{Projector, SeaSurface};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -54,46 +54,57 @@ pub(crate) struct SeaCells {
     pub(super) tree: Tree,
 }
 
+/// Why there are no cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NoCells {
+    /// The camera sees nothing of the sea.
+    Unseen,
+    /// There would be too many.
+    TooMany,
+    /// They are no longer needed.
+    Stopped,
+}
+
 impl SeaCells {
-    /// Divides the part of a sea that a camera may see; `None` if it sees none, or too much for cells, or soon after
-    /// `stop` says that the result is no longer needed.
+    /// Divides the part of a sea that a camera may see, on all threads or on this one alone.
+    ///
+    /// # Errors
+    /// There are none, or too many; or `stop` said that the result is no longer needed.
     pub(crate) fn new(
         sea: &SeaSurface,
         projector: &Projector,
+        on_all_threads: bool,
         stop: &(dyn Fn() -> bool + Sync),
-    ) -> Option<Self> {
+    ) -> Result<Self, NoCells> {
         let axes = Axes::new(sea, projector);
         let region = Region::new(sea, projector, &axes);
         let footprints = Footprints::new(sea, projector);
         let waves = FramedSea::new(&sea.frame, [axes.eye.x, axes.eye.z], axes.heading);
         let bands = bands(sea, &waves, &footprints, &region, stop)?;
         let offsets = nodes();
-        let cells: Option<Vec<Vec<Cell>>> = bands
-            .par_iter()
-            .map(|band| {
-                if stop() {
-                    return None;
-                }
-                let rows = waves.rows(&offsets.map(|node| {
-                    let u = band.middle + band.half * node;
-                    (u, libm::sqrt(footprints.square(u)))
-                }));
-                let columns = waves.columns(&offsets.map(|node| band.half * node));
-                let make = |index: usize| {
-                    let v = band.first + 2.0 * band.half * index as f64;
-                    Cell::new(&waves, [&rows], &columns, [band.middle, v], band.half, band.remainder)
-                };
-                Some((0..band.count).map(make).filter(|cell| !region.misses(cell.bounds())).collect())
-            })
-            .collect();
+        let of_band = |band: &Band| {
+            if stop() {
+                return Err(NoCells::Stopped);
+            }
+            let rows = waves.rows(&offsets.map(|node| {
+                let u = band.middle + band.half * node;
+                (u, libm::sqrt(footprints.square(u)))
+            }));
+            let columns = waves.columns(&offsets.map(|node| band.half * node));
+            let make = |index: usize| {
+                let v = band.first + 2.0 * band.half * index as f64;
+                Cell::new(&waves, &rows, &columns, [band.middle, v], band.half, band.remainder)
+            };
+            Ok((0..band.count).map(make).filter(|cell| !region.misses(cell.bounds())).collect())
+        };
+        let cells: Result<Vec<Vec<Cell>>, NoCells> = if on_all_threads {
+            bands.par_iter().map(of_band).collect()
+        } else {
+            bands.iter().map(of_band).collect()
+        };
         let cells: Vec<Cell> = cells?.into_iter().flatten().collect();
-        let tree = Tree::new(&cells.iter().map(Cell::bounds).collect::<Vec<_>>())?;
-        Some(Self { axes, region, footprints, waves, cells, tree })
-    }
-
-    /// Returns the number of bytes held.
-    pub(crate) fn bytes(&self) -> usize {
-        self.cells.len() * size_of::<Cell>() + self.tree.bytes()
+        let tree = Tree::new(&cells.iter().map(Cell::bounds).collect::<Vec<_>>()).ok_or(NoCells::Unseen)?;
+        Ok(Self { axes, region, footprints, waves, cells, tree })
     }
 
     /// Returns a smaller cell around a rest point, or `None` where its remainder would not be smaller because of
@@ -110,7 +121,7 @@ impl SeaCells {
             let u = middle[0] + offset;
             (u, libm::sqrt(self.footprints.square(u)))
         }));
-        Some(Cell::new(&self.waves, [&rows], &self.waves.columns(&offsets), middle, half, remainder))
+        Some(Cell::new(&self.waves, &rows, &self.waves.columns(&offsets), middle, half, remainder))
     }
 }
 
@@ -121,15 +132,18 @@ fn bands(
     footprints: &Footprints,
     region: &Region,
     stop: &(dyn Fn() -> bool + Sync),
-) -> Option<Vec<Band>> {
-    let [near, far] = region.along()?;
+) -> Result<Vec<Band>, NoCells> {
+    let [near, far] = region.along().ok_or(NoCells::Unseen)?;
     let (mut from, end) = (near - sea.drift, far + sea.drift);
     let kinks = footprints.kinks();
     let (mut bands, mut cells) = (Vec::new(), 0);
     let mut half = (end - from) / 2.0;
     while from < end {
-        if stop() || bands.len() == MOST_BANDS {
-            return None;
+        if stop() {
+            return Err(NoCells::Stopped);
+        }
+        if bands.len() == MOST_BANDS {
+            return Err(NoCells::TooMany);
         }
         let kink = kinks.iter().copied().find(|kink| *kink > from + LEAST * (1.0 + from.abs()));
         let limit = kink.map_or(end, |kink| kink.min(end)) - from;
@@ -151,20 +165,20 @@ fn bands(
             let count = ((right - left) / (2.0 * half)).ceil().max(1.0);
             cells += count as usize;
             if cells > MOST_CELLS {
-                return None;
+                return Err(NoCells::TooMany);
             }
             let first = (left + right) / 2.0 - half * (count - 1.0);
             bands.push(Band { middle, half, first, count: count as usize, remainder });
         }
         from = to;
     }
-    Some(bands)
+    Ok(bands)
 }
 
 impl Cell {
     fn new(
         waves: &FramedSea,
-        [rows]: [&RowFactors; 1],
+        rows: &RowFactors,
         columns: &ColumnFactors,
         middle: [f64; 2],
         half: f64,

@@ -12,12 +12,13 @@
 mod bernstein;
 mod cells;
 mod footprints;
+mod kept;
 mod region;
 mod remainder;
 mod search;
 #[cfg(test)]
 mod tests;
-mod tree;
 
-pub(crate) use cells::SeaCells;
+pub(crate) use cells::NoCells;
+pub(crate) use kept::KeptCells;
 pub(crate) use search::{First, Thoroughness};

@@ -2,7 +2,7 @@
 
 use super::bernstein::{DEGREE, Net, SIDE, evaluate, halves, range};
 use super::cells::{Cell, SeaCells};
-use super::tree::Line;
+use crate::boxes::Line;
 use crate::first_point::newton;
 use crate::{Projector, Ray, SeaSurface};
 use glam::{DMat2, DVec2, DVec3};
@@ -31,14 +31,16 @@ impl Thoroughness {
     /// Returns the most parts of patches, and the most smaller cells, that a ray may take.
     fn most(self) -> (u32, u32) {
         match self {
-            Self::Quick => (1500, 0),
+            Self::Quick => (1500, 4),
             Self::Thorough => (200_000, 2000),
         }
     }
 }
 
-/// Most times that a patch is halved before a smaller cell replaces it.
-const HALVINGS: u32 = 9;
+/// Most times that a patch is halved, and the size of a part, in distances of the sea from its patch, from which halving
+/// does not help any more; then a smaller cell replaces it.
+const HALVINGS: u32 = 40;
+const INDISTINCT: f64 = 8.0;
 /// Change of the derivatives across a part, relative to their mean, below which the part is one-to-one.
 const ONE_TO_ONE: f64 = 0.5;
 /// Most steps of the projected iteration, which at least halve the distance each.
@@ -89,6 +91,8 @@ enum Solutions {
         /// Whether to halve the part along s.
         along_s: bool,
     },
+    /// Any number, and the sea is not known well enough to tell.
+    Indistinct,
 }
 
 impl SeaCells {
@@ -153,13 +157,13 @@ impl Search<'_> {
             match self.solutions(cell, &part) {
                 Solutions::None => {}
                 Solutions::One(guess) => self.one(cell, &part, guess),
-                Solutions::Several { along_s } if part.halvings > 0 => {
+                Solutions::Several { along_s } => {
                     let [first, second] = part.halved(along_s);
                     // The nearer half is looked at first.
                     let is_first = range(&first.along)[0] <= range(&second.along)[0];
                     open.extend(if is_first { [second, first] } else { [first, second] });
                 }
-                Solutions::Several { .. } => self.again(cell, &part),
+                Solutions::Indistinct => self.again(cell, &part),
             }
         }
     }
@@ -185,11 +189,13 @@ impl Search<'_> {
 
     fn solutions(&self, cell: &Cell, part: &Part) -> Solutions {
         let slack = self.aside.map(|way| Self::slack(cell, way));
+        let mut is_distinct = part.halvings > 0;
         for (net, slack) in part.aside.iter().zip(slack) {
             let [low, high] = range(net);
             if low > slack || high < -slack {
                 return Solutions::None;
             }
+            is_distinct &= high - low > INDISTINCT * slack;
         }
         let deep = Self::slack(cell, self.direction);
         let [near, far] = range(&part.along);
@@ -199,10 +205,11 @@ impl Search<'_> {
         // Derivatives by s and t of the part, as columns: their mean J, and by how much Y·(J − mean), Y = J⁻¹, changes.
         let [p, q] = &part.aside;
         let mean = Derivatives::mean(p, q);
-        let several = || Solutions::Several { along_s: mean.x_axis.length_squared() > mean.y_axis.length_squared() };
+        let several = |along_s: bool| if is_distinct { Solutions::Several { along_s } } else { Solutions::Indistinct };
+        let is_long = mean.x_axis.length_squared() > mean.y_axis.length_squared();
         let inverse = mean.inverse();
         if !inverse.is_finite() {
-            return several();
+            return several(is_long);
         }
         let [by_s, by_t] = Derivatives::changes(p, q, &mean, &inverse);
         // The derivatives of the sea itself turn a little more.
@@ -214,7 +221,7 @@ impl Search<'_> {
         let is_one_to_one = most <= ONE_TO_ONE;
         if !is_one_to_one {
             let (s, t) = (by_s.max_element(), by_t.max_element());
-            return if s == t { several() } else { Solutions::Several { along_s: s > t } };
+            return several(if s == t { is_long } else { s > t });
         }
         // G(x) = x − Y·F(x) contracts the part by `change`, so a point of the ray lies within change/2 of G(middle).
         let middle = DVec2::splat(0.5);

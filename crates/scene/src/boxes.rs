@@ -1,26 +1,26 @@
-//! Boxes around cells, as a tree.
+//! Boxes around the parts of surfaces, as a tree, for rays in f64.
 
 use glam::{DVec3, Vec3};
 
-/// A box: a leaf with the index of a cell, or two boxes.
+/// A box: a leaf with the index of a part, or two boxes.
 #[derive(Clone, Copy, Debug)]
 struct Branch {
     low: Vec3,
     high: Vec3,
-    /// Index of the first of two branches that follow one another; for a leaf, that of its cell.
+    /// Index of the first of two branches that follow one another; for a leaf, that of its part.
     next: u32,
     is_leaf: bool,
 }
 
 /// A binary tree of boxes.
 #[derive(Debug)]
-pub(super) struct Tree {
+pub(crate) struct Tree {
     branches: Vec<Branch>,
 }
 
 /// A ray for boxes.
 #[derive(Clone, Copy)]
-pub(super) struct Line {
+pub(crate) struct Line {
     origin: DVec3,
     inverse: DVec3,
 }
@@ -29,7 +29,7 @@ pub(super) struct Line {
 const SLACK: f64 = 1e-12;
 
 impl Line {
-    pub(super) fn new(origin: DVec3, direction: DVec3) -> Self {
+    pub(crate) fn new(origin: DVec3, direction: DVec3) -> Self {
         // A component of 0 would compute 0·∞ for a box that starts at the ray's origin.
         let inverse = |part: f64| if part.abs() < 1e-200 { 1e200_f64.copysign(part) } else { 1.0 / part };
         Self { origin, inverse: DVec3::new(inverse(direction.x), inverse(direction.y), inverse(direction.z)) }
@@ -48,7 +48,7 @@ impl Line {
 
 impl Tree {
     /// Makes the tree of these boxes; `None` if there are none.
-    pub(super) fn new(boxes: &[[DVec3; 2]]) -> Option<Self> {
+    pub(crate) fn new(boxes: &[[DVec3; 2]]) -> Option<Self> {
         let below = |value: f64| (value as f32).next_down();
         let above = |value: f64| (value as f32).next_up();
         let leaf = |(index, [low, high]): (usize, &[DVec3; 2])| Branch {
@@ -86,9 +86,9 @@ impl Tree {
         Some(Self { branches })
     }
 
-    /// Hands over the cells whose boxes a ray meets, roughly from near to far. `take` returns the distance beyond which
+    /// Hands over the parts whose boxes a ray meets, roughly from near to far. `take` returns the distance beyond which
     /// nothing matters any more; negative to stop.
-    pub(super) fn visit(&self, line: &Line, end: f64, mut take: impl FnMut(usize) -> f64) {
+    pub(crate) fn visit(&self, line: &Line, end: f64, mut take: impl FnMut(usize) -> f64) {
         let mut end = end;
         let mut open: Vec<(f64, u32)> = Vec::with_capacity(64);
         open.extend(line.enters(&self.branches[0], end).map(|near| (near, 0)));
@@ -113,9 +113,5 @@ impl Tree {
                 _ => {}
             }
         }
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        self.branches.len() * size_of::<Branch>()
     }
 }
