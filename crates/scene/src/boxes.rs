@@ -104,7 +104,8 @@ impl Tree {
                 }
                 continue;
             }
-            let parts = [branch.next, branch.next + 1].map(|next| (line.enters(&self.branches[next as usize], end), next));
+            let parts =
+                [branch.next, branch.next + 1].map(|next| (line.enters(&self.branches[next as usize], end), next));
             match parts {
                 [(Some(a), first), (Some(b), second)] if a <= b => open.extend([(b, second), (a, first)]),
                 [(Some(a), first), (Some(b), second)] => open.extend([(a, first), (b, second)]),

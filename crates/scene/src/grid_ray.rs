@@ -215,7 +215,8 @@ mod tests {
                 }
                 last = here;
             }
-            let found = grid.within_slab(&ray).and_then(|range| first_of_grid(&grid, &ray, [range[0], range[1].min(7.9998)]));
+            let found =
+                grid.within_slab(&ray).and_then(|range| first_of_grid(&grid, &ray, [range[0], range[1].min(7.9998)]));
             match (found, expected) {
                 (Some(found), Some(expected)) => {
                     assert!((found - expected).abs() < 3e-4, "ray {case}: {found} should be {expected}");

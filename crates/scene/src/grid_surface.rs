@@ -3,9 +3,9 @@ use std::sync::{Arc, LazyLock};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::meet_near::meet_grid;
 use crate::channel::{NORMALS, RESTS};
 use crate::grid_ray::first_of_grid;
+use crate::meet_near::meet_grid;
 use crate::points::MeshHit;
 use crate::shading::unit_or_up;
 use crate::surface::{Anchor, Hit, Mesh, Sight, Surface, Topology};

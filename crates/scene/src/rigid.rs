@@ -205,8 +205,8 @@ impl RigidBodies {
         ray: &Ray,
         meet: impl Fn(&Projector, &Ray) -> Option<Hit>,
     ) -> impl Iterator<Item = Hit> {
-        self.poses.iter().filter_map(move |pose| {
-            Some(pose.hit(projector, meet(&pose.projector(projector), &pose.ray(ray))?))
-        })
+        self.poses
+            .iter()
+            .filter_map(move |pose| Some(pose.hit(projector, meet(&pose.projector(projector), &pose.ray(ray))?)))
     }
 }

@@ -4,8 +4,8 @@ use glam::DVec3;
 use trochoid_sea::{PreciseSea, Sea, SeaFrame};
 
 use crate::extent::{Bounds, Sector, Strip};
-use crate::followed::follow_sea;
 use crate::first_hit::KeptCells;
+use crate::followed::follow_sea;
 use crate::footprint::least_footprint;
 use crate::meet_near::meet_sea;
 use crate::points::MeshHit;

@@ -1,12 +1,16 @@
 //! Sums of waves in f64 over squares of points in the axes of a frame, whose rows lie under one footprint each.
 
 use crate::frame::SeaFrame;
-use crate::precise::{CUT, MOST, exp_neg, sincos};
+use crate::precise::{MOST, ROUNDER, exp_neg, sincos};
 use fearless_simd::{Level, Simd, dispatch};
 use std::f64::consts::TAU;
 
-/// Number of points of a column that are summed side by side.
-const LANES: usize = 8;
+/// Number of points that are summed side by side in registers, and of waves that are added one after another to them: their
+/// factors fit in the nearest cache.
+const BLOCK: usize = 8;
+const TOGETHER: usize = 64;
+/// Most squares that are summed together.
+const SQUARES: usize = 8;
 /// Rounding errors of a phase, relative to the turns of its parts: each is a product of rounded factors, and they are
 /// added twice, once in the world's axes and once in the frame's.
 const TURN_ROUNDING: f64 = 16.0 * f64::EPSILON;
@@ -24,7 +28,7 @@ const TURN_ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// let sea = FramedSea::new(&frame, origin, heading);
 /// let (u, v, footprint) = (7.0, -2.0, 0.4);
 /// let mut points = vec![[0.0; 3]];
-/// sea.square(&sea.rows(&[(u, footprint)]), &sea.columns(&[0.0]), v, &mut points);
+/// sea.squares(&sea.rows(&[(u, footprint)], sea.waves().len()), &sea.columns(&[0.0]), &[v], &mut points);
 /// let place = [origin[0] + 0.6 * u - 0.8 * v, origin[1] + 0.8 * u + 0.6 * v];
 /// let [x, y, z] = frame.evaluate(place, footprint).displacement;
 /// let [along, up, across] = points[0];
@@ -66,7 +70,7 @@ impl FramedWave {
 /// Factors of waves for rows.
 #[derive(Clone, Debug)]
 pub struct RowFactors {
-    /// Number of waves that are left at the row with the least footprint.
+    /// Number of waves.
     left: usize,
     /// By row and wave: factors of cos and sin of the column's phase for each component.
     factors: Vec<[f64; 6]>,
@@ -76,10 +80,9 @@ pub struct RowFactors {
 /// Factors of waves for columns at offsets from a middle.
 #[derive(Clone, Debug)]
 pub struct ColumnFactors {
-    /// By wave: cos, then sin, of each column's phase.
-    factors: Vec<f64>,
+    /// By wave and column: cos and sin of the phase.
+    factors: Vec<[f64; 2]>,
     columns: usize,
-    padded: usize,
 }
 
 impl FramedSea {
@@ -108,10 +111,8 @@ impl FramedSea {
         &self.waves
     }
 
-    /// Returns the factors of rows, given their u and footprint in meters.
-    pub fn rows(&self, rows: &[(f64, f64)]) -> RowFactors {
-        let least = rows.iter().map(|(_, footprint)| footprint * footprint / 8.0).fold(f64::INFINITY, f64::min);
-        let left = self.waves.partition_point(|wave| wave.number * wave.number * least <= CUT);
+    /// Returns the factors of the first waves for rows, given their u and footprint in meters.
+    pub fn rows(&self, rows: &[(f64, f64)], left: usize) -> RowFactors {
         let mut factors = vec![[0.0; 6]; rows.len() * left];
         for ((u, footprint), factors) in rows.iter().zip(factors.chunks_exact_mut(left.max(1))) {
             let filter = footprint * footprint / 8.0;
@@ -124,39 +125,46 @@ impl FramedSea {
         RowFactors { left, factors, rows: rows.len() }
     }
 
-    /// Returns the factors of columns at offsets in meters from the middle that [`FramedSea::square`] is given.
+    /// Returns the factors of columns at offsets in meters from the middles that [`FramedSea::squares`] is given.
     pub fn columns(&self, offsets: &[f64]) -> ColumnFactors {
-        let padded = offsets.len().next_multiple_of(LANES);
-        let mut factors = vec![0.0; self.waves.len() * 2 * padded];
-        for (wave, factors) in self.waves.iter().zip(factors.chunks_exact_mut(2 * padded)) {
-            for (column, offset) in offsets.iter().enumerate() {
-                let (sin, cos) = sincos(reduced(wave.turns[1] * offset));
-                (factors[column], factors[padded + column]) = (cos, sin);
-            }
-        }
-        ColumnFactors { factors, columns: offsets.len(), padded }
+        let factor = |(wave, offset): (&FramedWave, &f64)| {
+            let (sin, cos) = sincos(reduced(wave.turns[1] * offset));
+            [cos, sin]
+        };
+        let factors = self.waves.iter().flat_map(|wave| offsets.iter().map(move |offset| factor((wave, offset))));
+        ColumnFactors { factors: factors.collect(), columns: offsets.len() }
     }
 
-    /// Writes the displacements along u, up and along v at the points of rows and columns, row by row, with the
-    /// columns' offsets from `middle`.
+    /// Writes the displacements along u, up and along v at the points of squares, square by square and row by row: the
+    /// columns of each stand at their offsets from its middle.
     ///
     /// # Panics
     /// `out` does not have one entry for each point.
-    pub fn square(&self, rows: &RowFactors, columns: &ColumnFactors, middle: f64, out: &mut [[f64; 3]]) {
-        assert_eq!(out.len(), rows.rows * columns.columns, "one entry for each point");
-        let mut middles = vec![[0.0; 2]; rows.left];
-        for (wave, middle_factor) in self.waves.iter().zip(&mut middles) {
-            let (sin, cos) = sincos(reduced(wave.turns[1] * middle));
-            *middle_factor = [cos, sin];
-        }
-        let mut turned = vec![0.0; rows.left * 2 * columns.padded];
-        dispatch!(self.level, simd => simd.vectorize(
-            #[inline(always)]
-            || {
-                turn(columns, &middles, &mut turned);
-                add(rows, columns, &turned, out);
+    pub fn squares(&self, rows: &RowFactors, columns: &ColumnFactors, middles: &[f64], out: &mut [[f64; 3]]) {
+        let points = rows.rows * columns.columns;
+        assert_eq!(out.len(), points * middles.len(), "one entry for each point");
+        for (middles, out) in middles.chunks(SQUARES).zip(out.chunks_mut((points * SQUARES).max(1))) {
+            let width = (middles.len() * columns.columns).next_multiple_of(BLOCK);
+            let mut sums = vec![0.0; rows.rows * 3 * width];
+            let mut phases = vec![0.0; 2 * TOGETHER * width];
+            dispatch!(self.level, simd => simd.vectorize(
+                #[inline(always)]
+                || {
+                    for first in (0..rows.left).step_by(TOGETHER) {
+                        let waves = first..(first + TOGETHER).min(rows.left);
+                        turn(&self.waves[waves.clone()], columns, first, middles, width, &mut phases);
+                        add(rows, waves, width, &phases, &mut sums);
+                    }
+                }
+            ));
+            for (square, out) in out.chunks_exact_mut(points).enumerate() {
+                for (index, out) in out.iter_mut().enumerate() {
+                    let (row, column) = (index / columns.columns, index % columns.columns);
+                    let at = |axis: usize| sums[(3 * row + axis) * width + square * columns.columns + column];
+                    *out = [at(0), at(1), at(2)];
+                }
             }
-        ));
+        }
     }
 }
 
@@ -165,12 +173,18 @@ fn reduced(turns: f64) -> f64 {
     turns - turns.round_ties_even()
 }
 
+/// Does the same without a function call, which would not be vectorized; |turns| < 2⁵¹.
+#[inline(always)]
+fn reduced_in_vectors(turns: f64) -> f64 {
+    turns - ((turns + ROUNDER) - ROUNDER)
+}
+
 /// Computes the factors of one row.
 #[inline(always)]
 fn row(waves: &[FramedWave], u: f64, filter: f64, factors: &mut [[f64; 6]]) {
     for (wave, factors) in waves.iter().zip(factors) {
         let turns = wave.turns[0] * u + wave.origin;
-        let (sin, cos) = sincos(reduced(turns));
+        let (sin, cos) = sincos(reduced_in_vectors(turns));
         let share = exp_neg((wave.number * wave.number * filter).min(MOST));
         let (sin, cos) = (sin * share, cos * share);
         let [along, up, across] = wave.amplitudes;
@@ -178,38 +192,56 @@ fn row(waves: &[FramedWave], u: f64, filter: f64, factors: &mut [[f64; 6]]) {
     }
 }
 
-/// Moves the factors of columns to a middle.
+/// Computes cos, then sin, of the phases of some waves along all columns of some squares, wave by wave.
 #[inline(always)]
-fn turn(columns: &ColumnFactors, middles: &[[f64; 2]], turned: &mut [f64]) {
-    let padded = columns.padded;
-    let pairs = columns.factors.chunks_exact(2 * padded).zip(turned.chunks_exact_mut(2 * padded));
-    for ((factors, turned), [cos, sin]) in pairs.zip(middles) {
-        let ((c, s), (out_c, out_s)) = (factors.split_at(padded), turned.split_at_mut(padded));
-        for lane in 0..padded {
-            out_c[lane] = c[lane] * cos - s[lane] * sin;
-            out_s[lane] = s[lane] * cos + c[lane] * sin;
+fn turn(
+    waves: &[FramedWave],
+    columns: &ColumnFactors,
+    first: usize,
+    middles: &[f64],
+    width: usize,
+    phases: &mut [f64],
+) {
+    let mut at = [0.0; SQUARES];
+    at[..middles.len()].copy_from_slice(middles);
+    for (index, wave) in waves.iter().enumerate() {
+        let (mut sines, mut cosines) = ([0.0; SQUARES], [0.0; SQUARES]);
+        for square in 0..SQUARES {
+            (sines[square], cosines[square]) = sincos(reduced_in_vectors(wave.turns[1] * at[square]));
+        }
+        let own = &columns.factors[(first + index) * columns.columns..][..columns.columns];
+        let (cos, sin) = phases[2 * index * width..][..2 * width].split_at_mut(width);
+        for square in 0..middles.len() {
+            let start = square * columns.columns;
+            for (column, [c, s]) in own.iter().enumerate() {
+                cos[start + column] = c * cosines[square] - s * sines[square];
+                sin[start + column] = s * cosines[square] + c * sines[square];
+            }
         }
     }
 }
 
-/// Adds the products of all rows and columns, wave by wave.
+/// Adds some waves at all points.
 #[inline(always)]
-fn add(rows: &RowFactors, columns: &ColumnFactors, turned: &[f64], out: &mut [[f64; 3]]) {
-    let padded = columns.padded;
+fn add(rows: &RowFactors, waves: std::ops::Range<usize>, width: usize, phases: &[f64], sums: &mut [f64]) {
     for row in 0..rows.rows {
-        let factors = &rows.factors[row * rows.left..][..rows.left];
-        for start in (0..columns.columns).step_by(LANES) {
-            let mut sums = [[0.0; LANES]; 3];
-            for (factors, turned) in factors.iter().zip(turned.chunks_exact(2 * padded)) {
-                let (cos, sin) = (&turned[start..start + LANES], &turned[padded + start..padded + start + LANES]);
+        let factors = &rows.factors[row * rows.left..][waves.clone()];
+        for start in (0..width).step_by(BLOCK) {
+            let mut total = [[0.0; BLOCK]; 3];
+            for (axis, total) in total.iter_mut().enumerate() {
+                total.copy_from_slice(&sums[(3 * row + axis) * width + start..][..BLOCK]);
+            }
+            for (index, factors) in factors.iter().enumerate() {
+                let cos = &phases[2 * index * width + start..][..BLOCK];
+                let sin = &phases[(2 * index + 1) * width + start..][..BLOCK];
                 for axis in 0..3 {
-                    for lane in 0..LANES {
-                        sums[axis][lane] += factors[2 * axis] * cos[lane] + factors[2 * axis + 1] * sin[lane];
+                    for lane in 0..BLOCK {
+                        total[axis][lane] += factors[2 * axis] * cos[lane] + factors[2 * axis + 1] * sin[lane];
                     }
                 }
             }
-            for lane in 0..LANES.min(columns.columns - start) {
-                out[row * columns.columns + start + lane] = [sums[0][lane], sums[1][lane], sums[2][lane]];
+            for (axis, total) in total.iter().enumerate() {
+                sums[(3 * row + axis) * width + start..][..BLOCK].copy_from_slice(total);
             }
         }
     }

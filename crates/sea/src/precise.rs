@@ -9,10 +9,10 @@ use std::f64::consts::{LN_2, LOG2_E, TAU};
 const LANES: usize = 8;
 
 /// 1.5·2⁵²: adding and subtracting it rounds |v| < 2⁵¹ to the nearest integer, ties to even, exactly.
-const ROUNDER: f64 = 6_755_399_441_055_744.0;
+pub(crate) const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// Exponent from which a wave is not added: 1e-17 of it is left.
-pub(crate) const CUT: f64 = 40.0;
+const CUT: f64 = 40.0;
 
 /// Largest exponent for which e⁻ˣ is computed.
 pub(crate) const MOST: f64 = 700.0;

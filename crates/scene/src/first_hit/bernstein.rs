@@ -49,9 +49,12 @@ pub(super) fn interpolated(values: &Net) -> Net {
 fn inverse(mut a: Net) -> Net {
     let mut inverse: Net = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
     for column in 0..SIDE {
-        let pivot = (column..SIDE).fold(column, |best, row| {
-            if a[row][column].abs() > a[best][column].abs() { row } else { best }
-        });
+        let pivot = (column..SIDE).fold(
+            column,
+            |best, row| {
+                if a[row][column].abs() > a[best][column].abs() { row } else { best }
+            },
+        );
         a.swap(column, pivot);
         inverse.swap(column, pivot);
         let divisor = a[column][column];
@@ -105,9 +108,8 @@ fn halves_along_s(net: &Net) -> [Net; 2] {
         low[step] = left[0];
         high[DEGREE - step] = left[DEGREE - step];
         for row in 0..DEGREE - step {
-            for column in 0..SIDE {
-                left[row][column] = 0.5 * (left[row][column] + left[row + 1][column]);
-            }
+            let next = left[row + 1];
+            left[row].iter_mut().zip(next).for_each(|(value, next)| *value = 0.5 * (*value + next));
         }
     }
     [low, high]

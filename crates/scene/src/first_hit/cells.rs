@@ -8,7 +8,7 @@ use crate::boxes::Tree;
 use crate::{Projector, SeaSurface};
 use glam::DVec3;
 use rayon::prelude::*;
-use trochoid_sea::{ColumnFactors, FramedSea, RowFactors};
+use trochoid_sea::FramedSea;
 
 /// Remainder at which a cell is small enough, relative to the footprint.
 const FINE: f64 = 1e-4;
@@ -34,13 +34,19 @@ pub(super) struct Cell {
     pub(super) remainder: Remainder,
 }
 
-/// Cells of equal size, side by side across the heading.
+/// Number of cells along each side of the squares of a band.
+const PARTS: usize = 3;
+
+/// Squares of equal size, side by side across the heading.
 struct Band {
     middle: f64,
     half: f64,
+    /// Middle of the first square, and their number.
     first: f64,
     count: usize,
-    remainder: Remainder,
+    /// Remainder of a whole square, and of its cells in each of its rows.
+    coarse: Remainder,
+    fine: [Remainder; PARTS],
 }
 
 /// The cells of a sea for one camera.
@@ -81,27 +87,26 @@ impl SeaCells {
         let footprints = Footprints::new(sea, projector);
         let waves = FramedSea::new(&sea.frame, [axes.eye.x, axes.eye.z], axes.heading);
         let bands = bands(sea, &waves, &footprints, &region, stop)?;
-        let offsets = nodes();
         let of_band = |band: &Band| {
             if stop() {
                 return Err(NoCells::Stopped);
             }
-            let rows = waves.rows(&offsets.map(|node| {
-                let u = band.middle + band.half * node;
-                (u, libm::sqrt(footprints.square(u)))
-            }));
-            let columns = waves.columns(&offsets.map(|node| band.half * node));
-            let make = |index: usize| {
-                let v = band.first + 2.0 * band.half * index as f64;
-                Cell::new(&waves, &rows, &columns, [band.middle, v], band.half, band.remainder)
-            };
-            Ok((0..band.count).map(make).filter(|cell| !region.misses(cell.bounds())).collect())
+            let middle = |index: usize| band.first + 2.0 * band.half * index as f64;
+            let middles: Vec<f64> = (0..band.count).map(middle).collect();
+            // Most squares are carried out of sight, which larger ones show at a lower price.
+            let whole = Cell::row(&waves, &footprints, band.middle, &middles, band.half, band.coarse);
+            let seen = whole.iter().filter(|cell| !region.misses(cell.bounds()));
+            let size = 2.0 * band.half / PARTS as f64;
+            let places =
+                |middle: f64| (0..PARTS).map(move |part| middle + size * (part as f64 - (PARTS - 1) as f64 / 2.0));
+            let across: Vec<f64> = seen.flat_map(|cell| places(cell.middle[1])).collect();
+            let along = places(band.middle).zip(band.fine);
+            let cells =
+                along.flat_map(|(along, fine)| Cell::row(&waves, &footprints, along, &across, size / 2.0, fine));
+            Ok(cells.filter(|cell| !region.misses(cell.bounds())).collect())
         };
-        let cells: Result<Vec<Vec<Cell>>, NoCells> = if on_all_threads {
-            bands.par_iter().map(of_band).collect()
-        } else {
-            bands.iter().map(of_band).collect()
-        };
+        let cells: Result<Vec<Vec<Cell>>, NoCells> =
+            if on_all_threads { bands.par_iter().map(of_band).collect() } else { bands.iter().map(of_band).collect() };
         let cells: Vec<Cell> = cells?.into_iter().flatten().collect();
         let tree = Tree::new(&cells.iter().map(Cell::bounds).collect::<Vec<_>>()).ok_or(NoCells::Unseen)?;
         Ok(Self { axes, region, footprints, waves, cells, tree })
@@ -116,12 +121,7 @@ impl SeaCells {
         if remainder.off.iter().zip(than.off).all(|(off, than)| *off > 0.5 * than) {
             return None;
         }
-        let offsets = nodes().map(|node| half * node);
-        let rows = self.waves.rows(&offsets.map(|offset| {
-            let u = middle[0] + offset;
-            (u, libm::sqrt(self.footprints.square(u)))
-        }));
-        Some(Cell::new(&self.waves, &rows, &self.waves.columns(&offsets), middle, half, remainder))
+        Cell::row(&self.waves, &self.footprints, middle[0], &[middle[1]], half, remainder).pop()
     }
 }
 
@@ -148,13 +148,21 @@ fn bands(
         let kink = kinks.iter().copied().find(|kink| *kink > from + LEAST * (1.0 + from.abs()));
         let limit = kink.map_or(end, |kink| kink.min(end)) - from;
         half = (half * GROWTH).min(limit / 2.0);
-        let remainder = loop {
-            let middle = from + half;
-            let remainder = remainder(waves, footprints, middle, half, middle.abs() + half + sea.drift);
-            let fine = FINE * libm::sqrt(footprints.square(middle));
-            let least = half <= LEAST * (1.0 + middle.abs());
-            if remainder.off.iter().all(|off| *off <= fine) || least {
-                break remainder;
+        let cell = |half: f64, part: usize| {
+            let size = half / PARTS as f64;
+            let middle = from + size * (2 * part + 1) as f64;
+            let away = middle.abs() + half + sea.drift;
+            (remainder(waves, footprints, middle, size, away), middle)
+        };
+        let fine = loop {
+            // The nearest cells have the smallest footprints, or the last ones for a camera that looks away.
+            let is_fine = |part: usize| {
+                let (remainder, middle) = cell(half, part);
+                let enough = FINE * libm::sqrt(footprints.square(middle));
+                remainder.off.iter().all(|off| *off <= enough)
+            };
+            if (is_fine(0) && is_fine(PARTS - 1)) || half <= LEAST * (1.0 + from.abs()) {
+                break std::array::from_fn(|part| cell(half, part).0);
             }
             half *= SHRINKAGE;
         };
@@ -164,11 +172,12 @@ fn bands(
             let (left, right) = (left - sea.drift, right + sea.drift);
             let count = ((right - left) / (2.0 * half)).ceil().max(1.0);
             cells += count as usize;
-            if cells > MOST_CELLS {
+            if cells > MOST_CELLS / PARTS {
                 return Err(NoCells::TooMany);
             }
             let first = (left + right) / 2.0 - half * (count - 1.0);
-            bands.push(Band { middle, half, first, count: count as usize, remainder });
+            let coarse = remainder(waves, footprints, middle, half, middle.abs() + half + sea.drift);
+            bands.push(Band { middle, half, first, count: count as usize, coarse, fine });
         }
         from = to;
     }
@@ -176,16 +185,27 @@ fn bands(
 }
 
 impl Cell {
-    fn new(
+    /// Makes cells of equal size side by side.
+    fn row(
         waves: &FramedSea,
-        rows: &RowFactors,
-        columns: &ColumnFactors,
-        middle: [f64; 2],
+        footprints: &Footprints,
+        middle: f64,
+        middles: &[f64],
         half: f64,
         remainder: Remainder,
-    ) -> Self {
-        let mut points = [[0.0; 3]; SIDE * SIDE];
-        waves.square(rows, columns, middle[1], &mut points);
+    ) -> Vec<Self> {
+        let offsets = nodes().map(|node| half * node);
+        let rows = waves.rows(
+            &offsets.map(|offset| (middle + offset, libm::sqrt(footprints.square(middle + offset)))),
+            remainder.waves,
+        );
+        let mut points = vec![[0.0; 3]; SIDE * SIDE * middles.len()];
+        waves.squares(&rows, &waves.columns(&offsets), middles, &mut points);
+        let cells = middles.iter().zip(points.chunks_exact(SIDE * SIDE));
+        cells.map(|(across, points)| Self::new(points, [middle, *across], half, remainder)).collect()
+    }
+
+    fn new(points: &[[f64; 3]], middle: [f64; 2], half: f64, remainder: Remainder) -> Self {
         let offsets = nodes();
         let nets: [Net; 3] = std::array::from_fn(|axis| {
             interpolated(&std::array::from_fn(|i| {

@@ -177,7 +177,10 @@ mod tests {
                 let rest = DVec3::new(position.x + u * x - 2.0 * z, 1.0, position.z + u * z + 2.0 * x);
                 let print = sea.footprint(&projector, rest);
                 let square = footprints.square(u);
-                assert!((square - print * print).abs() <= 1e-9 * print * print + 1e-12, "{case} at {u}: {square} {print}");
+                assert!(
+                    (square - print * print).abs() <= 1e-9 * print * print + 1e-12,
+                    "{case} at {u}: {square} {print}"
+                );
                 if kinks.contains(&u) {
                     continue;
                 }

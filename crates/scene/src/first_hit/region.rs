@@ -115,10 +115,9 @@ fn range(sides: &[HalfSpace], along: DVec3) -> Option<[f64; 2]> {
                 if volume.abs() <= 1e-14 * a.normal.length() * b.normal.length() * c.normal.length() {
                     continue;
                 }
-                let point = (crossed * a.limit
-                    + c.normal.cross(a.normal) * b.limit
-                    + a.normal.cross(b.normal) * c.limit)
-                    / volume;
+                let point =
+                    (crossed * a.limit + c.normal.cross(a.normal) * b.limit + a.normal.cross(b.normal) * c.limit)
+                        / volume;
                 let slack = 1e3 * TOLERANCE * (1.0 + point.abs().max_element());
                 if sides.iter().all(|side| side.normal.dot(point) <= side.limit + slack * side.normal.length()) {
                     let part = point.dot(along);
@@ -163,7 +162,10 @@ mod tests {
             for pixel in 0..300 {
                 let at = |by: f64, size: f64| (f64::from(pixel) * by).fract() * size;
                 let ray = projector.ray(at(0.618, 40.0), at(0.414, 30.0));
-                let (a, b) = ((0.5 - sea.summit - ray.origin.y) / ray.direction.y, (0.5 + sea.summit - ray.origin.y) / ray.direction.y);
+                let (a, b) = (
+                    (0.5 - sea.summit - ray.origin.y) / ray.direction.y,
+                    (0.5 + sea.summit - ray.origin.y) / ray.direction.y,
+                );
                 let (near, far) = (a.min(b).max(0.0), a.max(b));
                 if !(near < far && far < 1e5) {
                     continue;

@@ -11,12 +11,14 @@ pub(super) struct Remainder {
     pub(super) off: [f64; 3],
     /// Of the derivatives by either side of the cell, −1…1, in any direction.
     pub(super) turn: f64,
+    /// Number of waves, by falling wavelength, that the polynomial must contain.
+    pub(super) waves: usize,
 }
 
 /// Sizes ρ of the ellipses around a cell within which waves are bounded.
 const ELLIPSES: [f64; 15] = [1.3, 1.7, 2.2, 3.0, 4.0, 5.5, 7.5, 10.0, 14.0, 20.0, 30.0, 50.0, 90.0, 200.0, 1000.0];
-/// Exponent from which a wave counts as lost: e⁻³⁰ of it is left at most.
-const LOST: f64 = 30.0;
+/// Exponent from which a wave counts as lost: e⁻¹⁴, a millionth, of it is left at most.
+const LOST: f64 = 14.0;
 /// Rounding error of a wave in a sum, relative to its size, apart from that of its phase.
 const SUM: f64 = 1e-13;
 /// Lebesgue constant of interpolation in the [`nodes`](super::bernstein::nodes): 2/π·ln n + 1 for n nodes.
@@ -58,7 +60,7 @@ pub(super) fn remainder(sea: &FramedSea, footprints: &Footprints, middle: f64, h
     // Markov's inequality: a polynomial's derivative is at most the square of its degree times its size.
     let (lebesgue, steep) = (LEBESGUE, LEBESGUE * (DEGREE * DEGREE) as f64);
     let mut remainder = Remainder::default();
-    for wave in sea.waves() {
+    for (index, wave) in sea.waves().iter().enumerate() {
         let b = wave.number * wave.number * square / 8.0;
         let most = b * whole - b;
         let [along, up, across] = wave.amplitudes.map(f64::abs);
@@ -66,10 +68,12 @@ pub(super) fn remainder(sea: &FramedSea, footprints: &Footprints, middle: f64, h
         let ku = wave.numbers[0].abs() * half;
         let kv = wave.numbers[1].abs() * half;
         let (off, turn) = if most < -LOST {
-            // What is left of the wave, and what interpolation makes of it.
+            // The polynomial may contain the wave or not: this bounds it, and what interpolation makes of it.
             let left = libm::exp(most);
-            (left * (1.0 + lebesgue * lebesgue), left * (lebesgue * steep + ku + kv + b * linear * (1.0 + whole)))
+            let growth = 2.0 * b * linear * (1.0 + whole);
+            (left * (1.0 + lebesgue * lebesgue), left * (lebesgue * steep + ku + kv + growth))
         } else {
+            remainder.waves = index + 1;
             let x = libm::hypot(ku, b * linear);
             let rest = |index: usize, reach: f64| x * reach + b * (reaches[index] - linear * reach).max(0.0);
             let [u, u_slope] = least(&ellipses, rest);
@@ -79,14 +83,19 @@ pub(super) fn remainder(sea: &FramedSea, footprints: &Footprints, middle: f64, h
             let turn = (u_slope + steep * v * big).max(v_slope * big + steep * u);
             (share * (u + lebesgue * v * big), share * turn)
         };
-        // Waves that are not added because of their footprint have at most e⁻⁴⁰ left.
         let rounding = libm::exp(most.min(0.0)).min(1.0) * (SUM + wave.phase_error(away)) * lebesgue * lebesgue;
         for (total, amplitude) in remainder.off.iter_mut().zip([along, up, across]) {
             *total += amplitude * (off + rounding);
         }
         remainder.turn += size * (turn + rounding * steep);
     }
-    let slack = (ROUNDING * lebesgue * lebesgue) * (half + sea.waves().iter().map(|wave| wave.amplitudes.iter().fold(0.0_f64, |most, part| most.max(part.abs()))).sum::<f64>());
+    let slack = (ROUNDING * lebesgue * lebesgue)
+        * (half
+            + sea
+                .waves()
+                .iter()
+                .map(|wave| wave.amplitudes.iter().fold(0.0_f64, |most, part| most.max(part.abs())))
+                .sum::<f64>());
     for total in &mut remainder.off {
         *total += slack + 8.0 * f64::EPSILON * away;
     }

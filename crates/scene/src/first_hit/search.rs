@@ -31,7 +31,7 @@ impl Thoroughness {
     /// Returns the most parts of patches, and the most smaller cells, that a ray may take.
     fn most(self) -> (u32, u32) {
         match self {
-            Self::Quick => (1500, 4),
+            Self::Quick => (600, 3),
             Self::Thorough => (200_000, 2000),
         }
     }
@@ -239,9 +239,8 @@ impl Search<'_> {
     /// part, and then it is the fixed point of x ↦ clamp(G(x)), which contracts as well. For any x and δ = |clamp(G(x))
     /// − x|, that fixed point lies within 2δ of x; if it was a point of the ray, |G(x) − x| could be 3δ at most.
     fn one(&mut self, cell: &Cell, part: &Part, guess: [f64; 2]) {
-        let place = |local: DVec2| {
-            cell.rest([0, 1].map(|axis| part.start[axis] + part.size[axis] * local.to_array()[axis]))
-        };
+        let place =
+            |local: DVec2| cell.rest([0, 1].map(|axis| part.start[axis] + part.size[axis] * local.to_array()[axis]));
         let start = DVec2::from(guess).clamp(DVec2::ZERO, DVec2::ONE);
         let from = self.cells.axes.rest(place(start));
         let found = newton(self.sea, self.projector, self.ray, self.world_aside(), from);
@@ -252,7 +251,7 @@ impl Search<'_> {
                 0.0,
                 rest[1] - self.cells.axes.eye.z,
             ));
-            let local = [own.x, own.z].map(|part| part);
+            let local = [own.x, own.z];
             let local = DVec2::from_array([0, 1].map(|axis| {
                 let unit = 0.5 + 0.5 * (local[axis] - cell.middle[axis]) / cell.half;
                 (unit - part.start[axis]) / part.size[axis]

@@ -25,14 +25,8 @@ fn seas() -> Vec<SeaSurface> {
         };
         SeaSurface::new(&Sea::new(options.waves().expect("waves")), time, 0.4)
     };
-    let fold = ExplicitWave {
-        wavelength: 8.0,
-        amplitude: 1.0,
-        direction: 0.3,
-        sharpness: 1.7,
-        phase: 0.5,
-        speed: None,
-    };
+    let fold =
+        ExplicitWave { wavelength: 8.0, amplitude: 1.0, direction: 0.3, sharpness: 1.7, phase: 0.5, speed: None };
     let fold = SeaSurface::new(&Sea::new(vec![Wave::try_from(fold).expect("valid")]), 2.0, 0.4);
     vec![
         spectrum(12, 0.5, 0.7, 1.0),
@@ -122,7 +116,10 @@ fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
                 match (found, expected) {
                     (First::At(distance, rest), Some((truth, _))) => {
                         let apart = (distance - truth).abs();
-                        assert!(apart <= 1e-9 * (1.0 + truth), "sea {index}, camera {case}, ray {pick}: {distance} {truth}");
+                        assert!(
+                            apart <= 1e-9 * (1.0 + truth),
+                            "sea {index}, camera {case}, ray {pick}: {distance} {truth}"
+                        );
                         overhung += usize::from(sea.carried(&projector, rest).precise.sample.jacobian() < 0.0);
                         met += 1;
                     }
