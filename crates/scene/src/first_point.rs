@@ -152,7 +152,7 @@ impl Search<'_> {
         let is_least = radius <= LEAST * (1.0 + distance.abs());
         if is_least || 4.0 * (2.0 * bend * radius + 2.0 * uneven) <= least {
             return match newton(self.sea, self.projector, self.ray, self.aside, rest) {
-                Some((distance, at))
+                Some((distance, at, _))
                     if libm::hypot(at[0] - rest[0], at[1] - rest[1]) <= 2.0 * radius + LEAST * (1.0 + distance) =>
                 {
                     if distance >= 0.0 && distance <= self.end {
@@ -205,22 +205,22 @@ fn rounding(ray: &Ray, point: DVec3) -> f64 {
     ROUNDING * (point.abs() + ray.origin.abs()).max_element()
 }
 
-/// Applies Newton's method to find a point of a sea on a ray, from a rest point x, z; returns its distance and its rest
-/// point. `aside` are unit vectors at right angles to the ray.
+/// Applies Newton's method to find a point of a sea on a ray, from a rest point x, z; returns its distance, its rest
+/// point and the point itself. `aside` are unit vectors at right angles to the ray.
 pub(crate) fn newton(
     sea: &SeaSurface,
     projector: &Projector,
     ray: &Ray,
     aside: [DVec3; 2],
     mut rest: [f64; 2],
-) -> Option<(f64, [f64; 2])> {
+) -> Option<(f64, [f64; 2], SeaPoint)> {
     for _ in 0..STEPS {
         let here = sea.carried(projector, rest);
         let offset = here.point - ray.origin;
         let distance = offset.dot(ray.direction);
         let [p, q] = aside.map(|way| offset.dot(way));
         if libm::hypot(p, q) <= CLOSE * (1.0 + distance.abs()) + rounding(ray, here.point) {
-            return Some((distance, rest));
+            return Some((distance, rest, here));
         }
         let [[a, b], [c, d]] = across(aside, here.by);
         let area = a * d - b * c;

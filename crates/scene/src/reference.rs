@@ -53,7 +53,7 @@ pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> O
     };
     let (distance, rest) = match found {
         First::Nothing => return None,
-        First::At(distance, rest) => (distance, rest),
+        First::At(distance, rest, _) => (distance, rest),
         First::Unknown => first_point(sea, projector, ray, range)?,
     };
     Some(hit(sea, projector, ray, distance, rest))
@@ -73,9 +73,8 @@ pub(crate) fn first_of_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, e
     };
     match found {
         First::Nothing => Sight::Nothing,
-        First::At(distance, rest) if distance < end => {
-            // Within 1e-14 of the plain sum, and much faster.
-            let sample = sea.carried(projector, rest).precise.sample;
+        // The sample is within 1e-14 of the plain sum.
+        First::At(distance, rest, sample) if distance < end => {
             Sight::Point(hit_of_sea(sea, projector, ray, distance, rest, &sample, sea.submerges(projector)))
         }
         First::At(..) => Sight::Nothing,

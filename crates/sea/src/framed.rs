@@ -127,12 +127,20 @@ impl FramedSea {
 
     /// Returns the factors of columns at offsets in meters from the middles that [`FramedSea::squares`] is given.
     pub fn columns(&self, offsets: &[f64]) -> ColumnFactors {
-        let factor = |(wave, offset): (&FramedWave, &f64)| {
-            let (sin, cos) = sincos(reduced(wave.turns[1] * offset));
-            [cos, sin]
-        };
-        let factors = self.waves.iter().flat_map(|wave| offsets.iter().map(move |offset| factor((wave, offset))));
-        ColumnFactors { factors: factors.collect(), columns: offsets.len() }
+        let columns = offsets.len();
+        let mut factors = vec![[0.0; 2]; self.waves.len() * columns];
+        dispatch!(self.level, simd => simd.vectorize(
+            #[inline(always)]
+            || {
+                for (wave, factors) in self.waves.iter().zip(factors.chunks_exact_mut(columns.max(1))) {
+                    for (factor, offset) in factors.iter_mut().zip(offsets) {
+                        let (sin, cos) = sincos(reduced(wave.turns[1] * offset));
+                        *factor = [cos, sin];
+                    }
+                }
+            }
+        ));
+        ColumnFactors { factors, columns }
     }
 
     /// Writes the displacements along u, up and along v at the points of squares, square by square and row by row: the
@@ -168,14 +176,9 @@ impl FramedSea {
     }
 }
 
-/// Returns turns reduced to −½…½.
-fn reduced(turns: f64) -> f64 {
-    turns - turns.round_ties_even()
-}
-
-/// Does the same without a function call, which would not be vectorized; |turns| < 2⁵¹.
+/// Returns turns reduced to −½…½, for |turns| < 2⁵¹, without a function call, which would not be vectorized.
 #[inline(always)]
-fn reduced_in_vectors(turns: f64) -> f64 {
+fn reduced(turns: f64) -> f64 {
     turns - ((turns + ROUNDER) - ROUNDER)
 }
 
@@ -184,7 +187,7 @@ fn reduced_in_vectors(turns: f64) -> f64 {
 fn row(waves: &[FramedWave], u: f64, filter: f64, factors: &mut [[f64; 6]]) {
     for (wave, factors) in waves.iter().zip(factors) {
         let turns = wave.turns[0] * u + wave.origin;
-        let (sin, cos) = sincos(reduced_in_vectors(turns));
+        let (sin, cos) = sincos(reduced(turns));
         let share = exp_neg((wave.number * wave.number * filter).min(MOST));
         let (sin, cos) = (sin * share, cos * share);
         let [along, up, across] = wave.amplitudes;
@@ -207,7 +210,7 @@ fn turn(
     for (index, wave) in waves.iter().enumerate() {
         let (mut sines, mut cosines) = ([0.0; SQUARES], [0.0; SQUARES]);
         for square in 0..SQUARES {
-            (sines[square], cosines[square]) = sincos(reduced_in_vectors(wave.turns[1] * at[square]));
+            (sines[square], cosines[square]) = sincos(reduced(wave.turns[1] * at[square]));
         }
         let own = &columns.factors[(first + index) * columns.columns..][..columns.columns];
         let (cos, sin) = phases[2 * index * width..][..2 * width].split_at_mut(width);

@@ -6,14 +6,15 @@ use crate::boxes::Line;
 use crate::first_point::newton;
 use crate::{Projector, Ray, SeaSurface};
 use glam::{DMat2, DVec2, DVec3};
+use trochoid_sea::Sample;
 
 /// What a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum First {
     /// No point of the sea.
     Nothing,
-    /// The first point: its distance in meters, and its rest point x, z.
-    At(f64, [f64; 2]),
+    /// The first point: its distance in meters, its rest point x, z, and the sea there.
+    At(f64, [f64; 2], Sample),
     /// It is not known: the effort was not enough, or the cells do not contain this part of the ray.
     Unknown,
 }
@@ -43,6 +44,8 @@ const HALVINGS: u32 = 40;
 const INDISTINCT: f64 = 8.0;
 /// Change of the derivatives across a part, relative to their mean, below which the part is one-to-one.
 const ONE_TO_ONE: f64 = 0.5;
+/// Number of Newton steps on a patch before those on the sea itself.
+const ON_PATCH: usize = 2;
 /// Most steps of the projected iteration, which at least halve the distance each.
 const STEPS: usize = 60;
 /// Share by which the part of a ray that is searched is longer at both ends.
@@ -73,7 +76,7 @@ struct Search<'a> {
     aside: [DVec3; 2],
     /// Distance of the first point known, and its rest point.
     end: f64,
-    rest: Option<[f64; 2]>,
+    rest: Option<([f64; 2], Sample)>,
     /// Parts and smaller cells that may still be looked at.
     parts: u32,
     smaller: u32,
@@ -136,7 +139,7 @@ impl SeaCells {
         });
         match search.rest {
             _ if search.unknown <= search.end => First::Unknown,
-            Some(rest) => First::At(search.end, rest),
+            Some((rest, sample)) => First::At(search.end, rest, sample),
             None => First::Nothing,
         }
     }
@@ -241,11 +244,21 @@ impl Search<'_> {
     fn one(&mut self, cell: &Cell, part: &Part, guess: [f64; 2]) {
         let place =
             |local: DVec2| cell.rest([0, 1].map(|axis| part.start[axis] + part.size[axis] * local.to_array()[axis]));
-        let start = DVec2::from(guess).clamp(DVec2::ZERO, DVec2::ONE);
+        // A step on the patch costs much less than one on the sea.
+        let mut start = DVec2::from(guess).clamp(DVec2::ZERO, DVec2::ONE);
+        for _ in 0..ON_PATCH {
+            let [(p, by_p), (q, by_q)] = part.aside.each_ref().map(|net| evaluate(net, start.to_array()));
+            let ways = DMat2::from_cols(DVec2::new(by_p[0], by_q[0]), DVec2::new(by_p[1], by_q[1]));
+            let to = start - ways.inverse() * DVec2::new(p, q);
+            if !to.is_finite() {
+                break;
+            }
+            start = to.clamp(DVec2::ZERO, DVec2::ONE);
+        }
         let from = self.cells.axes.rest(place(start));
         let found = newton(self.sea, self.projector, self.ray, self.world_aside(), from);
         let mut near = start;
-        if let Some((distance, rest)) = found {
+        if let Some((distance, rest, point)) = found {
             let own = self.cells.axes.direction(DVec3::new(
                 rest[0] - self.cells.axes.eye.x,
                 0.0,
@@ -258,7 +271,7 @@ impl Search<'_> {
             }));
             // Wherever it is, it is a point of the sea on the ray.
             if distance >= 0.0 && distance < self.end && (local - 0.5).abs().max_element() < 2.0 {
-                (self.end, self.rest) = (distance, Some(rest));
+                (self.end, self.rest) = (distance, Some((rest, point.precise.sample)));
             }
             if (local - 0.5).abs().max_element() <= 0.5 + SAME {
                 return;
@@ -285,7 +298,7 @@ impl Search<'_> {
             near = to;
         }
         // The point is too close to the part's border to tell, and Newton's method has not found it.
-        let accepted = self.rest.is_some() && found.is_some_and(|(distance, _)| distance <= self.end * (1.0 + SAME));
+        let accepted = self.rest.is_some() && found.is_some_and(|(distance, ..)| distance <= self.end * (1.0 + SAME));
         if !accepted {
             self.again(cell, part);
         }

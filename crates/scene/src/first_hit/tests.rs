@@ -83,12 +83,12 @@ fn cells_are_as_close_to_the_sea_as_they_say() {
                         let rest = cells.axes.rest(cell.rest([at[0] + by[0], at[1] + by[1]]));
                         cells.axes.point(sea.carried(&projector, rest).point)[axis]
                     };
-                    for side in 0..2 {
+                    for (side, own) in slopes.iter().enumerate() {
                         let by = [0, 1].map(|other| if side == other { step } else { 0.0 });
                         let slope = (there(by) - there(by.map(|by| -by))) / (2.0 * step);
                         // By −1…1, half as much as by 0…1. The difference quotient loses digits.
                         let loss = 1e-9 * (1.0 + truth.abs().max_element()) + 1e-4 * cell.half * cell.half;
-                        let off = 0.5 * (slopes[side] - slope).abs();
+                        let off = 0.5 * (own - slope).abs();
                         assert!(off <= cell.remainder.turn + loss, "sea {index}, camera {case}: {off:e}");
                     }
                     looked_at += 1;
@@ -114,7 +114,7 @@ fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
                 let expected = first_point(sea, &projector, &ray, [start, end]);
                 let found = cells.first(sea, &projector, &ray, [start, end], Thoroughness::Thorough);
                 match (found, expected) {
-                    (First::At(distance, rest), Some((truth, _))) => {
+                    (First::At(distance, rest, _), Some((truth, _))) => {
                         let apart = (distance - truth).abs();
                         assert!(
                             apart <= 1e-9 * (1.0 + truth),
@@ -127,8 +127,8 @@ fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
                     (First::Unknown, _) => unknown += 1,
                     other => panic!("sea {index}, camera {case}, ray {pick}: {other:?}"),
                 }
-                if let First::At(distance, _) = cells.first(sea, &projector, &ray, [start, end], Thoroughness::Quick) {
-                    assert!(matches!(found, First::At(also, _) if also == distance), "{found:?}");
+                if let First::At(distance, ..) = cells.first(sea, &projector, &ray, [start, end], Thoroughness::Quick) {
+                    assert!(matches!(found, First::At(also, ..) if also == distance), "{found:?}");
                 }
             }
         }
