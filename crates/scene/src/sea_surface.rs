@@ -1,16 +1,17 @@
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::DVec3;
 use trochoid_sea::{PreciseSea, Sea, SeaFrame};
 
-use crate::certain::{Search, SeenSea, contours_of_grid, meet_sea};
 use crate::extent::{Bounds, Sector, Strip};
+use crate::first_hit::KeptCells;
 use crate::followed::follow_sea;
 use crate::footprint::least_footprint;
+use crate::meet_near::meet_sea;
 use crate::points::MeshHit;
 use crate::sea_point::Limits;
 use crate::spacing::Spacing;
-use crate::surface::{Anchor, Hit, Mesh, Surface};
+use crate::surface::{Anchor, Hit, Mesh, Sight, Surface};
 use crate::{ChannelSet, Projector, Ray, Resting, reference, tessellate};
 
 /// An endless sea at one time.
@@ -29,6 +30,11 @@ pub struct SeaSurface {
     /// The waves for sums in f64, made when first needed.
     precise: Arc<OnceLock<PreciseSea>>,
     limits: Arc<OnceLock<Limits>>,
+    /// Cells for the rays of cameras.
+    pub(crate) cells: Arc<KeptCells>,
+    /// Whether the cameras of some views are under water: every ray that meets the sea asks, and finding out takes
+    /// several sums.
+    submerged: Arc<Mutex<Vec<(Projector, bool)>>>,
 }
 
 /// Number of waves that the pixels of a picture resolve; of all others, less than 1e-6 is left after filtering.
@@ -52,6 +58,9 @@ const STEPS: usize = 64;
 const CLOSE: f64 = 1e-12;
 const LEAST: f64 = 0.5;
 
+/// Number of views whose cameras are remembered to be under water or not.
+const VIEWS: usize = 8;
+
 impl SeaSurface {
     /// Returns the sea at a time in seconds, with its rest level at world y = `level`.
     pub fn new(sea: &Sea, time: f64, level: f64) -> Self {
@@ -69,6 +78,8 @@ impl SeaSurface {
             detail: 1.0,
             precise: Arc::default(),
             limits: Arc::default(),
+            cells: Arc::default(),
+            submerged: Arc::default(),
         }
     }
 
@@ -86,7 +97,23 @@ impl SeaSurface {
     /// that two pixels cannot resolve become roughness.
     #[must_use]
     pub fn with_detail(self, detail: f64) -> Self {
-        Self { detail, ..self }
+        // What was found out for another detail does not hold any more.
+        Self { detail, cells: Arc::default(), submerged: Arc::default(), ..self }
+    }
+
+    /// Returns whether a camera is under water.
+    pub(crate) fn submerges(&self, projector: &Projector) -> bool {
+        // Only whole entries are pushed, so the list may be used after a panic.
+        let mut known = self.submerged.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, is)) = known.iter().find(|(view, _)| view == projector) {
+            return *is;
+        }
+        let is = reference::submerged(self, projector);
+        if known.len() == VIEWS {
+            known.remove(0);
+        }
+        known.push((*projector, is));
+        is
     }
 
     /// Returns the footprint in meters by which waves are filtered where a camera sees a rest point.
@@ -190,8 +217,12 @@ impl Surface for SeaSurface {
         mesh.unwrap_or_else(|| Some(Mesh::empty(self.level)))
     }
 
-    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
-        contours_of_grid(&SeenSea { sea: self, projector: search.projector }, search, mesh)
+    fn prepare_rays(&self, projector: &Projector, stop: &(dyn Fn() -> bool + Sync)) {
+        self.cells.prepare(self, projector, stop);
+    }
+
+    fn first(&self, projector: &Projector, ray: &Ray, end: f64) -> Sight {
+        reference::first_of_sea(self, projector, ray, end)
     }
 
     fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
