@@ -42,6 +42,8 @@ impl Thoroughness {
 /// does not help any more; then a smaller cell replaces it.
 const HALVINGS: u32 = 40;
 const INDISTINCT: f64 = 8.0;
+/// Most times that a smaller cell replaces a part of a smaller cell: each is smaller by the eighth power of its size.
+const LEVELS: u32 = 6;
 /// Change of the derivatives across a part, relative to their mean, below which the part is one-to-one.
 const ONE_TO_ONE: f64 = 0.5;
 /// Number of Newton steps on a patch before those on the sea itself.
@@ -80,6 +82,8 @@ struct Search<'a> {
     /// Parts and smaller cells that may still be looked at.
     parts: u32,
     smaller: u32,
+    /// Number of cells within which the current one lies.
+    level: u32,
     /// Least distance at which something remains unknown.
     unknown: f64,
 }
@@ -130,6 +134,7 @@ impl SeaCells {
             rest: None,
             parts,
             smaller,
+            level: 0,
             unknown: f64::INFINITY,
         };
         self.tree.visit(&Line::new(origin, direction), end, |cell| {
@@ -175,11 +180,14 @@ impl Search<'_> {
     fn again(&mut self, cell: &Cell, part: &Part) {
         let middle = cell.rest([0, 1].map(|axis| part.start[axis] + 0.5 * part.size[axis]));
         let half = cell.half * part.size[0].max(part.size[1]);
-        let smaller = if self.smaller > 0 { self.cells.smaller(middle, half, &cell.remainder) } else { None };
+        let may = self.smaller > 0 && self.level < LEVELS;
+        let smaller = if may { self.cells.smaller(middle, half, &cell.remainder) } else { None };
         match smaller {
             Some(cell) => {
                 self.smaller -= 1;
+                self.level += 1;
                 self.cell(&cell);
+                self.level -= 1;
             }
             None => self.unknown = self.unknown.min(range(&part.along)[0]),
         }
