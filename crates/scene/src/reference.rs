@@ -47,7 +47,7 @@ fn within_slab(sea: &SeaSurface, ray: &Ray) -> Option<[f64; 2]> {
 /// Returns the first point where a ray passes through the displaced sea, considering all sheets where it folds.
 pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> Option<Hit> {
     let range = within_slab(sea, ray)?;
-    let found = match sea.cells.for_ray(sea, projector).cells() {
+    let found = match sea.cells.of(projector).as_deref() {
         Some(Ok(cells)) => cells.first(sea, projector, ray, range, Thoroughness::Thorough),
         _ => First::Unknown,
     };
@@ -66,7 +66,7 @@ pub(crate) fn first_of_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, e
         return Sight::Nothing;
     }
     let range = [start, last.min(end)];
-    let found = match sea.cells.for_ray(sea, projector).cells() {
+    let found = match sea.cells.of(projector).as_deref() {
         Some(Ok(cells)) => cells.first(sea, projector, ray, range, Thoroughness::Quick),
         Some(Err(NoCells::Unseen)) => First::Nothing,
         _ => First::Unknown,

@@ -72,14 +72,13 @@ pub(crate) enum NoCells {
 }
 
 impl SeaCells {
-    /// Divides the part of a sea that a camera may see, on all threads or on this one alone.
+    /// Divides the part of a sea that a camera may see, on all threads.
     ///
     /// # Errors
     /// There are none, or too many; or `stop` said that the result is no longer needed.
     pub(crate) fn new(
         sea: &SeaSurface,
         projector: &Projector,
-        on_all_threads: bool,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, NoCells> {
         let axes = Axes::new(sea, projector);
@@ -105,8 +104,7 @@ impl SeaCells {
                 along.flat_map(|(along, fine)| Cell::row(&waves, &footprints, along, &across, size / 2.0, fine));
             Ok(cells.filter(|cell| !region.misses(cell.bounds())).collect())
         };
-        let cells: Result<Vec<Vec<Cell>>, NoCells> =
-            if on_all_threads { bands.par_iter().map(of_band).collect() } else { bands.iter().map(of_band).collect() };
+        let cells: Result<Vec<Vec<Cell>>, NoCells> = bands.par_iter().map(of_band).collect();
         let cells: Vec<Cell> = cells?.into_iter().flatten().collect();
         let tree = Tree::new(&cells.iter().map(Cell::bounds).collect::<Vec<_>>()).ok_or(NoCells::Unseen)?;
         Ok(Self { axes, region, footprints, waves, cells, tree })

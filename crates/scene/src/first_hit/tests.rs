@@ -65,7 +65,7 @@ fn cells_are_as_close_to_the_sea_as_they_say() {
     for (index, sea) in seas().iter().enumerate() {
         for case in 0..6 {
             let projector = projector(case + 3 * index as u32, [[0.0, 0.0], [1e6, -3e5]][case as usize % 2]);
-            let Ok(cells) = SeaCells::new(sea, &projector, case % 2 == 0, &|| false) else { continue };
+            let Ok(cells) = SeaCells::new(sea, &projector, &|| false) else { continue };
             for pick in 0..200 {
                 let cell = &cells.cells[(part(pick, 0.618) * cells.cells.len() as f64) as usize];
                 let at = [part(pick, 0.414), part(pick, 0.732)];
@@ -107,7 +107,7 @@ fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
     for (index, sea) in seas().iter().enumerate() {
         for case in 0..6 {
             let projector = projector(case + 5 * index as u32, [[0.0, 0.0], [2e3, -1e3]][case as usize % 2]);
-            let Ok(cells) = SeaCells::new(sea, &projector, case % 2 == 0, &|| false) else { continue };
+            let Ok(cells) = SeaCells::new(sea, &projector, &|| false) else { continue };
             for pick in 0..40 {
                 let ray = projector.ray(48.0 * part(pick, 0.618), 27.0 * part(pick, 0.414));
                 let Some([start, end]) = stretch(sea, &ray) else { continue };
