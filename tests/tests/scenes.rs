@@ -131,8 +131,8 @@ fn samples_that_are_followed_have_the_same_bits_under_all_settings() {
 /// Tolerances of colors against the references: one step of 8 bits if surfaces are tessellated or baked, else rounding.
 const TOLERANCE: [f64; 2] = [4e-3, 1e-6];
 /// Tolerances for unambiguous samples that are followed to the surfaces themselves, in f32 and in f64, and their
-/// certified errors.
-const FOLLOWED: [(&str, f64, f64); 2] = [("surface", 1e-3, 1e-2), ("exact", 1e-5, 1e-3)];
+/// certified errors. Samples right beside contours count, where what is seen changes fastest.
+const FOLLOWED: [(&str, f64, f64); 2] = [("surface", 1e-3, 2e-2), ("exact", 1e-5, 3e-3)];
 /// Share of pixels that may miss the tolerance because of uncertain visibility: edges of waves against waves and sky.
 const AMBIGUOUS: f64 = 0.1;
 
