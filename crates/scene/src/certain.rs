@@ -4,13 +4,6 @@ use crate::surface::{Hit, Sight, Surface};
 use crate::{Camera, Projector};
 use trochoid_image::Format;
 
-/// Sine of the angle between a ray and a surface below which a contour may be near.
-const GRAZING: f64 = 0.3;
-/// Distance in pixels within which contours are looked for.
-const BESIDE: f64 = 0.125;
-/// Change of the distance, as a share of it, from which two points are on two sheets.
-const JUMP: f64 = 0.02;
-
 /// What the samples of a view certainly see of the continuous surfaces, without any mesh.
 ///
 /// ```
@@ -57,20 +50,6 @@ impl Certain {
     /// Each result depends only on its own sample. The surfaces must be those that were prepared.
     pub fn sights(&self, surfaces: &[&dyn Surface], pixels: &[[i64; 2]], offset: [f64; 2]) -> Vec<Sight> {
         pixels.iter().map(|&[x, y]| self.sight(surfaces, [x as f64 + offset[0], y as f64 + offset[1]])).collect()
-    }
-
-    /// Returns whether a contour of what a sample sees passes within an eighth of a pixel of it: there, the smallest error
-    /// of a position becomes a large one of what is seen.
-    pub fn is_at_contour(&self, surfaces: &[&dyn Surface], [x, y]: [f64; 2], hit: &Hit) -> bool {
-        let grazes = hit.normal.dot(self.projector.ray(x, y).direction).abs() < GRAZING;
-        let beside = [[-BESIDE, 0.0], [BESIDE, 0.0], [0.0, -BESIDE], [0.0, BESIDE]];
-        let continues = |[by_x, by_y]: [f64; 2]| match self.sight(surfaces, [x + by_x, y + by_y]) {
-            Sight::Point(other) => {
-                other.surface == hit.surface && (other.distance - hit.distance).abs() <= JUMP * hit.distance
-            }
-            Sight::Unclear | Sight::Nothing => false,
-        };
-        grazes && !beside.into_iter().all(continues)
     }
 
     fn sight(&self, surfaces: &[&dyn Surface], [x, y]: [f64; 2]) -> Sight {

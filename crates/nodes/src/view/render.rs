@@ -209,7 +209,7 @@ impl Prepared for PreparedRender {
         };
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
         let sights = certain.sights(&borrowed(&self.surfaces), &pixels, bounding.block.offset);
-        let same = self.sees(certain, bounding.block, &sights);
+        let same = self.sees(bounding.block, &sights);
         let view = Channel::ALL.into_iter().enumerate().map(|(index, channel)| (channel, Out::View, index));
         for (channel, output, index) in view.chain([(Channel::Coverage, Out::Coverage, 0)]) {
             let filled = bounding.filled[usize::from(output)][index];
@@ -267,27 +267,24 @@ impl Prepared for PreparedRender {
 }
 
 impl PreparedRender {
-    /// Whether each sample's mesh shows the same sheet of the surface as the surface itself, away from its contours:
-    /// Newton's steps from the mesh lead to the point that the sample certainly sees.
-    fn sees(&self, certain: &scene::Certain, block: &Block<'_>, sights: &[scene::Sight]) -> Vec<bool> {
+    /// Whether each sample's mesh shows the same sheet of the surface as the surface itself: Newton's steps from the mesh
+    /// lead to the point that the sample certainly sees.
+    fn sees(&self, block: &Block<'_>, sights: &[scene::Sight]) -> Vec<bool> {
         let Some(visible) = &self.visible else { return vec![true; sights.len()] };
         let pixels: Vec<[i64; 2]> = block.pixels().collect();
-        let surfaces = borrowed(&self.surfaces);
-        let near = visible.points(&surfaces, &pixels, block.offset, scene::Sums::Double);
-        let places = pixels.iter().map(|&[x, y]| [x as f64 + block.offset[0], y as f64 + block.offset[1]]);
+        let near = visible.points(&borrowed(&self.surfaces), &pixels, block.offset, scene::Sums::Double);
         SAMPLES.with_borrow_mut(|samples| {
             match block.scattered {
                 None => visible.fill(block.window, block.offset, SIGHT, samples),
                 Some(pixels) => visible.fill_pixels(pixels, block.offset, SIGHT, samples),
             }
             let shown = samples.channel(Channel::Surface).iter().zip(near);
-            let same = shown.zip(sights).zip(places).map(|(((surface, near), sight), place)| match sight {
+            let same = shown.zip(sights).map(|((surface, near), sight)| match sight {
                 scene::Sight::Unclear => false,
                 scene::Sight::Nothing => *surface < 0.0,
                 scene::Sight::Point(hit) => near.is_some_and(|near| {
                     let apart = (near.distance - hit.distance).abs();
-                    let is_same = near.surface == hit.surface && apart <= SHEET * (1.0 + hit.distance);
-                    is_same && !certain.is_at_contour(&surfaces, place, hit)
+                    near.surface == hit.surface && apart <= SHEET * (1.0 + hit.distance)
                 }),
             });
             same.collect()
