@@ -225,18 +225,6 @@ fn a_wire_that_is_refused() {
 
 #[test]
 #[ignore = "needs a graphics driver"]
-fn the_search_for_a_node() {
-    compare_graph("graph_search", |harness| {
-        let to = nowhere(harness);
-        pull(harness, "Output of curved", to);
-        harness.drop_at(to);
-        harness.run_steps(4);
-        harness.get_by_label("Node type").type_text("mul");
-    });
-}
-
-#[test]
-#[ignore = "needs a graphics driver"]
 fn a_ramp() {
     let state = || {
         let mut state = seen(KINDS);
