@@ -14,8 +14,11 @@ fn shown() -> BTreeSet<String> {
 
 #[test]
 fn every_node_has_a_document_that_shows_it() {
-    let types: BTreeSet<String> = registry().names().map(str::to_owned).collect();
-    assert_eq!(shown(), types);
+    let (types, shown): (BTreeSet<String>, _) = (registry().names().map(str::to_owned).collect(), shown());
+    let missing: Vec<_> = types.difference(&shown).map(|ty| format!("docs/nodes/{ty}.json")).collect();
+    assert!(missing.is_empty(), "add {}, which shows the node on its page of the manual", missing.join(", "));
+    let strays: Vec<_> = shown.difference(&types).collect();
+    assert!(strays.is_empty(), "docs/nodes: {strays:?} are no node types");
 }
 
 #[test]

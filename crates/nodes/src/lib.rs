@@ -68,7 +68,10 @@ mod tests {
         let mut known: BTreeSet<String> = registry.names().map(str::to_lowercase).collect();
         for word in aliases.chain(OUTPUT_WORDS) {
             assert!(refusal(word).is_none(), "{word} is refused");
-            assert!(known.insert(word.to_lowercase()), "{word} stands twice");
+            assert!(
+                known.insert(word.to_lowercase()),
+                "\"{word}\" names two nodes, or one twice: remove it from the also_called of one"
+            );
         }
         assert_eq!(Term::of("image_read", &registry).and_then(|term| term.node()), Some("Read"));
         assert!(Term::of("Read", &registry).is_none() && Term::of("", &registry).is_none());

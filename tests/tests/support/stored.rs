@@ -25,17 +25,22 @@ pub(crate) fn holds(path: &Path, found: &str) -> Result<(), String> {
         let made = path.parent().map_or(Ok(()), std::fs::create_dir_all).and_then(|()| std::fs::write(path, found));
         return made.map_err(|error| format!("{}: cannot be stored: {error}", path.display()));
     }
-    let what = match stored {
-        Ok(stored) => difference(path, &stored, found),
-        Err(error) => {
+    match stored {
+        Ok(stored) => Err(format!(
+            "{}\n  remedy: if what was found is right, run the same test with {UPDATE}=1 and look at `git diff`",
+            difference(path, &stored, found)
+        )),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             let beginning: Vec<&str> = found.lines().take(SHOWN).collect();
             let more = if found.lines().nth(SHOWN).is_some() { "\n…" } else { "" };
-            format!("{}: cannot be read: {error}; found\n{}{more}", path.display(), beginning.join("\n"))
+            Err(format!(
+                "{}: not stored yet; found\n{}{more}\n  remedy: run the same test with {UPDATE}=1, and look at the file",
+                path.display(),
+                beginning.join("\n")
+            ))
         }
-    };
-    Err(format!(
-        "{what}\n  remedy: if what was found is right, run the same test with {UPDATE}=1 and look at `git diff`"
-    ))
+        Err(error) => Err(format!("{}: cannot be read: {error}", path.display())),
+    }
 }
 
 /// Compares a message with the stored one, without the folder of the run. Empty messages are not stored.

@@ -8,7 +8,7 @@ use super::color::{
 };
 use super::partition::{ChannelOperand, audit, blend};
 use super::run::{CodeFrame, KernelInputs, Look, PlaneRow, RowEnd, filled};
-use fearless_simd::Level;
+use fearless_simd::{Level, Simd};
 use trochoid_memory::{Kernel, Stream, Target, dispatch, prefetch};
 use trochoid_weights::arithmetic as a;
 
@@ -289,6 +289,13 @@ fn take(frame: &mut CodeFrame<'_>, inputs: KernelInputs<'_>, x: usize, source: &
     }
 }
 
+/// Runs a loop as a function of its own, with the same instruction set: a single function of all loops takes the
+/// compiler minutes.
+#[inline(never)]
+fn apart<S: Simd, R>(simd: S, run: impl FnOnce() -> R) -> R {
+    simd.vectorize(run)
+}
+
 /// Mixes two colors. Frequent pairs of sources have their own compiled loops; for other pairs, the first color is
 /// loaded into the accumulator beforehand.
 #[inline(always)]
@@ -326,12 +333,24 @@ fn mix<S: Stream>(
     macro_rules! run {
         ($a:expr, $b:expr) => {
             match out {
-                None => mix_rows(simd, &mut frame.last, $a, $b, t),
+                None => {
+                    let (a, b, last) = ($a, $b, &mut frame.last);
+                    apart(
+                        simd,
+                        #[inline(always)]
+                        || mix_rows(simd, last, a, b, t),
+                    );
+                }
                 Some((root, out, to)) => {
                     let root = root as usize;
                     let (first, _) = frame.code.roots[root];
                     if let Some(out) = out[first..].first_chunk_mut::<3>() {
-                        mix_out(simd, &frame.last, $a, $b, t, out, to, &mut frame.colors[root]);
+                        let (a, b, last, colors) = ($a, $b, &frame.last, &mut frame.colors[root]);
+                        apart(
+                            simd,
+                            #[inline(always)]
+                            || mix_out(simd, last, a, b, t, out, to, colors),
+                        );
                     }
                 }
             }
