@@ -44,10 +44,11 @@ pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> O
         return None;
     }
     let (distance, rest) = first_point(sea, projector, ray, [start, end])?;
-    Some(hit(sea, projector, ray, distance, rest, submerged(sea, projector)))
+    Some(hit(sea, projector, ray, distance, rest, sea.submerges(projector)))
 }
 
-/// Returns whether a camera is under water: below the point of the sea that is carried above or below it.
+/// Returns whether a camera is under water: below the point of the sea that is carried above or below it. Slow;
+/// [`SeaSurface::submerges`] remembers it.
 pub(crate) fn submerged(sea: &SeaSurface, projector: &Projector) -> bool {
     let eye = projector.position;
     if (eye.y - sea.level).abs() > sea.summit {

@@ -1,4 +1,4 @@
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::DVec3;
 use trochoid_sea::{PreciseSea, Sea, SeaFrame};
@@ -29,6 +29,9 @@ pub struct SeaSurface {
     /// The waves for sums in f64, made when first needed.
     precise: Arc<OnceLock<PreciseSea>>,
     limits: Arc<OnceLock<Limits>>,
+    /// Whether the cameras of some views are under water: every ray that meets the sea asks, and finding out takes
+    /// several sums.
+    submerged: Arc<Mutex<Vec<(Projector, bool)>>>,
 }
 
 /// Number of waves that the pixels of a picture resolve; of all others, less than 1e-6 is left after filtering.
@@ -52,6 +55,9 @@ const STEPS: usize = 64;
 const CLOSE: f64 = 1e-12;
 const LEAST: f64 = 0.5;
 
+/// Number of views whose cameras are remembered to be under water or not.
+const VIEWS: usize = 8;
+
 impl SeaSurface {
     /// Returns the sea at a time in seconds, with its rest level at world y = `level`.
     pub fn new(sea: &Sea, time: f64, level: f64) -> Self {
@@ -69,6 +75,7 @@ impl SeaSurface {
             detail: 1.0,
             precise: Arc::default(),
             limits: Arc::default(),
+            submerged: Arc::default(),
         }
     }
 
@@ -86,7 +93,23 @@ impl SeaSurface {
     /// that two pixels cannot resolve become roughness.
     #[must_use]
     pub fn with_detail(self, detail: f64) -> Self {
-        Self { detail, ..self }
+        // A camera just at the surface may lie on the other side of other waves.
+        Self { detail, submerged: Arc::default(), ..self }
+    }
+
+    /// Returns whether a camera is under water.
+    pub(crate) fn submerges(&self, projector: &Projector) -> bool {
+        // Only whole entries are pushed, so the list may be used after a panic.
+        let mut known = self.submerged.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, is)) = known.iter().find(|(view, _)| view == projector) {
+            return *is;
+        }
+        let is = reference::submerged(self, projector);
+        if known.len() == VIEWS {
+            known.remove(0);
+        }
+        known.push((*projector, is));
+        is
     }
 
     /// Returns the footprint in meters by which waves are filtered where a camera sees a rest point.

@@ -10,7 +10,7 @@ use crate::channel::{NORMALS, RESTS};
 use crate::extent::{Sector, Strip};
 use crate::spacing::Spacing;
 use crate::surface::{Mesh, Topology};
-use crate::{Channel, ChannelSet, Projector, SeaSurface, reference};
+use crate::{Channel, ChannelSet, Projector, SeaSurface};
 
 /// Most vertices of one sea per pixel of the picture; beyond this limit the spacing is increased.
 ///
@@ -265,7 +265,7 @@ impl<L: Layout> Rows<'_, L> {
             trails: Default::default(),
             level: self.sea.level,
             displaced: true,
-            inside: reference::submerged(self.sea, self.projector),
+            inside: self.sea.submerges(self.projector),
             tolerance: None,
             topology: Topology::Grid { columns: self.columns, rows: self.rows },
         };
