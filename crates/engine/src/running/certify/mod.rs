@@ -97,6 +97,8 @@ impl<'g> Certifier<'g> {
                 let reached = plan.graph.dependencies([node], plan.frame());
                 certified.unbounded =
                     unbounded.iter().map(|(id, why)| (*id, *why)).filter(|(id, _)| reached[id.0]).collect();
+                // By name, as in the canonical document.
+                certified.unbounded.sort_by_key(|(id, _)| &plan.graph.node(*id).name);
                 match output.kind {
                     Kind::Color => {
                         let palette = plan.palette(output, &ready, buffers);
