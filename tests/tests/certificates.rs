@@ -17,14 +17,7 @@ fn faults(graph: &CheckedGraph, frame: i64) -> Vec<String> {
         let file = OutputFile { path: folder.path().join(format!("{}.{ending}", output.name)), outputs: vec![index] };
         write_output(graph, &picture, &file, &[]).unwrap();
         let settings = settings(|_| ());
-        let made = CertificateInputs {
-            graph,
-            file: &file,
-            frame: &picture,
-            certified: &certified,
-            settings: &settings,
-            required: None,
-        };
+        let made = CertificateInputs { graph, file: &file, frame, certified: &certified, settings: &settings };
         let path = folder.path().join(format!("{}.json", output.name));
         let certificate = certificate::certify(&made, &path).unwrap();
         assert_eq!(certificate.outputs[0].controls.is_some(), output.kind == Kind::Color);
@@ -33,6 +26,7 @@ fn faults(graph: &CheckedGraph, frame: i64) -> Vec<String> {
             certificate: &path,
             image: &file.path,
             choice: Choice::All,
+            seed: 1,
             document: Some(graph),
             access: Some(graph.access()),
         };

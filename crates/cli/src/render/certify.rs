@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use trochoid::certificate::{Certificate, CertificateInputs, certify, error_image};
 use trochoid::{
     Buffers, Cache, Certified, Certifier, CheckedGraph, CompanionPattern, EvalError, Fingerprints, Form, Frame,
-    Guarantee, InputFiles, Monitor, OutputFile, Settings, companion_files, quoted_path, write_guarded,
+    InputFiles, Monitor, OutputFile, Settings, companion_files, quoted_path, write_guarded,
 };
 
 /// Companions of an output file: its certificate and error image, if requested.
@@ -85,7 +85,6 @@ impl Companions {
 pub(super) struct CertifyContext<'a> {
     pub(super) graph: &'a CheckedGraph,
     pub(super) settings: &'a Settings,
-    pub(super) required: Option<Guarantee>,
     pub(super) over: OverwriteOptions,
 }
 
@@ -100,7 +99,7 @@ impl CertifyContext<'_> {
         fingerprints: &mut Fingerprints,
         monitor: &dyn Monitor,
     ) -> Result<Vec<Certified>, Failure> {
-        let Self { graph, settings, required, over } = *self;
+        let Self { graph, settings, over } = *self;
         if files.is_empty() {
             return Ok(Vec::new());
         }
@@ -124,7 +123,7 @@ impl CertifyContext<'_> {
                 error_image(graph, file, &certified, &metadata, path)?;
             }
             if let Some(path) = &companions.certificate {
-                let made = CertificateInputs { graph, file, frame, certified: &certified, settings, required };
+                let made = CertificateInputs { graph, file, frame: number, certified: &certified, settings };
                 let certificate = certify(&made, path).map_err(|error| failed(&error))?;
                 write_guarded(path, certificate.sealed().as_bytes(), Form::Certificate, over.overwrite)?;
             }

@@ -261,12 +261,7 @@ impl<'a> Job<'a> {
             let certifying_started = Instant::now();
             let kept: Vec<(&OutputFile, &Companions)> =
                 open.iter().zip(&companions).filter(|(file, _)| keeps(file)).collect();
-            let run = CertifyContext {
-                graph: self.graph,
-                settings: &self.settings,
-                required: self.required,
-                over: self.args.files.over,
-            };
+            let run = CertifyContext { graph: self.graph, settings: &self.settings, over: self.args.files.over };
             certified = run.run(&frame, &kept, &self.accuracy, cache, fingerprints, &certifying)?;
             report["seconds"]["certify"] = json!(certifying_started.elapsed().as_secs_f64());
             for certified in &certified {

@@ -5,8 +5,8 @@ use crate::{LoadError, OutputError};
 use std::path::{Path, PathBuf};
 use trochoid_engine::{EvalError, PlanError, ReferenceError};
 
-/// Maximum size of a certificate in bytes: its document, a hash for each block of the largest picture, and a bit for
-/// each sample.
+/// Maximum size of a certificate in bytes: its document, a hash for each block of the largest picture, and a byte and a
+/// bit for each pixel.
 const MAX_BYTES: u64 = 1 << 30;
 
 /// Reason that a certificate could not be made or checked. A certificate that does not hold is not an error.
@@ -23,6 +23,18 @@ pub enum CertificateError {
     /// A file cannot be read.
     #[error(transparent)]
     Read(trochoid_io::Error),
+    /// The image is not a picture of an output that is certified.
+    #[error(
+        "{}: found other channels or pixels than those of output \"{output}\"; expected the image that was rendered from \
+         the document",
+        path.display()
+    )]
+    OtherImage {
+        /// Path of the image.
+        path: PathBuf,
+        /// Name of the output.
+        output: String,
+    },
     /// A file that its document reads is not where the certificate's folder says.
     #[error(
         "{}: cannot open the file: it does not exist; it is an input of the certificate, sought from the certificate's \
@@ -76,8 +88,9 @@ pub enum NoCertificate {
     /// A certificate with missing or invalid fields.
     #[error("other fields ({0})")]
     Fields(#[source] serde_json::Error),
-    /// A certificate of another version.
-    #[error("version {0}")]
+    /// A certificate of another version. Those of version 1 have no bounds of single pixels, so that most of what they
+    /// say could not be derived again.
+    #[error("version {0}; a certificate of another version must be made anew")]
     Version(u32),
 }
 
@@ -145,10 +158,13 @@ impl Certificate {
         if found != expected {
             return Ok(Err(OtherDigest { found: found.into(), expected }));
         }
-        let certificate: Self = serde_json::from_str(&text).map_err(|error| none(NoCertificate::Fields(error)))?;
-        if certificate.version != VERSION {
-            return Err(none(NoCertificate::Version(certificate.version)));
+        // Other versions have other fields.
+        if let Ok(Versioned { version }) = serde_json::from_str(&text)
+            && version != VERSION
+        {
+            return Err(none(NoCertificate::Version(version)));
         }
+        let certificate = serde_json::from_str(&text).map_err(|error| none(NoCertificate::Fields(error)))?;
         Ok(Ok(certificate))
     }
 
@@ -156,6 +172,12 @@ impl Certificate {
     pub fn is_current(path: &Path, fingerprint: &str) -> bool {
         matches!(Self::read(path), Ok(Ok(certificate)) if certificate.fingerprint == fingerprint)
     }
+}
+
+/// The one field that certificates of all versions have.
+#[derive(serde::Deserialize)]
+struct Versioned {
+    version: u32,
 }
 
 /// Returns whether a text consists of 64 lowercase hexadecimal digits.
