@@ -1,7 +1,7 @@
 //! Encoding of values in files: unchanged, as linear light, or for display.
 
 use trochoid_graph::Kind;
-use trochoid_image::{WorkingSpace, srgb_decode, srgb_encode};
+use trochoid_image::{WorkingSpace, srgb_decode, srgb_encode, srgb_fall};
 
 /// Conversion from an output's values to those of its file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,11 +16,6 @@ pub(super) enum Coding {
 
 /// Relative and absolute error of a conversion: one rounding to f32, and the error of a library's power function.
 const ROUNDING: (f64, f64) = (1.0 / 16_777_216.0, 1e-12);
-
-/// Linear light above which the sRGB encoding is a power, and a limit of how far it falls there: its two pieces do not
-/// meet exactly.
-const BREAK: f64 = 0.003_130_8;
-const FALL: f64 = 2.9e-8;
 
 impl Coding {
     pub(super) fn new(kind: Kind, space: WorkingSpace, png: bool) -> Self {
@@ -50,7 +45,7 @@ impl Coding {
             (Self::Display(space), [r, g, b]) => {
                 let linear = space.to_linear_srgb([*r, *g, *b]);
                 let encoded = |(low, high): (f64, f64)| {
-                    let fall = fall((low, high));
+                    let fall = srgb_fall(low, high);
                     (srgb_encode(low) - fall, srgb_encode(high) + fall)
                 };
                 each(encoded, &linear, &linear_errors(space, errors))
@@ -87,7 +82,7 @@ impl Coding {
             let (low, high) = (low.max(0.0), high.max(0.0));
             let near = error.clamp(low, high);
             let most = (shown(low + error) - shown(low)).max(shown(near) - shown(near - error));
-            most + fall((low - error, high + error))
+            most + srgb_fall(low - error, high + error)
         };
         let most = [0, 1, 2].map(|c| of(linear[c], errors[c])).into_iter().fold(0.0, f64::max);
         (most + 4.0 * ROUNDING.1).min(1.0)
@@ -106,12 +101,6 @@ impl Coding {
     pub(super) fn rounding(self) -> f64 {
         if self == Self::None { 0.0 } else { 4.0 * ROUNDING.0 }
     }
-}
-
-/// Returns how far the sRGB encoding may fall within a range of linear light. It is odd.
-fn fall((low, high): (f64, f64)) -> f64 {
-    let holds = |at: f64| low <= at && at <= high;
-    if holds(BREAK) || holds(-BREAK) { FALL } else { 0.0 }
 }
 
 /// Widens a range by the errors of a conversion.
@@ -171,12 +160,6 @@ mod tests {
             assert!((0.5..=1.0).contains(&coding.displayed(space, [(0.1, 0.2); 3], f64::INFINITY)));
         }
         assert!(closest > 0.98, "{closest}");
-    }
-
-    #[test]
-    fn the_encoding_falls_no_further_than_allowed_for() {
-        let fall = srgb_encode(BREAK) - srgb_encode(BREAK.next_up());
-        assert!(0.9 * FALL < fall && fall < FALL, "{fall}");
     }
 
     #[test]

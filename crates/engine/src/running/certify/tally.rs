@@ -129,6 +129,13 @@ impl Certified {
         }
     }
 
+    /// Returns the bounds of all samples.
+    pub fn all(&self) -> Distribution {
+        let mut all = self.clear.clone();
+        all.merge(&self.unclear);
+        all
+    }
+
     /// Returns the share of samples that are in doubt and whose bound exceeds a tolerance.
     pub fn in_doubt(&self, tolerance: f64) -> f64 {
         self.unclear.above(tolerance) as f64 / (self.clear.total + self.unclear.total).max(1) as f64
