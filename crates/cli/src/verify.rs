@@ -1,6 +1,7 @@
 //! `trochoid verify`: checks a certificate and its image.
 //!
-//! The JSON output has `holds`; `certificate`, `image`, `frame`, `made_by`; `inputs` and `blocks`, the numbers compared
+//! The JSON output has `holds`; `certificate`, `image`, `frame`, `made_by`; `signed_by`, the public key, `null` if the
+//! certificate is not signed; `inputs` and `blocks`, the numbers compared
 //! with their hashes; `seed`, and `share_found`, the share of the pixels that would have been found with a probability of
 //! 99 % if they had been changed, `null` if all were looked at; `outputs`, a list of `{output, looked_at, pixels,
 //! ambiguous, hull, distance, distance_ambiguous, weight_min, weight_sum_max_deviation}`, empty if nothing was evaluated;
@@ -14,7 +15,7 @@ use crate::shell::{self, print_json, printable};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use trochoid::Access;
-use trochoid::certificate::{Certificate, Choice, Findings, Request, Verification, random_seed, verify};
+use trochoid::certificate::{Certificate, Choice, Findings, PublicKey, Request, Verification, random_seed, verify};
 
 /// Options of `trochoid verify`.
 #[derive(Debug, clap::Args)]
@@ -29,6 +30,7 @@ Exit code 3 means that the certificate does not hold.
 Examples:
   trochoid verify out/storm.0036.json out/storm.0036.exr
   trochoid verify out/storm.0036.json out/storm.0036.exr --all --document storm.json
+  trochoid verify out/storm.0036.json out/storm.0036.exr --key maker.pub.pem
   trochoid verify out/storm.0036.json out/storm.0036.exr --pixels 459 --seed 5d0b8a4f00c1e972")]
 pub(crate) struct Args {
     /// The certificate, written by `render --certificate`
@@ -47,6 +49,9 @@ pub(crate) struct Args {
     /// Look at the same pixels as a run that printed this seed [default: drawn by the operating system]
     #[arg(long, value_name = "HEX", value_parser = seed)]
     seed: Option<u64>,
+    /// Check that the certificate is signed by this Ed25519 public key, PEM as `openssl pkey -pubout` writes it
+    #[arg(long, value_name = "KEYFILE")]
+    key: Option<PathBuf>,
     /// Check that this document is the certified one
     #[arg(long, value_name = "GRAPH")]
     document: Option<PathBuf>,
@@ -75,6 +80,7 @@ fn seed(text: &str) -> Result<u64, String> {
 /// The certificate does not hold, with a message for each failure; or a file cannot be read.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let document = args.document.as_ref().map(|path| args.reach.load(path, &args.set)).transpose()?;
+    let key = args.key.as_ref().map(|path| PublicKey::read(path)).transpose()?;
     args.reach.warn();
     let access = access(args);
     let choice = if args.all { Choice::All } else { Choice::Some(args.pixels) };
@@ -90,6 +96,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         image: &args.image,
         choice,
         seed,
+        key: key.as_ref(),
         document: document.as_ref().map(|loaded| &loaded.graph),
         access: Some(&access),
     };
@@ -131,6 +138,11 @@ fn text(args: &Args, found: &Verification, seed: u64) -> String {
     // Anyone who changes a certificate can compute a new digest, so a digest only detects accidental changes.
     lines
         .push(format!("{certificate}: matches its own digest; of frame {frame}; says that Trochoid {version} made it"));
+    lines.push(match found.signed_by {
+        None => "it is not signed, so anyone may have made it".into(),
+        Some(key) if args.key.is_some() => format!("it is signed by the key {key}"),
+        Some(key) => format!("it is signed by the key {key}; --key tells whether that is a key that you know"),
+    });
     let document =
         args.document.as_ref().map(|path| format!("{} is its document, ", printable(&path.display().to_string())));
     let inputs = match found.inputs {
@@ -207,6 +219,7 @@ fn as_json(args: &Args, found: &Verification, seed: u64) -> Value {
         "image": args.image.display().to_string(),
         "frame": found.frame,
         "made_by": found.trochoid,
+        "signed_by": found.signed_by.map(|key| key.to_string()),
         "inputs": found.inputs,
         "blocks": found.blocks,
         "seed": format!("{seed:016x}"),

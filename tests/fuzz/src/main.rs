@@ -113,6 +113,6 @@ fn certificate(folder: &Path) -> Result {
         settings: &settings,
     };
     let path = folder.join("certificate");
-    certify(&made, &path)?.write(&path)?;
+    certify(&made, &path)?.write(&path, None)?;
     Ok(())
 }

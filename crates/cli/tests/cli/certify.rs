@@ -23,7 +23,7 @@ fn json(scene: &Scene, name: &str) -> Value {
 #[test]
 fn every_image_has_a_certificate_that_holds() {
     let scene = Scene::new(SCENE);
-    let run = scene.run(CERTIFIED).code(0).says(&["hull, 0 exits, error ≤ ", "nothing ambiguous, "]);
+    let run = scene.run(CERTIFIED).code(0).says(&["hull, 0 exits, display error ≤ ", "nothing ambiguous, "]);
     assert_eq!(run.err, "");
     assert_eq!(scene.files().len(), 12, "{:?}", scene.files());
     for (output, image) in [("beauty", "exr"), ("mask", "png")] {
@@ -115,7 +115,12 @@ fn reports_name_the_files_and_the_errors() {
     assert_eq!(frame["files"][0]["certificate"], "cert/beauty.02.json");
     assert_eq!(frame["files"][1]["error"], "err/mask.0002.exr");
     let certified = &frame["outputs"]["beauty"]["certified"];
-    assert!(certified["max"].as_f64().unwrap() < 1e-6 && certified["ambiguous_share"] == 0.0, "{certified}");
+    assert!(certified["clear"]["max"].as_f64().unwrap() < 1e-6 && certified["ambiguous_share"] == 0.0, "{certified}");
+    assert_eq!((&certified["all"], certified["clear"]["samples"].as_i64()), (&certified["clear"], Some(128)));
+    assert_eq!(certified["unit"], "channel of a color in linear-srgb");
+    assert!(certified["all"]["displayed_max"].as_f64().unwrap() < 1e-5);
+    let mask = &frame["outputs"]["mask"]["certified"];
+    assert_eq!((&mask["unit"], &mask["all"]["displayed_max"]), (&"weight from 0 to 1".into(), &mask["all"]["max"]));
     assert!(frame["seconds"]["certify"].as_f64().unwrap() > 0.0);
 }
 
@@ -223,4 +228,43 @@ fn an_image_of_another_kind_is_told_as_it_is() {
     assert!(!run.err.contains("image.channels"), "the certificate is right in itself: {}", run.err);
     let channels = "x.exr: channels: found B (half), G (half), R (half); expected B (u8), G (u8), R (u8)";
     run.fails(3, &["x.exr: kind of file: found EXR; expected PNG", channels]);
+}
+
+/// Keys of RFC 8410, 10.1 and 10.3, as OpenSSL writes them.
+const PRIVATE: &str = "-----BEGIN PRIVATE KEY-----\n\
+    MC4CAQAwBQYDK2VwBCIEINTuctv5E1hK1bbY8fdp+K06/nwoy/HU++CXqI9EdVhC\n-----END PRIVATE KEY-----\n";
+const PUBLIC: &str = "-----BEGIN PUBLIC KEY-----\n\
+    MCowBQYDK2VwAyEAGb9ECWmEzf6FQbrBZ9w7lshQhqowtrbLDFw4rXAxZuE=\n-----END PUBLIC KEY-----\n";
+/// Another public key, of RFC 8032, 7.1, test 1.
+const OTHER: &str = "-----BEGIN PUBLIC KEY-----\n\
+    MCowBQYDK2VwAyEA11qYAYKxCrfVS/7TyWQHOg7hcvPapiMlrwIaaPcHURo=\n-----END PUBLIC KEY-----\n";
+
+#[test]
+fn certificates_are_signed_and_whose_they_are_is_told() {
+    let scene = Scene::new(SCENE);
+    for (name, text) in [("mine.pem", PRIVATE), ("mine.pub.pem", PUBLIC), ("other.pub.pem", OTHER)] {
+        fs::write(scene.path(name), text).unwrap();
+    }
+    let (certificate, image) = ("cert/beauty.01.json", "out/beauty.0001.exr");
+    let verify = |more: &[&str]| scene.run(&[&["verify", certificate, image], more].concat());
+    scene.run(CERTIFIED).code(0);
+    verify(&[]).code(0).says(&["it is not signed, so anyone may have made it"]);
+    let key = "19bf44096984cdfe8541bac167dc3b96c85086aa30b6b6cb0c5c38ad703166e1";
+    let missing = format!("{certificate}: signature: found no signature; expected one by {key}");
+    verify(&["--key", "mine.pub.pem"]).fails(3, &[&missing]);
+    // Unsigned certificates are not those that were asked for.
+    let sign = [CERTIFIED, &["--sign", "mine.pem", "--resume"]].concat();
+    assert!(!scene.run(&sign).code(0).out.contains("up to date"));
+    assert_eq!(scene.run(&sign).code(0).out.matches("up to date").count(), 2);
+    assert_eq!(json(&scene, certificate)["signature"]["key"], key);
+    verify(&[]).code(0).says(&[&format!("signed by the key {key}; --key tells whether that is a key that you know")]);
+    verify(&["--key", "mine.pub.pem"]).code(0).says(&[&format!("it is signed by the key {key}\n")]);
+    assert_eq!(verify(&["--key", "mine.pub.pem", "--json"]).code(0).json()["signed_by"], key);
+    verify(&["--key", "other.pub.pem"]).fails(3, &[&format!("found one by {key}; expected one by d75a980182b10ab7")]);
+    verify(&["--key", "mine.pem"]).fails(2, &["mine.pem: found a private key; expected an Ed25519 public key"]);
+    let run = scene.run(&[CERTIFIED, &["--sign", "mine.pub.pem"]].concat());
+    run.fails(2, &["mine.pub.pem: found a public key; expected an unencrypted Ed25519 private key", "openssl genpkey"]);
+    scene.run(&["render", "a.json", "--sign", "mine.pem"]).fails(2, &["--certificate"]);
+    let shown = scene.run(&sign);
+    assert!(!(shown.out + &shown.err).contains("MC4CAQ"), "the private key is never shown");
 }

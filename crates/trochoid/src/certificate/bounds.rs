@@ -173,8 +173,8 @@ impl PictureBounds {
     }
 }
 
-/// Returns the unit of an output's values.
-fn unit(kind: Kind, space: WorkingSpace) -> String {
+/// Returns the unit of an output's values and of their errors.
+pub fn unit(kind: Kind, space: WorkingSpace) -> String {
     match kind {
         Kind::Color => format!("channel of a color in {}", space.name()),
         Kind::Weights(_) => "weight from 0 to 1".into(),

@@ -25,6 +25,8 @@ pub struct Request<'r> {
     pub choice: Choice,
     /// Number that decides which pixels these are. A forger must not know it: take [`random_seed`].
     pub seed: u64,
+    /// Key that the certificate must be signed by, if any.
+    pub key: Option<&'r PublicKey>,
     /// Document that the certificate is claimed to cover, if that is to be checked.
     pub document: Option<&'r CheckedGraph>,
     /// Files that the document in the certificate may access: by default the [usual](Access::usual) ones for the
@@ -63,6 +65,8 @@ pub struct Verification {
     pub frame: Option<i64>,
     /// Version of Trochoid that made the certificate, as it says itself.
     pub trochoid: String,
+    /// Key that the certificate is signed by; `None` if it is not signed.
+    pub signed_by: Option<PublicKey>,
     /// Number of input files checked.
     pub inputs: usize,
     /// Number of blocks of pixels checked.
@@ -124,6 +128,7 @@ pub fn verify(request: &Request<'_>, monitor: &dyn Monitor) -> Result<Verificati
         }
     };
     (found.frame, found.trochoid) = (Some(certificate.frame), certificate.trochoid.clone());
+    claims::signature(&mut found, request, &certificate);
     let folder = folder_of(request.certificate);
     let name = format!("{}: document", request.certificate.display());
     let text = certificate.document.canonical.get();

@@ -14,6 +14,23 @@ use trochoid_io::{FileKind, SampleType};
 /// Maximum number of blocks and nodes that are named one by one; further ones are counted.
 const NAMED: usize = 8;
 
+/// Checks the signature, and whose it is.
+pub(super) fn signature(found: &mut Verification, request: &Request<'_>, certificate: &Certificate) {
+    let place = format!("{}: signature", request.certificate.display());
+    let signed = match certificate.signed_by() {
+        Ok(signed) => signed,
+        Err(none) => {
+            found.fail(place, none, "a signature of the digest, or none");
+            return;
+        }
+    };
+    found.signed_by = signed;
+    if request.key.is_some() && signed.as_ref() != request.key {
+        let words = |key: Option<PublicKey>| key.map_or_else(|| "no signature".into(), |key| format!("one by {key}"));
+        found.fail(place, words(signed), words(request.key.copied()));
+    }
+}
+
 /// Checks what a certificate says about its document.
 pub(super) fn document(
     found: &mut Verification,

@@ -54,6 +54,7 @@ pub fn certify(inputs: &CertificateInputs<'_>, path: &Path) -> Result<Certificat
     });
     Ok(Certificate {
         digest: String::new(),
+        signature: None,
         outputs: outputs.collect::<Result<_, _>>()?,
         document: DocumentText { canonical, folder: seen_from(&folder, graph.folder()), hash: graph.document_hash() },
         fingerprint: fingerprint_of(inputs, &image),

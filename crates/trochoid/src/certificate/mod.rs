@@ -32,10 +32,10 @@
 //! let path = folder.path().join("a.certificate.json");
 //! let certificate = certificate::certify(&made, &path)?;
 //! assert!(certificate.outputs[0].error.channels[0].all.max.is_some_and(|max| max.bound < 1e-6));
-//! certificate.write(&path)?;
+//! certificate.write(&path, None)?;
 //!
 //! let seed = certificate::random_seed();
-//! let request = Request { certificate: &path, image: &file.path, choice: Choice::All, seed, document: None, access: None };
+//! let request = Request { certificate: &path, image: &file.path, choice: Choice::All, seed, key: None, document: None, access: None };
 //! let found = certificate::verify(&request, &Silent)?;
 //! assert!(found.holds(), "{:?}", found.failures);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -50,6 +50,7 @@ mod counts;
 mod failed_claim;
 mod image;
 mod inputs;
+mod keys;
 mod level;
 mod make;
 mod map;
@@ -61,10 +62,12 @@ mod tests;
 mod types;
 mod words;
 
+pub use bounds::unit;
 pub use check::{Findings, Request, Verification, verify};
 pub use choice::{Choice, random_seed};
 pub use failed_claim::FailedClaim;
 pub use image::error_image;
+pub use keys::{KeyError, PrivateKey, PublicKey};
 pub use make::{CertificateInputs, certify};
-pub use seal::{CertificateError, NoCertificate, OtherDigest};
+pub use seal::{CertificateError, NoCertificate, NoSignature, OtherDigest};
 pub use types::*;

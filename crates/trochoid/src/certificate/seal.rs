@@ -1,6 +1,6 @@
 //! Text form of certificates, and their digests.
 
-use super::{Certificate, VERSION};
+use super::{Certificate, PrivateKey, PublicKey, SignatureText, VERSION};
 use crate::{LoadError, OutputError};
 use std::path::{Path, PathBuf};
 use trochoid_engine::{EvalError, PlanError, ReferenceError};
@@ -70,6 +70,17 @@ pub struct OtherDigest {
     pub expected: String,
 }
 
+/// Reason that a certificate's signature is none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoSignature {
+    /// The key is not an Ed25519 key.
+    #[error("a signature by something that is no Ed25519 key")]
+    Key,
+    /// The key did not make the signature.
+    #[error("a signature that the key {0} did not make")]
+    Value(PublicKey),
+}
+
 /// Content of a file that is not a certificate.
 #[derive(Debug, thiserror::Error)]
 pub enum NoCertificate {
@@ -115,25 +126,38 @@ impl CertificateError {
 
 /// Start of every certificate without white space, up to the digits of its digest.
 const BEGINNING: &str = "{\"digest\":\"";
+/// What follows the digits if the certificate is signed, up to the end of the signature.
+const SIGNATURE: [&str; 2] = ["\",\"signature\":{", "}"];
 /// Number of hexadecimal digits in a digest.
 pub(super) const DIGITS: usize = 64;
 
 impl Certificate {
-    /// Returns the text of the certificate with its digest.
-    pub fn sealed(&self) -> String {
-        let blank = Self { digest: "0".repeat(DIGITS), ..self.clone() };
+    /// Returns the text of the certificate with its digest, signed if a key is given.
+    pub fn sealed(&self, key: Option<&PrivateKey>) -> String {
         // The fields are strings, numbers and lists, which JSON can always represent.
-        let text = serde_json::to_string_pretty(&blank).unwrap_or_default();
-        let digest = digest_of(&compact(&text));
-        text.replacen(&blank.digest, &digest, 1) + "\n"
+        let text = |certificate: &Self| serde_json::to_string_pretty(certificate).unwrap_or_default();
+        let blank = Self { digest: "0".repeat(DIGITS), signature: None, ..self.clone() };
+        let digest = digest_of(&compact(&text(&blank)));
+        let sign = |key: &PrivateKey| SignatureText { key: key.public().to_string(), value: key.sign(&digest) };
+        text(&Self { signature: key.map(sign), digest, ..blank }) + "\n"
     }
 
-    /// Writes the certificate with its digest; the file appears whole or not at all.
+    /// Writes the certificate with its digest, signed if a key is given; the file appears whole or not at all.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn write(&self, path: &Path) -> Result<(), OutputError> {
-        crate::write_whole(path, self.sealed().as_bytes())
+    pub fn write(&self, path: &Path, key: Option<&PrivateKey>) -> Result<(), OutputError> {
+        crate::write_whole(path, self.sealed(key).as_bytes())
+    }
+
+    /// Returns the key that signed the certificate; `None` if it is not signed.
+    ///
+    /// # Errors
+    /// The signature is not one of the key that it names.
+    pub fn signed_by(&self) -> Result<Option<PublicKey>, NoSignature> {
+        let Some(SignatureText { key, value }) = &self.signature else { return Ok(None) };
+        let public = PublicKey::parse(key).ok_or(NoSignature::Key)?;
+        if public.has_signed(&self.digest, value) { Ok(Some(public)) } else { Err(NoSignature::Value(public)) }
     }
 
     /// Reads a certificate and checks its digest. If the digest does not match, the inner error has the digests that
@@ -154,6 +178,10 @@ impl Certificate {
         let rest = compact.strip_prefix(BEGINNING).filter(|rest| rest.get(..DIGITS).is_some_and(is_digest));
         let Some(rest) = rest else { return Err(none(NoCertificate::NoDigest)) };
         let (found, rest) = rest.split_at(DIGITS);
+        // The signature is made after the digest. Whatever stands there has no braces or is no signature.
+        let [start, end] = SIGNATURE;
+        let unsigned = rest.strip_prefix(start).and_then(|rest| Some(["\"", rest.split_once(end)?.1].concat()));
+        let rest = unsigned.as_deref().unwrap_or(rest);
         let expected = digest_of(&[BEGINNING, &"0".repeat(DIGITS), rest].concat());
         if found != expected {
             return Ok(Err(OtherDigest { found: found.into(), expected }));
@@ -168,9 +196,12 @@ impl Certificate {
         Ok(Ok(certificate))
     }
 
-    /// Returns whether a file is an unchanged certificate of the picture with this fingerprint.
-    pub fn is_current(path: &Path, fingerprint: &str) -> bool {
-        matches!(Self::read(path), Ok(Ok(certificate)) if certificate.fingerprint == fingerprint)
+    /// Returns whether a file is an unchanged certificate of the picture with this fingerprint, signed by this key, or
+    /// by any or none.
+    pub fn is_current(path: &Path, fingerprint: &str, key: Option<&PublicKey>) -> bool {
+        let Ok(Ok(certificate)) = Self::read(path) else { return false };
+        let signed = || certificate.signed_by().ok().flatten();
+        certificate.fingerprint == fingerprint && key.is_none_or(|key| signed().as_ref() == Some(key))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Fields of a certificate, in alphabetical order, so that the digest comes first.
+//! Fields of a certificate: the digest, the signature, then all others in alphabetical order.
 
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
@@ -10,8 +10,12 @@ use serde_json::value::RawValue;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Certificate {
-    /// BLAKE3 hash of the certificate's text without white space, with zeros in place of these 64 digits.
+    /// BLAKE3 hash of the certificate's text without white space and without `signature`, with zeros in place of these
+    /// 64 digits.
     pub digest: String,
+    /// Signature of the digest, if it is signed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signature: Option<SignatureText>,
     /// Document that the picture was made from.
     pub document: DocumentText,
     /// Fingerprint for `--resume`: a hash of version, document, frame and inputs.
@@ -36,6 +40,16 @@ pub struct Certificate {
 
 /// Version of the certificate format that is written and read.
 pub const VERSION: u32 = 2;
+
+/// Signature of a certificate's digest.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SignatureText {
+    /// Ed25519 public key, in 64 hexadecimal digits.
+    pub key: String,
+    /// Signature of the text `trochoid certificate `, followed by the digits of the digest; in 128 hexadecimal digits.
+    pub value: String,
+}
 
 /// Document in a certificate.
 #[derive(Clone, Debug, Serialize, Deserialize)]

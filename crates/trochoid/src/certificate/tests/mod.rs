@@ -69,7 +69,7 @@ impl Studio {
             write_output(&graph, &picture, file, &metadata).expect("written");
             let made = CertificateInputs { graph: &graph, file, frame, certified: &certified, settings: &settings };
             let path = certificate_of(&file.path);
-            certify(&made, &path).expect("certified").write(&path).expect("written");
+            certify(&made, &path).expect("certified").write(&path, None).expect("written");
         }
         files.into_iter().map(|OutputFile { path, .. }| path).collect()
     }
@@ -80,7 +80,7 @@ fn certificate_of(image: &Path) -> PathBuf {
 }
 
 fn check(certificate: &Path, image: &Path, choice: Choice) -> Result<Verification, CertificateError> {
-    verify(&Request { certificate, image, choice, seed: 1, document: None, access: None }, &Silent)
+    verify(&Request { certificate, image, choice, seed: 1, key: None, document: None, access: None }, &Silent)
 }
 
 /// Returns what does not hold.
@@ -149,6 +149,7 @@ fn a_document_without_its_folder_is_enough_and_another_document_is_told() {
             image: &image,
             choice: Choice::Some(9),
             seed: 1,
+            key: None,
             document: Some(&graph),
             access: None,
         };
