@@ -30,9 +30,4 @@ for scene in stormy_sea stormy_sea_bare great_wave toon_sea cartoon_bay toon_tea
 done
 
 # The editor is drawn without a window, but not without a graphics driver.
-shots=$(mktemp -d)
-TROCHOID_SHOTS=$shots cargo test --release -p trochoid-editor --lib -- --ignored screenshots_of_scenes
-for scene in stormy_sea_bare toon_sea cartoon_bay; do
-  mv "$shots/${scene}_1280.png" "samples/editor_$scene.png"
-done
-rm -r "$shots"
+cargo run --release -p trochoid-editor --example screenshots -- samples

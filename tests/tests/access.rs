@@ -17,7 +17,7 @@ fn cases() -> Vec<(String, String)> {
 }
 
 #[test]
-fn every_node_that_names_a_file_is_asked_before_it_prepares() {
+fn nodes_read_only_files_that_the_document_may_access() {
     let folder = folder();
     let mut asked = 0;
     for (name, text) in cases() {
@@ -57,7 +57,7 @@ fn every_node_that_names_a_file_is_asked_before_it_prepares() {
     assert!(asked >= 4, "{asked} types of node name files in their golden cases");
 }
 
-/// The source of all nodes but their tests, file by file.
+/// Collects the sources of a folder without tests.
 fn sources(folder: &Path, found: &mut Vec<(String, String)>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -76,7 +76,7 @@ fn names_of_files_become_paths_in_one_place() {
     let mut found = Vec::new();
     sources(&root().join("crates/nodes/src"), &mut found);
     assert!(found.len() >= trochoid::registry().iter().count(), "{} files, and each node has one", found.len());
-    // Elsewhere a text could become a path that is in no knob for paths, and so is asked of nobody.
+    // A path made elsewhere would not come from a knob for paths, and its access would not be checked.
     for (name, text) in found {
         for word in ["expand_frame", ".folder", "Path::new(", "PathBuf::from("] {
             assert!(!text.contains(word), "{name}: {word}: FrameContext::path makes paths of what a document says");

@@ -78,7 +78,7 @@ fn crates_depend_as_the_design_says() {
     let mut faults = Vec::new();
     for (package, dependencies) in &arrows {
         match allowed.get(package.as_str()) {
-            None => faults.push(format!("{package} has no place in the house")),
+            None => faults.push(format!("{package} is not in the table")),
             Some(allowed) => faults.extend(
                 dependencies
                     .iter()
@@ -109,11 +109,11 @@ const OPENINGS: &[&str] = &[
 
 /// Places that open files other than by `trochoid-io`, with the reasons.
 const OPENED: &[(&str, &str, &str)] = &[
-    ("crates/io/src/open.rs", "OpenOptions", "the door itself"),
-    ("crates/io/src/partial.rs", "OpenOptions", "a temporary file of ours, whose lock alone is asked"),
+    ("crates/io/src/open.rs", "OpenOptions", "the function by which all files are opened"),
+    ("crates/io/src/partial.rs", "OpenOptions", "a temporary file of our own, of which only the lock is used"),
     ("crates/io/src/atomic.rs", "File::open", "a folder, so that its new entry is on disk"),
     ("crates/editor/src/document/keep.rs", "File::open", "a lock of the editor's own, which is not read"),
-    ("crates/trochoid/src/report.rs", "fs::read_to_string", "what the system says of this process"),
+    ("crates/trochoid/src/report.rs", "fs::read_to_string", "what the system reports about this process"),
 ];
 
 /// Collects the sources of a folder, without tests.
@@ -137,7 +137,7 @@ pub(crate) fn sources(folder: &Path, found: &mut Vec<(String, String)>) {
 }
 
 #[test]
-fn files_are_opened_by_one_door() {
+fn files_are_opened_in_one_place() {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(root().join("crates")).unwrap() {
         sources(&entry.unwrap().path().join("src"), &mut files);

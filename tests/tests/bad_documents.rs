@@ -17,14 +17,14 @@ fn errors(text: &str) -> Vec<Diagnostic> {
 }
 
 #[test]
-fn marks_of_byte_order_and_ends_of_lines_are_no_faults() {
+fn byte_order_marks_and_line_endings_are_no_faults() {
     assert_eq!(errors(SOUND), []);
     assert_eq!(errors(&format!("\u{feff}{SOUND}")), [], "a byte order mark is no fault");
     assert_eq!(errors(&SOUND.replace('\n', "\r\n")), []);
 }
 
 #[test]
-fn all_faults_are_told_at_once_in_the_order_of_the_text() {
+fn all_faults_are_reported_at_once_in_the_order_of_the_text() {
     let text = r##"{ "trochoid": 2, "format": { "width": 0, "height": 4 }, "hello": 1,
       "nodes": { "a": { "type": "Plus" }, "b": { "type": "Mix", "a": "c", "weight": 3 } },
       "outputs": { "beauty": { "color": "zzz" } } }"##;
@@ -45,7 +45,7 @@ fn a_document_full_of_faults_is_not_listed_to_the_end() {
 }
 
 #[test]
-fn every_prefix_and_every_flipped_byte_is_refused_or_valid_but_never_a_panic() {
+fn no_prefix_and_no_replaced_byte_of_a_document_causes_a_panic() {
     let text = r##"{ "trochoid": 1, "format": { "width": 4, "height": 4 }, "frames": { "last": 9 }, "nodes": {
         "t": { "type": "ScreenX" }, "n": { "type": "Multiply", "weights": ["t", { "keys": [[1, 0], [5, 1e0]] }] },
         "r": { "type": "Ramp", "weight": "n.mask", "stops": [{ "at": 0.5, "color": "#fff" }] } },
@@ -64,7 +64,7 @@ fn every_prefix_and_every_flipped_byte_is_refused_or_valid_but_never_a_panic() {
 }
 
 #[test]
-fn files_that_are_no_documents_are_refused() {
+fn large_files_folders_and_missing_files_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let large = folder.path().join("large.json");
     std::fs::File::create(&large).and_then(|file| file.set_len(1 << 40)).expect("sparse");

@@ -3,7 +3,7 @@
 use crate::support::{bits, evaluate, graph, settings, under_all_settings};
 use trochoid::Buffers;
 
-/// Wide enough for chunks without weight, chunks with it, and a rest.
+/// Wide enough for chunks without weight, chunks with weight, and an incomplete chunk.
 const FORMAT: &str = r#""width": 700, "height": 3"#;
 
 /// A chain of `count` mixes from `first` to the node `{name}{count - 1}`; its masks vary over all pixels.
@@ -28,12 +28,12 @@ const MASKS: &str = r#""across": { "type": "ScreenX" }, "down": { "type": "Scree
     "left": { "type": "Clamp", "field": "tall", "min": 0.2, "max": 0.3 }"#;
 
 #[test]
-fn branches_without_weight_leave_no_trace() {
+fn skipped_branches_change_no_bit() {
     let cases = [
-        // Behind a 0, behind a 1.
+        // Skipped where the mask is 0, and where it is 1.
         r#""out": { "type": "Mix", "a": "base0", "b": "far39", "weight": "right" }"#,
         r#""out": { "type": "Mix", "a": "far39", "b": "base0", "weight": "left" }"#,
-        // One within the other.
+        // One branch within the other.
         r#""inner": { "type": "Mix", "a": "far39", "b": "near29", "weight": "left" },
            "out": { "type": "Mix", "a": "base0", "b": "inner", "weight": "right" }"#,
         // Part of the branch is needed outside of it as well, before and after.
@@ -53,7 +53,7 @@ fn branches_without_weight_leave_no_trace() {
 }
 
 #[test]
-fn a_branch_that_is_an_output_too_is_there_everywhere() {
+fn a_branch_that_is_an_output_too_is_computed_everywhere() {
     let nodes = [
         MASKS,
         &chain("base", "#102030", 1),

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use trochoid::{Buffers, Cache, EvalError, Monitor, Plan, parse};
 
-/// Monitor that cancels after a number of questions, and counts the questions of the engine and the nodes.
+/// Monitor that cancels after a number of questions, and counts the questions that the engine and the nodes ask.
 struct Fires {
     after: usize,
     asked: AtomicUsize,
@@ -21,8 +21,9 @@ impl Fires {
         Self { after, asked: zero(), stages: zero(), before_last: zero() }
     }
 
-    /// Questions that only the last stage, or another that is filled, can have asked: the engine asks before each stage
-    /// prepares and once when all have, before the only tile, and before each stage is filled.
+    /// Returns the number of questions since the last stage began to prepare, without those of the engine, so that only
+    /// nodes can have asked them. The engine asks once when all stages are prepared, before the only tile, and before
+    /// each stage is filled.
     fn by_nodes(&self) -> usize {
         let [asked, stages, before_last] =
             [&self.asked, &self.stages, &self.before_last].map(|count| count.load(Ordering::Relaxed));
@@ -51,7 +52,7 @@ const SCENE: &str = r##""camera": { "type": "Camera", "position": [0, 5, 12] }, 
     "x": { "type": "ScreenX" }, "image": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "x" }"##;
 
 #[test]
-fn nodes_that_take_long_stop_between_tiles_too() {
+fn nodes_that_take_long_ask_whether_to_stop() {
     for (out, output) in [
         (r#""type": "Strokes", "image": "image", "view": "view", "layers": [{}]"#, r#""color": "out""#),
         (r#""type": "Strokes", "image": "image", "layers": [{ "spacing": 2 }]"#, r#""color": "out""#),
@@ -86,7 +87,7 @@ fn nodes_that_take_long_stop_between_tiles_too() {
         let (through, counted) = run(usize::MAX);
         assert!(through.is_ok(), "{out}");
         assert!(counted.by_nodes() > 0, "{out}: only the engine asks");
-        // And stops whichever answer is the first to say so.
+        // It stops at whichever question is the first to be answered with yes.
         let all = counted.asked.load(Ordering::Relaxed);
         for after in (0..all.min(40)).chain([all / 2, all - 1]) {
             let (stopped, _) = run(after);

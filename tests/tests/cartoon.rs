@@ -58,7 +58,7 @@ fn lines(width: u32, time: u32) -> String {
     )
 }
 
-/// Change from pixel to pixel and from frame to frame in rows of a picture.
+/// Returns the mean change from pixel to pixel and from frame to frame in rows of a picture.
 fn unrest(width: u32, from_row: f64, to_row: f64) -> (f64, f64) {
     let graph = graph_in(Path::new("."), &lines(width, 24));
     let [now, next] = [30, 31].map(|frame| evaluate(&graph, frame, &Buffers::new(), &settings(|_| ())));
@@ -77,13 +77,13 @@ fn unrest(width: u32, from_row: f64, to_row: f64) -> (f64, f64) {
 
 #[test]
 fn lines_do_not_flicker_afar() {
-    // Just below the horizon many meshes fall into a pixel: they are one even tone.
+    // Just below the horizon, a pixel covers many meshes of the net, which blend into an even tone.
     let (space, time) = unrest(192, 0.38, 0.40);
     assert!(space < 2e-3 && time < 2e-3, "afar: {space} from pixel to pixel, {time} from frame to frame");
-    // Near by they are lines.
+    // Nearby they are lines.
     let (space, _) = unrest(192, 0.8, 1.0);
     assert!(space > 0.02, "near: {space}");
-    // And nowhere does a frame differ from the next by more than the lines move.
+    // Nowhere does a frame differ from the next by more than the lines move.
     for (from, to) in [(0.40, 0.45), (0.45, 0.55), (0.55, 0.7), (0.7, 1.0)] {
         let (space, time) = unrest(192, from, to);
         assert!(time < 0.05 && time < 1.2 * space + 1e-3, "rows {from} to {to}: {time} from frame to frame, {space}");
@@ -106,7 +106,7 @@ fn lines_agree_with_the_reference_from_the_shore_to_the_horizon() {
             near += i32::from((found - truth).abs() < 5e-3);
             all += 1;
         }
-        // Afar f32 knows points no better than lines are wide.
+        // Far away, the rounding of points in f32 is as large as the lines are wide.
         assert!(f64::from(near) > 0.99 * f64::from(all), "{to}: {near} of {all}");
     }
 }

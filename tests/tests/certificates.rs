@@ -6,7 +6,7 @@ use trochoid::{Buffers, Cache, Certifier, CheckedGraph, Kind, OutputFile, Silent
 
 /// Returns the failures of the certificates of a graph's outputs, each of which has its own file.
 fn faults(graph: &CheckedGraph, frame: i64) -> Vec<String> {
-    // Paths in a certificate lead back to the inputs.
+    // A certificate may be in any folder, because its paths lead back to the inputs.
     let folder = tempfile::tempdir().unwrap();
     let picture = evaluate(graph, frame, &Buffers::new(), &settings(|_| ()));
     let certifier = Certifier::new(graph, &[], frame, &[], &settings(|_| ())).unwrap();

@@ -1,5 +1,5 @@
-//! Nodes are known by their declarations: no other code asks for one by its name, and no node for an item by its key. Options of
-//! the command line are known to the command line alone.
+//! Code knows nodes only by their declarations: none asks for a node by its name, and no node asks for an item by its
+//! key. Only the command line knows its options.
 
 use crate::architecture::sources;
 use crate::support::root;
@@ -15,11 +15,11 @@ const HOMONYMS: &[(&str, &[&str])] = &[
     ("crates/editor/src/properties/mod.rs", &["Height"]),
 ];
 
-/// How values are looked up by their keys. Nodes have fields instead.
+/// Calls that look values up by their keys; nodes have fields instead.
 const LOOK_UPS: &[&str] =
     &["source(\"", "sources(\"", "number(\"", "numbers(\"", "choice(\"", "text(\"", "flag(\"", "color(\"", "is_set(\""];
 
-/// The string literals of a line of code; none of a comment.
+/// Returns the string literals of a line of code; none for a comment.
 fn literals(line: &str) -> Vec<&str> {
     if line.trim_start().starts_with("//") {
         return Vec::new();
@@ -40,13 +40,13 @@ fn literals(line: &str) -> Vec<&str> {
     found
 }
 
-/// Whether a line asks for a node by its name, rather than writing one into a document.
+/// Returns the name by which a line asks for a node, unless it writes the node into a document.
 fn names_a_node(line: &str) -> Option<&str> {
     let asked = |literal: &&str| NAMES.contains(*literal) && !line.contains(&format!("\"type\": \"{literal}\""));
     literals(line).into_iter().find(asked)
 }
 
-/// The words of a text that are written like names of nodes of two words.
+/// Returns the words of a text that look like names of nodes of two words.
 fn compounds(text: &str) -> impl Iterator<Item = &str> {
     let words = text.split(|c: char| !c.is_ascii_alphanumeric());
     words.filter(|word| {
@@ -94,7 +94,7 @@ fn no_node_looks_an_item_up_by_its_key() {
 fn messages_name_nodes_that_exist() {
     let mut faults = Vec::new();
     for (place, text) in all_sources().into_iter().filter(|(place, _)| place.starts_with("crates/nodes/")) {
-        // Words of other programs stand in attributes.
+        // Attributes have words of other programs.
         let mut in_aliases = false;
         for (index, line) in text.lines().enumerate() {
             in_aliases |= line.starts_with("#[also_called");
@@ -108,15 +108,16 @@ fn messages_name_nodes_that_exist() {
     assert!(faults.is_empty(), "no nodes of these names:\n{}", faults.join("\n"));
 }
 
-/// Crates that know command lines: the programs' own, and those that are no part of them.
+/// Crates that may name options of command lines.
 const COMMAND_LINES: &[&str] = &["bench", "book", "cli", "terminal"];
 
-/// The first option of a command line that a line of code names. A whole command in backticks refers to the manual.
+/// Returns the first option that a line of code names. A whole command in backticks is allowed,
+/// because it refers to the manual.
 fn names_an_option(line: &str) -> Option<&str> {
     if line.trim_start().starts_with("//") {
         return None;
     }
-    // Every other part stands between backticks.
+    // Every other part is between backticks.
     let mut parts = line.split('`').enumerate();
     parts.find_map(|(index, part)| {
         let command = index % 2 == 1 && part.starts_with("trochoid ");
@@ -143,7 +144,7 @@ fn no_message_below_the_command_line_names_an_option() {
 }
 
 #[test]
-fn what_is_sought_is_found() {
+fn the_searches_find_what_they_should() {
     assert_eq!(names_an_option(r#"    or allow more (--memory)""#), Some("--memory)\""));
     assert_eq!(names_an_option(r#"format!("--set {text}")"#), Some(r#"--set {text}")"#));
     for line in ["/// As `--set` does.", "`trochoid plan --out` writes it", "a -- b", "--1.0"] {

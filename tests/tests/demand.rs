@@ -5,7 +5,7 @@ use trochoid::{Buffers, Cache, LeftOut, NodeId, Plan, Silent, State, Switches};
 
 const FORMAT: &str = r#""width": 6, "height": 4"#;
 
-/// A sea, its passes, and a picture that needs them only by a weight.
+/// A sea, its passes, and a picture that needs them only through a weight.
 fn sea(weight: &str) -> String {
     format!(
         r##""camera": {{ "type": "Camera" }}, "sun": {{ "type": "Light" }},
@@ -36,7 +36,7 @@ fn a_pass_that_nobody_asks_for_is_not_computed() {
     }
     let all = evaluate(&graph, 1, &Buffers::new(), &settings(|_| ()));
     assert!(all.nodes.iter().all(|report| report.state == State::Evaluated), "both outputs need everything");
-    // Fewer channels of the view, less work: the report of the depth's samples says the same.
+    // The number of samples in the report agrees.
     let depth = |frame: &trochoid::Frame| frame.nodes.iter().find(|report| report.name == "depth").unwrap().pixels;
     assert_eq!((depth(&frame), depth(&all)), (0, 24));
 }
@@ -89,7 +89,7 @@ fn blends_leave_out_what_has_no_weight() {
 }
 
 #[test]
-fn masks_that_are_multiplied_by_nothing_are_not_needed() {
+fn masks_that_are_multiplied_by_zero_are_not_needed() {
     let nodes = sea(r##""a": "sky", "b": "#000", "weight": "both""##)
         + r#", "bright": { "type": "Clamp", "field": "light", "min": 0.5 },
                "both": { "type": "Multiply", "weights": ["bright", 0] }"#;
@@ -187,10 +187,10 @@ fn a_switch_needs_nothing_but_its_choice() {
         }
     }
     assert_eq!(LeftOut::Switched("pick".into()).to_string(), "not chosen by \"pick\"");
-    // The reference asks for no other input either.
+    // The reference reads no other input either.
     let reference = trochoid::ReferenceFrame::new(&graph, "pick", 1).unwrap();
     assert_eq!(reference.pixel(0, 0).unwrap().len(), 3);
-    // Files count where they are chosen.
+    // A file is needed only where its input is chosen.
     let files = |frame: i64| {
         let needed = graph.dependencies([graph.find("pick").unwrap()], frame);
         graph.files(&needed, &graph.frame_context(frame, 1 << 30)).len()
@@ -209,7 +209,7 @@ fn a_switch_needs_nothing_but_its_choice() {
 }
 
 #[test]
-fn a_branch_that_no_output_needs_is_not_looked_at() {
+fn a_branch_that_no_output_needs_changes_nothing() {
     let unneeded: String = (0..100)
         .map(|i| format!(r#", "extra{i}": {{ "type": "Read", "file": "missing{i}.exr", "as": "color" }}"#))
         .collect();
@@ -221,7 +221,7 @@ fn a_branch_that_no_output_needs_is_not_looked_at() {
 }
 
 #[test]
-fn files_missing_at_any_frame_are_told() {
+fn files_missing_at_any_frame_are_reported() {
     let text = r##"{ "trochoid": 1, "format": { "width": 2, "height": 2 }, "frames": { "first": 1, "last": 6 },
         "nodes": {
             "late": { "type": "Read", "file": "late.exr", "as": "color" },

@@ -18,7 +18,7 @@ fn drawings() -> Vec<(String, trochoid::Loaded, String)> {
 }
 
 #[test]
-fn every_node_output_and_control_color_is_in_the_picture() {
+fn every_node_and_control_color_is_in_the_picture() {
     let drawings = drawings();
     assert!(!drawings.is_empty());
     for (path, loaded, picture) in &drawings {
@@ -39,7 +39,7 @@ fn text(event: svg::parser::Event<'_>) -> Option<&str> {
 }
 
 #[test]
-fn what_an_output_does_not_need_can_be_left_away() {
+fn nodes_that_an_output_does_not_need_are_left_out() {
     let text = r##"{
       "trochoid": 1, "format": { "width": 2, "height": 2 },
       "nodes": {
@@ -65,7 +65,7 @@ fn what_an_output_does_not_need_can_be_left_away() {
 }
 
 #[test]
-fn the_trees_that_are_shown_are_those_of_the_scenes() {
+fn the_stored_trees_are_those_of_the_scenes() {
     let folder = root().join("graphs/trees");
     let trees: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     assert!(!trees.is_empty());
@@ -78,9 +78,10 @@ fn the_trees_that_are_shown_are_those_of_the_scenes() {
         let drawn = trochoid_diagram::tree(graph, &[], &left_out);
         // The title names the path that the document was loaded by.
         let after_title = |text: &str| {
-            let rest = text.split_once("</title>")?.1;
-            // Behind the picture stands what made the file.
-            rest.split_once("</svg>").map(|(drawn, _)| drawn.to_string())
+            let (_, rest) = text.split_once("</title>").unwrap();
+            // After the picture, the file names the program that made it.
+            let (drawn, _) = rest.split_once("</svg>").unwrap();
+            drawn.to_string()
         };
         let shown = std::fs::read_to_string(&tree).unwrap();
         assert!(after_title(&shown) == after_title(&drawn), "graphs/trees/{name}.svg is old: run samples/gallery.sh");

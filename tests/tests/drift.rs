@@ -11,7 +11,7 @@ const HEIGHT: i64 = 135;
 const TILE: i64 = 16;
 const MASKS: [&str; 3] = ["navy_lines", "wake_lines", "foam_fingers"];
 
-/// The masks of lines of the toon sea's picture, its water alone, at a frame rate.
+/// Returns the graph of the toon sea with its masks of lines as outputs, on the water alone, at a frame rate.
 fn masks(fps: i64) -> CheckedGraph {
     let text = std::fs::read_to_string(root().join("graphs/toon_sea.json")).unwrap();
     let mut document: Value = serde_json::from_str(&text).unwrap();
@@ -23,8 +23,8 @@ fn masks(fps: i64) -> CheckedGraph {
     graph_in(&root().join("graphs"), &document.to_string())
 }
 
-/// How much masks change from frame to frame in half a second, in pixels: on average over the picture, and most in a
-/// tile.
+/// Returns how much each mask changes from frame to frame in half a second, in pixels: on average over the picture, and
+/// at most in a tile.
 fn change(fps: i64) -> Vec<[f64; 2]> {
     let graph = masks(fps);
     let mut cache = Cache::new();
@@ -60,8 +60,8 @@ fn change(fps: i64) -> Vec<[f64; 2]> {
 
 #[test]
 fn lines_change_by_half_in_half_the_time_everywhere() {
-    // A line that jumps changes a tile by as much however short the time; one that moves, by half. At these rates none
-    // moves by its width from frame to frame.
+    // At twice the frame rate, a line that moves changes a tile by half as much per frame; one that jumps, by just as
+    // much. At these rates, no line moves by its own width per frame.
     let [slow, fast] = [48, 96].map(change);
     for ((mask, slow), fast) in MASKS.iter().zip(&slow).zip(&fast) {
         let [mean, most] = [fast[0] / slow[0], fast[1] / slow[1]];
@@ -69,7 +69,7 @@ fn lines_change_by_half_in_half_the_time_everywhere() {
     }
 }
 
-/// A toon sea's height, rift and lines over a plain color, as much of them as `weight` says.
+/// A toon sea's height, rift and lines over a plain color, weighted by `weight`.
 fn trails(weight: &str) -> CheckedGraph {
     let nodes = format!(
         r##""camera": {{ "type": "Camera", "position": [3, 4, 9], "target": [3, 0, 0], "fov": 55 }},
@@ -109,7 +109,7 @@ fn a_frame_of_trails_alone_equals_that_of_a_run() {
     assert_eq!(frames[59], all_bits(&alone));
     assert_eq!(run(20), frames[19], "and backward");
     for (before, after) in frames[58].iter().zip(&frames[59]) {
-        assert_ne!(before, after, "every output moves");
+        assert_ne!(before, after, "every output changes");
     }
     under_all_settings(&graph, 7, &Buffers::new(), "trails");
 }
@@ -133,7 +133,7 @@ fn a_toon_sea_or_trails_without_weight_are_left_out_and_change_no_bit() {
     );
     assert_eq!(all_bits(&without), all_bits(&evaluate(&plain, 30, &Buffers::new(), &settings(|_| ()))));
     assert_ne!(all_bits(&without), all_bits(&with));
-    // The water alone, without what bursts leave behind.
+    // The water alone, without its trails.
     let (without, with) = (only("0", "bare"), only("1", "bare"));
     for node in ["rift", "lines", "behind"] {
         assert!(matches!(state(&without, node), State::LeftOut(_)), "{node}: {:?}", state(&without, node));

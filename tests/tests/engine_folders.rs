@@ -1,10 +1,10 @@
-//! The folders of the engine: which may know which, by the paths that their files name.
+//! Which folders of the engine may use which others, judged by the paths in their files.
 
 use crate::architecture::sources;
 use crate::support::root;
 use std::collections::BTreeMap;
 
-/// Rooms of the engine, with the other rooms that each may use; other modules are rooms of their own.
+/// Folders of the engine, with the other folders that each may use.
 const FOLDERS: &[(&str, &[&str])] = &[
     ("settings", &[]),
     ("rules", &[]),
@@ -34,8 +34,8 @@ fn code(text: &str) -> String {
     code
 }
 
-/// The paths that the tree at the start of a text stands for, such as `a::b` and `a::c` of `a::{b, c}`; and what
-/// follows it.
+/// Returns the paths of the tree at the start of a text, such as `a::b` and `a::c` of `a::{b, c}`, and the text after
+/// it.
 fn tree(mut text: &str) -> (Vec<Vec<&str>>, &str) {
     let mut path = Vec::new();
     loop {
@@ -65,14 +65,14 @@ fn tree(mut text: &str) -> (Vec<Vec<&str>>, &str) {
     }
 }
 
-/// The paths in a text that begin with a word.
+/// Returns the paths in a text that begin with a word.
 fn paths<'t>(code: &'t str, word: &str) -> Vec<Vec<&'t str>> {
     let is_part = |c: char| c.is_alphanumeric() || c == '_' || c == ':' || c == '$';
     let starts = code.match_indices(word).map(|(at, _)| at);
     starts.filter(|at| !code[..*at].ends_with(is_part)).flat_map(|at| tree(&code[at..]).0).collect()
 }
 
-/// The path of a file's module within its crate.
+/// Returns the path of a file's module within its crate.
 fn module(file: &str) -> Vec<&str> {
     let (_, file) = file.split_once("/src/").unwrap();
     let mut path: Vec<&str> = file.trim_end_matches(".rs").split('/').collect();
@@ -80,14 +80,14 @@ fn module(file: &str) -> Vec<&str> {
     path
 }
 
-/// Which folder hands each name on through the crate's root.
+/// Returns the names that the crate's root exports, each with its folder.
 fn exported(root: &str) -> BTreeMap<String, String> {
     let code = code(root);
     let uses = code.match_indices("use ").flat_map(|(at, word)| tree(&code[at + word.len()..]).0);
     uses.map(|path| (path[path.len() - 1].to_owned(), path[0].to_owned())).collect()
 }
 
-/// What is known of another folder against the table.
+/// Returns the uses of other folders that the table does not allow.
 fn faults(files: &[(String, String)], exported: &BTreeMap<String, String>) -> Vec<String> {
     let folders: BTreeMap<&str, &[&str]> = FOLDERS.iter().copied().collect();
     let mut faults = Vec::new();
@@ -95,7 +95,7 @@ fn faults(files: &[(String, String)], exported: &BTreeMap<String, String>) -> Ve
         let module = module(file);
         let Some(own) = module.first() else { continue };
         let Some(allowed) = folders.get(own) else {
-            faults.push(format!("{file} stands in no folder"));
+            faults.push(format!("{file} is in no folder of the table"));
             continue;
         };
         let code = code(text);
@@ -106,7 +106,7 @@ fn faults(files: &[(String, String)], exported: &BTreeMap<String, String>) -> Ve
             let Some(name) = absolute.first() else { continue };
             let folder = exported.get(*name).map_or(*name, String::as_str);
             if folder != *own && !allowed.contains(&folder) {
-                faults.push(format!("{file} knows {folder}, by {}", path.join("::")));
+                faults.push(format!("{file} uses {folder}, by {}", path.join("::")));
             }
         }
     }
@@ -121,7 +121,7 @@ fn engine() -> (Vec<(String, String)>, BTreeMap<String, String>) {
 }
 
 #[test]
-fn planning_knows_nothing_of_running() {
+fn folders_use_only_those_that_the_table_allows() {
     let (files, exported) = engine();
     for (folder, _) in FOLDERS {
         assert!(files.iter().any(|(file, _)| module(file).first() == Some(folder)), "{folder} has no files");

@@ -7,7 +7,7 @@ use trochoid::{
 
 const FORMAT: &str = r#""width": 96, "height": 54"#;
 
-/// A sea and what is seen of it, before a picture that needs them only by a weight.
+/// A shaded sea and a sky; `more` adds the picture, which needs the sea only through a weight.
 fn sea(more: &str) -> String {
     format!(
         r##""camera": {{ "type": "Camera", "position": [0, 4, 20], "target": [0, 2, 0] }}, "sun": {{ "type": "Light" }},
@@ -87,7 +87,7 @@ fn numbers_in_the_document_are_proofs() {
 }
 
 #[test]
-fn what_makes_no_difference_to_a_mask_has_a_proof_too() {
+fn a_node_that_makes_no_difference_to_a_mask_has_a_proof_too() {
     let nodes = sea(r##""bright": { "type": "Clamp", "field": "light", "min": 0.5 },
         "both": { "type": "Multiply", "weights": ["bright", 0] },
         "out": { "type": "Mix", "a": "sky", "b": "#000", "weight": "both" }"##);
@@ -96,7 +96,7 @@ fn what_makes_no_difference_to_a_mask_has_a_proof_too() {
     let account = of(&graph, &accounts, "sea");
     assert_eq!(account.fate, Fate::LeftOut(LeftOut::Constant("both".into())));
     assert_eq!(steps(account), [("both", [0.0, 0.0], WRITTEN)], "one factor of 0 is enough");
-    // Bound passes are known by their kind.
+    // Of a bound pass, only the range of its kind is known.
     let nodes = sea(r#""never": { "type": "Clamp", "field": "light", "min": 1.5, "max": 2 },
         "out": { "type": "Mix", "a": "sky", "b": "water", "weight": "never" }"#);
     let graph = crate::support::graph(FORMAT, &nodes, OUT);
@@ -107,7 +107,7 @@ fn what_makes_no_difference_to_a_mask_has_a_proof_too() {
 }
 
 #[test]
-fn what_is_folded_merged_or_handed_on_says_so() {
+fn folded_merged_and_passed_through_nodes_are_reported() {
     let nodes = r##""x": { "type": "ScreenX" }, "y": { "type": "ScreenY" },
         "xy": { "type": "Multiply", "weights": ["x", "y"] }, "yx": { "type": "Multiply", "weights": ["y", "x"] },
         "again": { "type": "Multiply", "weights": ["y", "x"] },
@@ -129,7 +129,7 @@ fn what_is_folded_merged_or_handed_on_says_so() {
     ] {
         assert_eq!(of(&graph, &accounts, node).fate, fate, "{node}");
     }
-    // Which of equal ones computes is for the order of the graph to say.
+    // The order of the graph decides which of equal nodes is evaluated.
     let fate = |node: &str| of(&graph, &accounts, node).fate.clone();
     let same = |a: &str, b: &str| fate(a) == Fate::LeftOut(LeftOut::SameAs(b.into()));
     assert!(same("yx", "again") || same("again", "yx"), "{:?} {:?}", fate("yx"), fate("again"));
@@ -191,7 +191,7 @@ fn waves_below_the_pixel_and_drops_beside_the_picture_are_counted() {
         );
     }
     assert_eq!(far[0].1.what, "waves");
-    // From just above every wave is seen, though not to the horizon.
+    // From just above, every wave is needed somewhere, though not in the distance.
     let near = omissions(&graph(FORMAT, &nodes(0.05).replace("30", "60"), field));
     assert!(near.iter().all(|(_, omission)| omission.what != "waves" && omission.count < 2.0), "{near:?}");
     let spray = |x: f64| {

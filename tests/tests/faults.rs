@@ -1,9 +1,9 @@
-//! Errors as data: no function gives its error as text, which nobody could ask for what was found.
+//! Errors as data: no function returns its error as text, from which callers could not learn what was found.
 
 use crate::architecture::sources;
 use crate::support::root;
 
-/// The parameters of a type, of which a text begins behind the `<`; none where they do not end.
+/// Returns the parameters of a generic type from the text after its `<`; none if the list does not end.
 fn parameters(text: &str) -> Vec<&str> {
     let (mut depth, mut begin, mut last) = (0_usize, 0, ' ');
     let mut found = Vec::new();
@@ -27,19 +27,19 @@ fn parameters(text: &str) -> Vec<&str> {
     Vec::new()
 }
 
-/// Whether a type is text, or made of it.
+/// Returns whether a type is text, or contains text.
 fn is_text(ty: &str) -> bool {
     ty.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| matches!(word, "String" | "str"))
 }
 
-/// A source without its comments, line by line.
+/// Returns a source without comments, with the same lines.
 fn code(text: &str) -> String {
     text.lines()
         .map(|line| if line.trim_start().starts_with("//") { "\n".into() } else { format!("{line}\n") })
         .collect()
 }
 
-/// The lines of a source that have a `Result` whose error is text, or name a text as a conversion's error.
+/// Returns the lines of a source with a `Result` whose error is text, or with text as the error of a conversion.
 fn told(text: &str) -> Vec<usize> {
     let text = code(text);
     let results = text.match_indices("Result<").filter(|(at, found)| {
@@ -58,7 +58,7 @@ fn errors_are_data_and_no_text() {
         sources(&entry.expect("a crate").path().join("src"), &mut files);
     }
     assert!(files.len() > 500, "only {} sources", files.len());
-    // What only tests use has a file of its own in some crates.
+    // In some crates, code that only tests use has a file of its own.
     let code = files.iter().filter(|(place, _)| !place.ends_with("/testing.rs"));
     let faults: Vec<String> =
         code.flat_map(|(place, text)| told(text).into_iter().map(move |line| format!("{place}:{line}"))).collect();

@@ -8,7 +8,7 @@ use trochoid::{Buffers, CheckedGraph, Format, Frame, Plan, ReferenceFrame, Switc
 
 const FORMAT: &str = r#""width": 23, "height": 17"#;
 
-/// Filters of filters, before and behind the program, of every kind of value.
+/// Filters of filters, before and after pointwise nodes, of every kind of value.
 const CHAINS: &str = r##"
     "x": { "type": "ScreenX" }, "y": { "type": "ScreenY" },
     "t": { "type": "Clamp", "field": "x", "min": 0.3, "max": 0.55 },
@@ -82,7 +82,7 @@ fn a_region_holds_what_the_whole_picture_does() {
 #[test]
 fn the_reference_agrees_on_chains() {
     for samples in [1, 4] {
-        // A flat sea: of waves the reference sees the formula, and the fast path triangles.
+        // The sea is flat, because the reference follows the formula of the waves and the fast path triangles.
         let nodes = CHAINS.replace(r#""count": 8"#, r#""count": 0"#);
         let graph = graph(FORMAT, &nodes, OUTPUTS).with_format(Format::new(23, 17, samples).unwrap());
         let frame = evaluate(&graph, 1, &Buffers::new(), &settings(|_| ()));
@@ -92,7 +92,7 @@ fn the_reference_agrees_on_chains() {
             for (x, y) in [(0, 0), (22, 16), (11, 12), (7, 5)] {
                 for (channel, truth) in reference.pixel(x, y).unwrap().into_iter().enumerate() {
                     let found = f64::from(sample(picture, channel, x, y));
-                    // A displacement is a depth of some meters, whose rounding in f32 is seen at the picture's edges.
+                    // A displacement is a depth of some meters; its rounding in f32 is visible at edges in the picture.
                     let near = found == truth || (found - truth).abs() <= 2e-5 * truth.abs().max(1.0);
                     assert!(near, "{samples} samples, {output} at ({x}, {y}): {found}, expected {truth}");
                 }
@@ -109,7 +109,7 @@ fn halos_add_up_along_chains() {
     };
     assert_eq!(halo("column"), (3, 3));
     assert_eq!(halo("far"), (2, 2));
-    // A box of 2.5 and ½, a reach of 5, and a Gaussian of 1.25 on the longest way.
+    // On the longest path: a box of 2.5 and ½, a reach of 5, and a Gaussian of 1.25.
     assert_eq!(halo("out"), (3 + 5 + 5, 1 + 5 + 5));
     let none = graph(FORMAT, r#""x": { "type": "ScreenX" }"#, r#""x": { "weights": "x" }"#);
     assert_eq!(Plan::new(&none, &[], 1, &[], &settings(|_| ())).unwrap().halo(), (0, 0));
@@ -131,9 +131,9 @@ fn controls_are_found_through_filters() {
     assert_eq!(out.control_colors, [[0.1, 0.7, 0.3], [0.5, 0.25, 1.0], [0.9, 0.2, 0.4]]);
     assert_eq!((flat.control_count, flat.audit.hull_exits), (1, 0));
     for (plane, value) in flat.planes.iter().zip([0.5, 0.25, 1.0]) {
-        assert!(plane.samples().iter().all(|v| *v == value), "a constant stays what it is");
+        assert!(plane.samples().iter().all(|v| *v == value), "a constant does not change");
     }
-    // With a buffer in place of the image, that is the palette.
+    // If a buffer replaces the image, its pixels are the palette.
     let planes = [0.0, 0.5, 1.0]
         .map(|phase: f32| -> Vec<f32> { (0..23 * 17).map(|i| (i as f32 + phase).sin().abs()).collect() });
     let buffers = Buffers::new().with("mix", &planes.each_ref().map(Vec::as_slice));
@@ -170,7 +170,7 @@ fn hostile_values_stay_in_range() {
         .with("layers", &parts.each_ref().map(Vec::as_slice))
         .with("field", &[&field]);
     let frame = under_all_settings(&graph, 1, &buffers, "hostile");
-    assert_eq!(outside_hull(&frame), 0, "no NaN, and no color beyond the others");
+    assert_eq!(outside_hull(&frame), 0, "no NaN, and no color outside the hull");
     for picture in &frame.pictures[2..4] {
         for at in 0..area {
             let weights: Vec<f64> = picture.planes.iter().map(|plane| f64::from(plane.samples()[at])).collect();
@@ -181,7 +181,7 @@ fn hostile_values_stay_in_range() {
 }
 
 #[test]
-fn a_kernel_larger_than_the_picture_costs_no_more_than_it() {
+fn a_kernel_much_larger_than_the_picture_averages_its_edges() {
     let nodes = r#""x": { "type": "ScreenX" }, "wide": { "type": "Blur", "image": "x", "size": 10000, "filter": "box" },
         "soft": { "type": "Blur", "image": "x", "size": 10000 }"#;
     let outputs = r#""wide": { "weights": "wide" }, "soft": { "weights": "soft" }"#;
@@ -193,7 +193,7 @@ fn a_kernel_larger_than_the_picture_costs_no_more_than_it() {
     }
 }
 
-/// Writes a picture of one channel, `v`, and colors that grow with it, over windows of its own.
+/// Writes a gray picture with these windows.
 fn write_windows(path: &Path, display: Window, data: Window, value: impl Fn(i64, i64) -> f32) {
     let at = |(x, y): (i64, i64)| value(x, y);
     let samples: Vec<f32> = (data.y0..data.y1).flat_map(|y| (data.x0..data.x1).map(move |x| (x, y))).map(at).collect();
@@ -201,7 +201,7 @@ fn write_windows(path: &Path, display: Window, data: Window, value: impl Fn(i64,
     trochoid::io::write_exr(path, &ExrImage { display, data, channels, ..ExrImage::new(display) }).unwrap();
 }
 
-/// The mean of the nine pixels around, where beyond `window` the nearest pixel of it repeats.
+/// Returns the mean of 3 × 3 pixels; outside `window`, its nearest pixel repeats.
 fn nine(value: &dyn Fn(i64, i64) -> f32, window: Window, x: i64, y: i64) -> f64 {
     let at = |x: i64, y: i64| f64::from(value(x.clamp(window.x0, window.x1 - 1), y.clamp(window.y0, window.y1 - 1)));
     (-1..2).flat_map(|dy| (-1..2).map(move |dx| (dx, dy))).map(|(dx, dy)| at(x + dx, y + dy)).sum::<f64>() / 9.0
@@ -241,10 +241,10 @@ fn images_end_where_their_pixels_do() {
         let expected = [
             nine(&value, over, x, y),
             nine(&nearest, picture, x, y),
-            // Beyond the picture its border repeats, whatever the file says of the outside.
+            // Outside the picture its border repeats, whatever `outside` is.
             nine(&red, picture, x, y),
             nine(&value, over, x, y),
-            // The mix ends at the picture, although nothing is mixed in.
+            // The mix ends at the border of the picture, although its weight is 0.
             nine(&value, picture, x, y),
             nine(&value, over, x - 2, y),
             nine(&value, over, x - 2, y),

@@ -40,7 +40,7 @@ fn a_frame_alone_equals_the_frame_of_a_run() {
     let frames: Vec<_> = (1..=7).map(&mut run).collect();
     let alone = evaluate(&graph, 7, &Buffers::new(), &settings(|_| ()));
     assert_eq!(all_bits(&frames[6]), all_bits(&alone));
-    // And backward, with what the later frame left behind.
+    // Going backward, with a cache of later frames.
     assert_eq!(all_bits(&run(3)), all_bits(&frames[2]));
     assert!(frames.windows(2).all(|pair| all_bits(&pair[0]) != all_bits(&pair[1])), "every frame differs");
     for frame in &frames {

@@ -6,7 +6,8 @@ use trochoid::{Buffers, Format};
 const WIDTH: usize = 7;
 const HEIGHT: usize = 5;
 
-/// Rows alone, columns alone, both, neither, and pixels, each through curves that fused and unfused code must share.
+/// Values that vary by row, by column, by both, by neither, or by pixel, each through curves that fused and unfused
+/// code must compute alike.
 fn nodes(list: &[&str]) -> String {
     let curve = |name: &str, of: &str| {
         format!(
@@ -40,7 +41,7 @@ fn every_variance_gives_the_same_bits_in_every_order() {
     let names = ["row", "column", "pixel", "constant", "both", "all"];
     let pixels: Vec<f32> = (0..WIDTH * HEIGHT).map(|i| ((i * 13) % 35) as f32 / 34.0).collect();
     let buffers = Buffers::new().with("pixels", &[&pixels]);
-    // One output at a time, so that each kind of variance is also met alone; then all together.
+    // One output at a time, so that each kind of variance is also tested alone; then all together.
     let mut sets: Vec<Vec<&str>> = names.iter().map(|name| vec![*name]).collect();
     sets.push(vec!["row", "pixel"]);
     sets.push(names.to_vec());

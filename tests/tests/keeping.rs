@@ -30,7 +30,7 @@ fn computed(frame: &Frame, node: &str) -> u64 {
 fn again(graph: &CheckedGraph, settings: &Settings, cache: &mut Cache) -> Frame {
     let frame = evaluate_again(graph, 1, &Buffers::new(), settings, cache);
     let plain = evaluate(graph, 1, &Buffers::new(), &self::settings(|_| ()));
-    assert!(all_bits(&frame) == all_bits(&plain), "other bits than without anything kept");
+    assert!(all_bits(&frame) == all_bits(&plain), "the bits differ from those without a cache");
     frame
 }
 
@@ -42,12 +42,12 @@ fn an_edit_fills_again_only_what_depends_on_it() {
     assert_eq!(["tooth", "soft", "smear"].map(|node| computed(&frame, node)), [area; 3]);
     let frame = again(&painting("#304050", 2.0), &keeping(), &mut cache);
     assert_eq!(["tooth", "soft", "smear"].map(|node| computed(&frame, node)), [0, 0, area]);
-    // The color of before is known still, but not under another filter.
+    // The earlier color is still in the cache, but not with another filter.
     let frame = again(&painting("#102030", 2.0), &keeping(), &mut cache);
     assert_eq!(["tooth", "soft", "smear"].map(|node| computed(&frame, node)), [0; 3]);
     let frame = again(&painting("#102030", 2.25), &keeping(), &mut cache);
     assert_eq!(["tooth", "soft", "smear"].map(|node| computed(&frame, node)), [0, 0, area]);
-    // At another size everything is another picture.
+    // At another size nothing can be reused.
     let smaller = painting("#102030", 2.25).with_format(Format::new(20, 12, 1).unwrap());
     let frame = again(&smaller, &keeping(), &mut cache);
     assert_eq!(["tooth", "soft", "smear"].map(|node| computed(&frame, node)), [area / 4; 3]);
@@ -93,7 +93,7 @@ fn a_changed_file_is_read_again_by_the_same_plan() {
     };
     let before = level();
     assert_eq!(level().to_bits(), before.to_bits());
-    // Another length, so that it is another file however coarse the clock is.
+    // Another length shows that the file has changed, even if the clock is coarse.
     write_exr(&path, 6, 2, &[("m", &[0.75; 12]), ("n", &[0.5; 12])]);
     assert!(level() > 2.0 * before);
 }

@@ -1,9 +1,9 @@
 //! Features for other renderers: batches of samples, regions, and cancellation.
 
-use crate::support::{all_bits, evaluate, graph, settings};
+use crate::support::{all_bits, evaluate, graph, is_alone, settings};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use trochoid::{
-    Buffers, Cache, CheckedGraph, EvalError, Monitor, Pictures, Plan, PlanError, Settings, ShadingPlan, Silent,
+    Buffers, Cache, CheckedGraph, EvalError, Heap, Monitor, Pictures, Plan, PlanError, Settings, ShadingPlan, Silent,
     Switches, Window,
 };
 
@@ -59,7 +59,7 @@ fn batches_equal_pictures_bit_for_bit() {
             let plan = ShadingPlan::new(&graph, &output.name, 1, &bound, &settings(|s| s.switches = switches));
             let plan = plan.unwrap();
             assert_eq!(plan.channels(), picture.planes.len());
-            // Odd batches, so that the ends of rows are met everywhere.
+            // Odd sizes of batches, so that they end in the middle of rows.
             for count in [AREA, 1, 257] {
                 let mut planes = vec![vec![f32::NAN; count]; plan.channels()];
                 let mut slices: Vec<&mut [f32]> = planes.iter_mut().map(Vec::as_mut_slice).collect();
@@ -84,7 +84,7 @@ fn batches_equal_pictures_bit_for_bit() {
 fn an_unbound_pass_is_named() {
     let graph = shaded();
     match ShadingPlan::new(&graph, "out", 1, &["depth"], &Settings::default()) {
-        // What stands nearest to the output's data: the view that the light needs.
+        // The pass that is missing: the light, or the view that it needs.
         Err(error @ PlanError::Unbound { .. }) => {
             let text = error.to_string();
             assert!(
@@ -162,7 +162,7 @@ fn cancelled_evaluations_say_so() {
     let plan = Plan::new(&graph, &[], 1, &[], &settings(|s| (s.tile, s.threads) = (Some((4, 4)), 2))).unwrap();
     let expected = all_bits(&plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap());
     let mut cache = Cache::new();
-    // How often a run that nobody stops asks.
+    // The number of questions in a run that is not cancelled.
     let counter = Impatient { left: AtomicUsize::new(usize::MAX) };
     plan.evaluate(&Buffers::new(), &mut Cache::new(), &counter).unwrap();
     let all = usize::MAX - counter.left.into_inner();
@@ -177,22 +177,36 @@ fn cancelled_evaluations_say_so() {
 }
 
 #[test]
-fn pictures_beyond_the_limit_are_refused_before_anything_is_allocated() {
+fn pictures_beyond_the_limit_are_refused_before_they_are_allocated() {
+    if !is_alone("library::pictures_beyond_the_limit_are_refused_before_they_are_allocated") {
+        return;
+    }
+    // Returns the most memory that was taken at once, in bytes.
+    let taken = |run: &mut dyn FnMut()| {
+        let before = Heap::taken();
+        Heap::forget_peak();
+        run();
+        Heap::peak() - before
+    };
     let nodes = r##""x": { "type": "ScreenX" }, "out": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "x" }"##;
     let graph = graph(r#""width": 1048576, "height": 2047, "samples": 16"#, nodes, r#""out": { "color": "out" }"#);
     let plan = Plan::new(&graph, &[], 1, &[], &Settings::default()).unwrap();
-    match plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent) {
+    let mut result = None;
+    let bytes = taken(&mut || result = Some(plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent)));
+    match result.unwrap() {
         Err(error @ EvalError::TooMuchMemory { total, .. }) => {
             assert!(total > (1 << 20) * 2047 * 12);
             assert!(error.to_string().contains("\"width\" and \"height\""), "{error}");
         }
         other => panic!("{:?}", other.map(|_| ())),
     }
-    // Handed on row by row, they take what a few of the rows take.
+    assert!(bytes < 1 << 20, "{bytes} bytes were taken");
+    // Handed on row by row, they take the memory of a few rows.
     let one = settings(|s| s.threads = 1);
     let plan = Plan::new(&graph, &[], 1, &[], &one).unwrap();
     assert!(plan.memory(Pictures::Rows).total() < 2 << 30);
-    // A part of the same picture is no trouble.
-    let part = settings(|s| s.region = Some(Window::new(1_000_000, 2000, 1_000_008, 2002)));
-    assert_eq!(evaluate(&graph, 1, &Buffers::new(), &part).pictures[0].audit.hull_exits, 0);
+    // A part of the same picture fits, and its pixels are counted.
+    let part = settings(|s| s.region = Some(Window::new(1_000_000, 1900, 1_001_024, 2000)));
+    let bytes = taken(&mut || assert_eq!(evaluate(&graph, 1, &Buffers::new(), &part).pictures[0].audit.hull_exits, 0));
+    assert!(bytes >= 1024 * 100 * 12, "{bytes} bytes were taken");
 }

@@ -50,13 +50,13 @@ fn passes_agree_with_the_continuous_surfaces() {
                 let (x, y) = ((index * 37 + 5) % 24, (index * 5 + 3) % 14);
                 let (found, truth) = (f64::from(sample(picture, 0, x, y)), reference.pixel(x, y).unwrap()[0]);
                 count += 1;
-                // Lengths go over meters; masks of few rays are in steps.
+                // Lengths are in meters; masks range from 0 to 1.
                 let tolerance = if name == "thick" || name == "behind" { 0.05 + 0.02 * truth } else { 0.02 };
                 if (found - truth).abs() > tolerance {
                     off.push((x, y, found, truth));
                 }
             }
-            // What a ray meets is not certain near edges.
+            // Near edges, rounding decides what a ray meets.
             assert!(off.len() * 8 <= count, "case {number}, {name}: {} of {count} differ: {off:?}", off.len());
         }
     }
@@ -121,7 +121,7 @@ fn a_view_of_passes_alone_is_refused() {
     }
 }
 
-/// A sea whose clouds, shadows and glow count as much as `weight` says.
+/// A sea whose clouds, shadows and glow are weighted by `weight`.
 fn weighted(weight: &str, nodes: &str, sky: &str, water: &str) -> CheckedGraph {
     graph(
         r#""width": 24, "height": 14"#,
@@ -139,7 +139,7 @@ fn weighted(weight: &str, nodes: &str, sky: &str, water: &str) -> CheckedGraph {
 }
 
 #[test]
-fn what_has_no_weight_is_not_computed_and_changes_no_bit() {
+fn passes_without_weight_are_not_computed_and_change_no_bit() {
     let nodes = r##"
         "clouds": { "type": "Clouds", "camera": "camera", "light": "sun", "layers": [{ "cover": 0.8 }] },
         "shade": { "type": "Shadow", "view": "view", "lights": ["sun"] },
@@ -182,7 +182,7 @@ fn the_wind_carries_clouds_along() {
         graph(r#""width": 24, "height": 14"#, &nodes, outputs)
     };
     let render = |graph: &CheckedGraph, frame: i64| evaluate(graph, frame, &Buffers::new(), &settings(|_| ()));
-    // A second later the clouds are 48 m ahead, as seen by a camera that stands 48 m behind.
+    // After one second the clouds are 48 m ahead: a camera 48 m behind sees the same at the start.
     let (start, later, behind) =
         (render(&seen_from(0.0), 1), render(&seen_from(0.0), 25), render(&seen_from(-48.0), 1));
     assert_ne!(all_bits(&start), all_bits(&later));
@@ -192,7 +192,7 @@ fn the_wind_carries_clouds_along() {
     };
     for ((density, light), (same, lit)) in planes(&later).into_iter().zip(planes(&behind)) {
         assert!((density - same).abs() < 1e-3, "{density}, expected {same}");
-        // Where there is next to no cloud, its light is next to nothing over next to nothing.
+        // Where the density is nearly 0, the light is a quotient of two tiny numbers, so the products are compared.
         assert!((density * light - same * lit).abs() < 1e-3, "{light}, expected {lit}");
     }
 }

@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 
 const SIZE: (u32, u32) = (19, 14);
 
-/// Passes of random plateaus and slopes, each pixel alike to the one before or not.
+/// Passes of random plateaus and slopes.
 fn passes(random: &mut Pcg64Mcg) -> Vec<(&'static str, Vec<f32>)> {
     let count = (SIZE.0 * SIZE.1) as usize;
     let mut plane = |values: &[f32]| -> Vec<f32> {

@@ -39,3 +39,7 @@ mod spray;
 mod streaming;
 mod support;
 mod thesis;
+
+/// Counts the memory that the tests take.
+#[global_allocator]
+static HEAP: trochoid::Heap = trochoid::Heap;

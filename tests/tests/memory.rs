@@ -9,7 +9,7 @@ const NEAR: f64 = 6.0;
 const SMALL: u64 = 16_000_000;
 
 #[test]
-fn what_scenes_hold_is_reckoned_by_its_order() {
+fn the_memory_of_scenes_is_estimated_to_its_order_of_magnitude() {
     for name in ["glow", "spray", "open_sea", "toon_sea", "two_seas", "from_passes", "bake_sea", "stormy_sea_bare"] {
         let graph = trochoid::load(&root().join(format!("graphs/{name}.json")), &[]).unwrap().graph;
         let samples = graph.format().samples();
@@ -21,7 +21,7 @@ fn what_scenes_hold_is_reckoned_by_its_order() {
         let frame = plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap();
         let found: u64 = frame.nodes.iter().map(|node| node.bytes as u64).sum();
         let near = |a: u64, b: u64| a <= SMALL || a as f64 <= NEAR * b as f64;
-        assert!(near(reckoned, found) && near(found, reckoned), "{name}: reckoned {reckoned}, found {found}");
+        assert!(near(reckoned, found) && near(found, reckoned), "{name}: estimated {reckoned}, found {found}");
     }
 }
 
@@ -68,7 +68,7 @@ fn what_nodes_share_counts_once() {
 }
 
 #[test]
-fn where_memory_is_short_fewer_threads_make_the_same_picture() {
+fn with_little_memory_fewer_threads_make_the_same_picture() {
     let nodes = r##""noise": { "type": "Noise", "scale": 0.3 },
         "mask": { "type": "Clamp", "field": "noise", "min": -1, "max": 1 },
         "mix": { "type": "Mix", "a": "#123", "b": "#fed", "weight": "mask" },

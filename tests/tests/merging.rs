@@ -41,7 +41,7 @@ fn equal_renders_are_one() {
     let graph = graph(FORMAT, nodes, r#""out": { "color": "out" }"#);
     let frame = under_all_settings(&graph, 1, &Buffers::new(), "twins");
     for (a, b) in [("sea", "twin"), ("first", "second")] {
-        // The engine may choose which of them computes.
+        // The engine may choose which of them it evaluates.
         let (kept, same) = if *state(&frame, a) == State::Evaluated { (a, b) } else { (b, a) };
         assert_eq!(*state(&frame, same), State::LeftOut(LeftOut::SameAs(kept.into())));
         assert_eq!(*state(&frame, kept), State::Evaluated);

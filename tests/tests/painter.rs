@@ -6,7 +6,7 @@ use trochoid::{Buffers, CheckedGraph, Format, Picture, ReferenceFrame, Window};
 
 const FORMAT: &str = r#""width": 56, "height": 40"#;
 
-/// A sea with hills before a sky, painted in four layers; control colors are to be put in.
+/// A hilly sea before a sky; `{A}`, `{B}` and `{C}` stand for control colors.
 const SEA: &str = r##"
     "camera": { "type": "Camera", "position": [0, 4, 0], "target": [0, 3, -10], "fov": 60 },
     "sea": { "type": "GerstnerSea", "count": 12, "wavelength": 12, "height": 3, "seed": 3 },
@@ -84,11 +84,11 @@ fn strokes_have_the_same_bits_under_all_settings() {
     let frame = under_all_settings(&graph, 2, &Buffers::new(), "strokes");
     let [painted, image] = ["painted", "image"].map(|output| picture(&graph, &frame, output));
     let moved = pixels(painted).filter(|(x, y)| sample(painted, 0, *x, *y) != sample(image, 0, *x, *y)).count();
-    assert!(moved > 60, "strokes change {moved} pixels alone");
+    assert!(moved > 60, "strokes change only {moved} pixels");
 }
 
 #[test]
-fn recolored_strokes_are_the_strokes_weights_with_other_colors() {
+fn painted_colors_are_the_weights_of_strokes_times_the_control_colors() {
     for (colors, controls) in [
         (COLORS, [[0.0, 0.125, 0.25], [1.0, 0.75, 0.5], [0.25, 0.5, 1.0]]),
         (["[1, 0, 0.5]", "[0, 0.25, 1]", "[0.0625, 1, 0]"], [[1.0, 0.0, 0.5], [0.0, 0.25, 1.0], [0.0625, 1.0, 0.0]]),
@@ -112,7 +112,7 @@ fn recolored_strokes_are_the_strokes_weights_with_other_colors() {
 
 #[test]
 fn the_reference_paints_the_same() {
-    // A flat sea: of waves the reference sees the formula, and the fast path triangles.
+    // The sea is flat, because the reference follows the formula of the waves and the fast path triangles.
     let nodes = SEA.replace("\"count\": 12", "\"count\": 0").replace("{LIGHT}", "\"sun\"");
     let nodes = nodes.replace("{A}", COLORS[0]).replace("{B}", "\"across\"").replace("{C}", COLORS[2]);
     let nodes = format!(
@@ -135,7 +135,7 @@ fn the_reference_paints_the_same() {
 }
 
 #[test]
-fn a_layers_density_is_that_of_the_port() {
+fn a_density_in_each_layer_equals_that_density_at_the_port() {
     let strokes = |density: &str, first: &str, last: &str| {
         format!(
             r##"{{ "type": "Strokes", "image": "x", "density": {density}, "layers": [
@@ -157,7 +157,7 @@ fn a_layers_density_is_that_of_the_port() {
     let differ =
         |a: &Picture, b: &Picture| pixels(a).filter(|(x, y)| sample(a, 0, *x, *y) != sample(b, 0, *x, *y)).count();
     assert_eq!(differ(port, layers), 0, "half of each layer is half of all");
-    assert!(differ(full, layers) > 200, "half the strokes change {} pixels alone", differ(full, layers));
+    assert!(differ(full, layers) > 200, "half the strokes change only {} pixels", differ(full, layers));
     assert!(differ(full, coarse) > 200 && differ(layers, coarse) > 200, "each layer has a density of its own");
 }
 
@@ -182,7 +182,7 @@ fn a_draft_has_the_strokes_of_the_whole_picture() {
 
 #[test]
 fn no_stroke_that_keeps_to_edges_crosses_one() {
-    // Sea and sky of one color each: whatever keeps to its side changes nothing.
+    // Sea and sky have one color each, so strokes that stay on their side change nothing.
     let kept = sea(["[1, 0, 0]", "[1, 0, 0]", "[0, 0, 1]"], 0.0);
     let frame = evaluate(&kept, 7, &Buffers::new(), &settings(|_| ()));
     let [painted, image] = ["painted", "image"].map(|output| picture(&kept, &frame, output));
@@ -194,12 +194,12 @@ fn no_stroke_that_keeps_to_edges_crosses_one() {
     let frame = evaluate(&lost, 7, &Buffers::new(), &settings(|_| ()));
     let [painted, image] = ["painted", "image"].map(|output| picture(&lost, &frame, output));
     let crossed = pixels(painted).filter(|(x, y)| sample(painted, 0, *x, *y) != sample(image, 0, *x, *y)).count();
-    assert!(crossed > 30, "lost edges are crossed at {crossed} pixels alone");
+    assert!(crossed > 30, "lost edges are crossed at only {crossed} pixels");
 }
 
 #[test]
 fn strokes_move_with_the_water_and_not_with_the_picture() {
-    // A camera that looks straight down moves on by 3 pixels a frame over still water.
+    // A camera that looks straight down moves by 3 pixels per frame over still water.
     let nodes = |anchor: &str| {
         format!(
             r##""camera": {{ "type": "Camera", "projection": "orthographic", "height": 40, "fov": 60,
@@ -230,10 +230,10 @@ fn strokes_move_with_the_water_and_not_with_the_picture() {
     let (bare, rest, screen) = (difference("rest", "image"), difference("rest", "out"), difference("screen", "out"));
     assert!(bare < 1e-4, "the image itself moves by 3 pixels a frame: {bare}");
     assert!(rest < 1e-3, "strokes on the water change by {rest}");
-    assert!(screen > 10.0 * rest.max(1e-4), "strokes on the picture change by {screen} alone");
+    assert!(screen > 10.0 * rest.max(1e-4), "strokes on the picture change by only {screen}");
 }
 
-/// How much of the picture hooks cover, on a sheet that a degree a frame turns away from the eye and back.
+/// Returns the area that hooks cover at a frame, in pixels.
 fn hooked(graph: &CheckedGraph, frame: i64) -> f64 {
     let frame = evaluate(graph, frame, &Buffers::new(), &settings(|_| ()));
     let window = graph.format().window();
@@ -242,7 +242,8 @@ fn hooked(graph: &CheckedGraph, frame: i64) -> f64 {
 }
 
 #[test]
-fn hooks_come_and_go_by_growing() {
+fn hooks_grow_and_shrink_without_jumps() {
+    // The sheet turns by a degree per frame, away from the camera and back.
     let nodes = r#"
         "camera": { "type": "Camera", "position": [0, 0, 20], "target": [0, 0, 0], "projection": "orthographic", "height": 8 },
         "sheet": { "type": "BezierModel", "rotate": { "keys": [[1, [0, 0, 0]], [181, [180, 0, 0]]] }, "rails": [
@@ -255,7 +256,7 @@ fn hooks_come_and_go_by_growing() {
     let covered: Vec<f64> = (55..=127).map(|frame| hooked(&graph, frame)).collect();
     let most = covered.iter().copied().fold(0.0, f64::max);
     assert!(most > 25.0, "{most} pixels");
-    assert_eq!(covered[91 - 55], 0.0, "seen from its edge");
+    assert_eq!(covered[91 - 55], 0.0, "the sheet is seen from its edge");
     for (step, pair) in covered.windows(2).enumerate() {
         assert!((pair[0] - pair[1]).abs() < 0.25 * most, "{pair:?} of {most} at {} degrees", step + 54);
     }

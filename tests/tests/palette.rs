@@ -1,5 +1,5 @@
-//! Linearity in the palette: a picture is the sum of its control colors times its weights, so that a finished frame is
-//! recolored without evaluating the graph again.
+//! Linearity in the palette: a picture is the sum of its control colors times its weights, so a finished frame
+//! can be recolored without evaluating the graph again.
 
 use crate::support::{evaluate, graph, settings};
 use trochoid::{Buffers, CheckedGraph};
@@ -20,7 +20,7 @@ fn painted(colors: &[[f32; 3]; 5]) -> CheckedGraph {
     graph(r#""width": 32, "height": 16, "samples": 1"#, &nodes, outputs)
 }
 
-/// The weight of each control color at each pixel, from the weight outputs alone.
+/// Returns the weight of each control color at a pixel, from the weight outputs alone.
 fn weights(frame: &trochoid::Frame, at: usize) -> [f64; 5] {
     let value = |picture: usize, channel: usize| f64::from(frame.pictures[picture].planes[channel].samples()[at]);
     let (t, y) = (value(1, 0), value(3, 0));

@@ -11,7 +11,7 @@ use trochoid::accuracy::PlanFile;
 use trochoid::certificate::Certificate;
 use trochoid::{Buffers, Cache, Plan, Settings, Silent, load};
 
-/// Returns the result of a thread, which would be missing if the thread blocked.
+/// Returns the result of a function on a thread of its own; panics if the function blocks.
 fn within(what: &str, ask: impl FnOnce() -> String + Send + 'static) -> String {
     let (send, receive) = channel();
     std::thread::spawn(move || send.send(ask()));
@@ -76,7 +76,7 @@ fn a_pipe_is_refused_wherever_a_file_is_read() {
 }
 
 #[test]
-fn names_with_the_signs_of_frames_can_be_written() {
+fn names_with_signs_that_stand_for_frames_can_be_escaped() {
     let folder = tempfile::tempdir().unwrap();
     let name = "take #3, 50%.png";
     let image = trochoid::io::PngImage::new(4, 2, trochoid::io::Samples::rgb(&[[0.5; 3]; 8]));

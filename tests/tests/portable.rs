@@ -1,4 +1,4 @@
-//! Bits that do not depend on the machine: transcendental functions come from `libm`.
+//! Results do not depend on the machine in a single bit: transcendental functions come from `libm`.
 
 use crate::architecture::sources;
 use crate::support::root;
@@ -39,7 +39,7 @@ fn bits_come_from_libm_and_not_from_the_machine() {
         for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with("//")) {
             let machine = FUNCTIONS.iter().find(|function| calls(line, function));
             let found = machine.or_else(|| VECTORS.iter().find(|function| line.contains(**function)));
-            faults.extend(found.map(|function| format!("{place}:{}: {function}, of the machine", index + 1)));
+            faults.extend(found.map(|function| format!("{place}:{}: {function} depends on the machine", index + 1)));
         }
     }
     assert!(faults.is_empty(), "call libm instead, or multiply for a power:\n{}", faults.join("\n"));

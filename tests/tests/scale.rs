@@ -26,22 +26,22 @@ fn holds(text: &str, tolerance: f64) -> trochoid::Frame {
 }
 
 #[test]
-fn a_chain_of_ten_thousand_nodes() {
+fn a_chain_of_ten_thousand_nodes_agrees_with_the_reference() {
     let frame = holds(&chain(COUNT, (16, 9)), 1e-6);
     assert!(frame.nodes.iter().all(|node| node.state == State::Evaluated || node.name != "n9999"));
 }
 
 #[test]
-fn a_web_of_ten_thousand_nodes() {
+fn a_web_of_ten_thousand_nodes_agrees_with_the_reference() {
     let frame = holds(&web(COUNT, (16, 9)), 1e-5);
     let count = |is: fn(&State) -> bool| frame.nodes.iter().filter(|node| is(&node.state)).count();
     assert!(count(|state| *state == State::Evaluated) > COUNT / 2, "most of it is needed");
-    assert!(count(|state| matches!(state, State::LeftOut(LeftOut::Weight(_)))) > 100, "weights of 0 and 1 cut");
+    assert!(count(|state| matches!(state, State::LeftOut(LeftOut::Weight(_)))) > 100, "weights of 0 and 1 cut nodes");
     assert_eq!(*state(&frame, "out"), State::Evaluated);
 }
 
 #[test]
-fn more_constants_than_16_bits_count() {
+fn more_constants_than_16_bits_can_number_agree_with_the_reference() {
     // Each mix has a weight of its own, so that each needs a row of its own.
     let count = 70_000;
     let mut nodes = vec![

@@ -3,7 +3,7 @@
 use crate::support::{bits, evaluate, graph, pixels_are_as_the_whole, sample, settings, under_all_settings};
 use trochoid::{Buffers, Cache, Certifier, CheckedGraph, ReferenceFrame, Silent};
 
-/// A sea and a sail before the sky, with passes that share and passes that do not.
+/// A sea and a sail before the sky, with passes that samples share and passes that they do not.
 fn scene(format: &str) -> CheckedGraph {
     let nodes = r##"
         "camera": { "type": "Camera", "position": [0, 3, 12], "target": [0, 1, 0], "fov": 50 },
@@ -44,7 +44,7 @@ fn shading_by_the_pixel_keeps_its_bits_and_its_reference() {
         (0..3).map(|c| (f64::from(sample(&frame.pictures[0], c, x, y)) - other(c)).abs()).fold(0.0, f64::max)
     };
     let pixels = || (0..22).flat_map(|y| (0..40).map(move |x| (x, y)));
-    // It is another picture, but a near one.
+    // The picture differs, but only a little.
     let distances = pixels().map(|(x, y)| apart(x, y, &|c| f64::from(sample(&each.pictures[0], c, x, y))));
     let distances: Vec<f64> = distances.collect();
     let changed = distances.iter().filter(|distance| **distance > 0.0).count();
@@ -56,7 +56,7 @@ fn shading_by_the_pixel_keeps_its_bits_and_its_reference() {
         let truth = reference.pixel(*x, *y).unwrap();
         apart(*x, *y, &|c| truth[c]) > 4e-3
     });
-    // What a sample sees at an edge is not certain, and neither is then what it shares.
+    // At an edge, rounding decides what a sample sees, and so which value it shares.
     let missed = missed.count();
     assert!(10 * missed < some.len(), "{missed} of {} pixels miss the reference", some.len());
     let certifier = Certifier::new(&graph, &[], 7, &[], &settings(|_| ())).unwrap();

@@ -41,7 +41,7 @@ fn spray_without_weight_is_not_simulated() {
     assert_eq!(bits(&without.pictures[0]), bits(&plain.pictures[0]));
     let with = frame("1");
     assert_eq!(*state(&with, "spray"), State::Evaluated);
-    assert_ne!(bits(&with.pictures[0]), bits(&plain.pictures[0]), "there is spray to be seen");
+    assert_ne!(bits(&with.pictures[0]), bits(&plain.pictures[0]), "spray is visible");
 }
 
 #[test]

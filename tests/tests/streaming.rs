@@ -8,7 +8,7 @@ use trochoid::{Buffers, Cache, CheckedGraph, EvalError, NodeError, Plan, Silent,
 
 const SIZE: (u32, u32) = (37, 83);
 
-/// The file `a.exr`: weights that sum to 1, and a picture.
+/// Writes the file `a.exr`: weights that sum to 1, and a picture.
 fn write(folder: &Path, bad: Option<usize>) {
     let area = (SIZE.0 * SIZE.1) as usize;
     let plane = |step: usize| -> Vec<f32> { (0..area).map(|i| ((i * step) % 101) as f32 / 256.0).collect() };
@@ -89,8 +89,8 @@ fn bad_rows_are_refused_where_they_are_needed() {
     let (node, bad) = fault(&["shares"], None).unwrap();
     assert_eq!((&*node, &*bad.found), ("shares", "NaN"));
     assert_eq!((bad.place.channel.as_deref(), bad.place.pixel), (Some("rest"), Some((3, 50))));
-    assert_eq!(fault(&["depth"], None), None, "nobody needs it");
-    assert_eq!(fault(&["shares"], Some(Window::new(0, 0, 37, 16))), None, "nobody needs it");
+    assert_eq!(fault(&["depth"], None), None, "the channel is not needed");
+    assert_eq!(fault(&["shares"], Some(Window::new(0, 0, 37, 16))), None, "the row is not needed");
 }
 
 #[test]
@@ -124,11 +124,11 @@ fn a_file_that_changes_is_read_anew() {
             assert!(picture.planes.iter().flat_map(|plane| plane.samples()).all(|v| *v == expected), "{expected}");
         }
     };
-    // A, B, A: what was read before the last frame is still there.
+    // Frames 1, 2, 1: frame 1 is still in the cache.
     level(&plans[0], 0.25, false);
     level(&plans[1], 0.5, false);
     level(&plans[0], 0.25, true);
-    // The same plan of another file, told by its time of change.
+    // The same plan notices the new file by its modification time.
     paint("a.0001.exr", 0.75);
     let file = std::fs::File::options().write(true).open(folder.path().join("a.0001.exr")).unwrap();
     file.set_modified(std::time::SystemTime::now() + std::time::Duration::from_secs(60)).unwrap();
@@ -156,7 +156,7 @@ fn a_cache_obeys_its_limit() {
         // The older of the two is dropped each time.
         (image * 3 / 2, image, [[false, false], [false, true], [true, false]]),
         (image * 2, image * 2, [[false, false], [true, true], [true, true]]),
-        // Larger than the limit by itself.
+        // One picture alone exceeds the limit.
         (image - 1, 0, [[false, false]; 3]),
     ] {
         let mut cache = Cache::with_limit(limit);

@@ -23,7 +23,7 @@ fn images() -> Vec<(&'static str, Vec<f32>)> {
         (state >> 8) as f32 / 16_777_216.0
     };
     let noise: Vec<f32> = (0..WIDTH * HEIGHT).map(|_| noise()).collect();
-    // Soft shapes, a horizon, a disc of light, grain and vignetting: what a photograph is made of.
+    // Like a photograph: soft shapes, a horizon, a disc of light, grain and vignetting.
     let photograph = make(&|x, y| {
         let grain = 0.03 * (127.0 * x + 311.0 * y).sin();
         let hills = if y > 0.6 + 0.1 * (5.0 * x).sin() { 0.25 } else { 0.7 - 0.4 * y };
@@ -64,8 +64,8 @@ fn any_image_as_weight_keeps_the_palette() {
     }
 }
 
-/// Support of the palette in many directions: a pixel is in the hull only if it lies behind each of them. Besides the
-/// engine's own judgment, which finds the facets.
+/// Checks that no pixel lies beyond the palette in any of many directions. This is independent of the engine, which
+/// judges by the facets of the hull.
 fn in_hull(palette: &[Rgb], picture: &trochoid::Picture, what: &str) {
     let [r, g, b] = [0, 1, 2].map(|c| picture.planes[c].samples());
     for i in 0..1000u32 {

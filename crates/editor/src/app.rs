@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_damaged_or_of_another_version_is_as_at_first() {
+    fn a_layout_that_is_damaged_or_of_another_version_is_replaced_by_the_default() {
         let mut tree = layout::first();
         layout::bring(&mut tree, Pane::Text);
         let whole = layout::written(&tree, (egui::ThemePreference::Dark, 1.0));

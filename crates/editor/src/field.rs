@@ -473,7 +473,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_typed_is_taken_as_it_is_or_refused_in_words() {
+    fn what_is_typed_is_taken_as_it_is_or_refused_with_a_message() {
         let number = Number::new(0.5).range(0.0, 1.0).suffix(" m");
         assert_eq!(number.read(" 0.75 "), Ok(0.75));
         assert_eq!(number.read("0.75 m"), Ok(0.75));

@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_remembered_without_saying_for_what_is_for_reading() {
+    fn remembered_permissions_without_a_right_are_for_reading() {
         let data = tempfile::tempdir().unwrap();
         let document = data.path().join("a.json");
         let old = serde_json::json!([[whole(&document), ["/one"]]]);

@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn typing_and_what_moves_the_keyboard_take_turns() {
+    fn typing_and_keys_that_move_the_focus_take_turns() {
         let mut all = vec![key(Key::Num5), text("5"), key(Key::Tab), key(Key::Tab), text("7"), key(Key::Enter)];
         let mut turns = Vec::new();
         while !all.is_empty() {
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_waits_that_types_nothing() {
+    fn events_without_text_do_not_wait() {
         let press = |pressed| Event::PointerButton {
             pos: egui::Pos2::ZERO,
             button: egui::PointerButton::Primary,

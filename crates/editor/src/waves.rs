@@ -402,7 +402,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn waves_that_are_not_random_are_told() {
+    fn the_count_names_waves_that_are_not_random() {
         assert_eq!(parts(300, 300, 0, 0), None);
         assert_eq!(parts(754, 300, 4, 1).as_deref(), Some("300 random, 4 set by hand, 450 of 1 group"));
         assert_eq!(parts(750, 300, 0, 2).as_deref(), Some("300 random, 450 of 2 groups"));

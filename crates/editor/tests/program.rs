@@ -1,4 +1,4 @@
-//! Tests of the editor program, as far as they need no display.
+//! Tests of the editor program that need no display.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -39,7 +39,7 @@ fn a_document_that_cannot_be_read_is_named() {
 }
 
 #[test]
-fn wrong_usage_is_told_apart() {
+fn wrong_usage_has_an_exit_code_of_its_own() {
     ends(&["a.json", "b.json"], 2, &["unexpected argument 'b.json'", "Usage: trochoid-editor"]);
     ends(&["--memory", "1kB"], 2, &["500MB"]);
 }

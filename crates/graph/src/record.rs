@@ -135,6 +135,17 @@ impl<N> Record<N> {
     }
 }
 
+impl<N: Clone> Record<N> {
+    /// Returns the record with another word for a choice.
+    pub(crate) fn with_word(&self, choice: &str, word: &str) -> Self {
+        let mut record = self.clone();
+        for (_, setting) in record.knobs.iter_mut().filter(|(name, _)| *name == choice) {
+            *setting = Setting::Text(word.into());
+        }
+        record
+    }
+}
+
 /// Looks up a declared name. Validation fills in every declared item, so a missing one means that a node asks for an
 /// item that it does not declare: a bug in the node, which its first test finds.
 fn find<'a, T>(items: &'a [(&'static str, T)], name: &str) -> &'a T {

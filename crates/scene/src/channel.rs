@@ -6,8 +6,6 @@ use crate::Hit;
 pub(crate) const NORMALS: ChannelSet = ChannelSet::NORMAL.union(ChannelSet::of(&[Channel::Jacobian]));
 /// Channels for which a mesh needs rest points.
 pub(crate) const RESTS: ChannelSet = ChannelSet::REST.union(ChannelSet::of(&[Channel::RestDistance]));
-/// Channels of fine meshes: contours are found from normals, and surfaces from rest points.
-pub(crate) const FINE: ChannelSet = RESTS.union(ChannelSet::NORMAL);
 /// Channels of the traces that bursts leave behind.
 pub(crate) const TRAILS: ChannelSet = ChannelSet::of(&Channel::TRAILS);
 

@@ -129,7 +129,7 @@ impl Search<'_> {
         let bend = bend * (1.0 + 2.0 * grown.most) * (1.0 + 2.0 * grown.most);
         let uneven = fading * grown.uneven;
         let offset = middle.point - self.ray.origin;
-        let rounding = self.rounding(middle.point);
+        let rounding = rounding(self.ray, middle.point);
         // Returns how far points lie from the middle one at most, in a direction.
         let spread = |way: DVec3| {
             let resting = (0..2).map(|axis| self.axes[axis].dot(way).abs() * part.half[axis]).sum::<f64>();
@@ -148,11 +148,11 @@ impl Search<'_> {
         // Bound on the change of the derivatives within twice the radius. If it is at most a quarter of their least
         // effect, no two points are carried to the same position, and each Newton step divides the error by at least
         // three.
-        let least = least_stretch(self.across(by));
+        let least = least_stretch(across(self.aside, by));
         let is_least = radius <= LEAST * (1.0 + distance.abs());
         if is_least || 4.0 * (2.0 * bend * radius + 2.0 * uneven) <= least {
-            return match self.newton(rest) {
-                Some((distance, at))
+            return match newton(self.sea, self.projector, self.ray, self.aside, rest) {
+                Some((distance, at, _))
                     if libm::hypot(at[0] - rest[0], at[1] - rest[1]) <= 2.0 * radius + LEAST * (1.0 + distance) =>
                 {
                     if distance >= 0.0 && distance <= self.end {
@@ -165,36 +165,6 @@ impl Search<'_> {
             };
         }
         Solutions::From(distance - deep)
-    }
-
-    /// Returns the derivatives of a point's offset across the ray, row by row.
-    fn across(&self, by: [DVec3; 2]) -> [[f64; 2]; 2] {
-        self.aside.map(|way| by.map(|by| by.dot(way)))
-    }
-
-    /// Returns the rounding error of a point's offset from the ray's origin, in meters.
-    fn rounding(&self, point: DVec3) -> f64 {
-        ROUNDING * (point.abs() + self.ray.origin.abs()).max_element()
-    }
-
-    /// Applies Newton's method to find a point on the ray.
-    fn newton(&self, mut rest: [f64; 2]) -> Option<(f64, [f64; 2])> {
-        for _ in 0..STEPS {
-            let here = self.sea.carried(self.projector, rest);
-            let offset = here.point - self.ray.origin;
-            let distance = offset.dot(self.ray.direction);
-            let [p, q] = self.aside.map(|way| offset.dot(way));
-            if libm::hypot(p, q) <= CLOSE * (1.0 + distance.abs()) + self.rounding(here.point) {
-                return Some((distance, rest));
-            }
-            let [[a, b], [c, d]] = self.across(here.by);
-            let area = a * d - b * c;
-            rest = [rest[0] - (d * p - b * q) / area, rest[1] - (a * q - c * p) / area];
-            if !(rest[0].is_finite() && rest[1].is_finite()) {
-                return None;
-            }
-        }
-        None
     }
 
     /// Returns the footprints of a rectangle, and how they grow.
@@ -223,6 +193,43 @@ impl Search<'_> {
             uneven: bent[0].max(bent[1]),
         }
     }
+}
+
+/// Returns the derivatives of a point's offset across a ray, row by row.
+fn across(aside: [DVec3; 2], by: [DVec3; 2]) -> [[f64; 2]; 2] {
+    aside.map(|way| by.map(|by| by.dot(way)))
+}
+
+/// Returns the rounding error of a point's offset from a ray's origin, in meters.
+fn rounding(ray: &Ray, point: DVec3) -> f64 {
+    ROUNDING * (point.abs() + ray.origin.abs()).max_element()
+}
+
+/// Applies Newton's method to find a point of a sea on a ray, from a rest point x, z; returns its distance, its rest
+/// point and the point itself. `aside` are unit vectors at right angles to the ray.
+pub(crate) fn newton(
+    sea: &SeaSurface,
+    projector: &Projector,
+    ray: &Ray,
+    aside: [DVec3; 2],
+    mut rest: [f64; 2],
+) -> Option<(f64, [f64; 2], SeaPoint)> {
+    for _ in 0..STEPS {
+        let here = sea.carried(projector, rest);
+        let offset = here.point - ray.origin;
+        let distance = offset.dot(ray.direction);
+        let [p, q] = aside.map(|way| offset.dot(way));
+        if libm::hypot(p, q) <= CLOSE * (1.0 + distance.abs()) + rounding(ray, here.point) {
+            return Some((distance, rest, here));
+        }
+        let [[a, b], [c, d]] = across(aside, here.by);
+        let area = a * d - b * c;
+        rest = [rest[0] - (d * p - b * q) / area, rest[1] - (a * q - c * p) / area];
+        if !(rest[0].is_finite() && rest[1].is_finite()) {
+            return None;
+        }
+    }
+    None
 }
 
 /// Footprints of a rectangle.

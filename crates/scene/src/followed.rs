@@ -1,6 +1,6 @@
 //! Finds points of a sea near those of its mesh, by sums in f32 over many points side by side.
 
-use crate::certain::meet_sea;
+use crate::meet_near::meet_sea;
 use crate::points::MeshHit;
 use crate::reference::hit_of_sea;
 use crate::surface::Hit;

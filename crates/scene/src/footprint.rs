@@ -9,7 +9,7 @@ use crate::Projector;
 pub const GRAZING: f64 = 0.02;
 
 /// Least planar depth relative to the distance ahead and down: points further aside or behind are hardly visible.
-const LEAST_DEPTH: f64 = 0.25;
+pub(crate) const LEAST_DEPTH: f64 = 0.25;
 
 /// Returns the footprint in meters of a pixel that sees a rest point: the side of the square with the area of the
 /// pixel's patch on the rest plane, d·s / √max(h/d, [`GRAZING`]) for planar depth d, height h of the camera over the

@@ -3,11 +3,12 @@ use std::sync::{Arc, LazyLock};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::certain::{Search, SeenGrid, contours_of_grid, meet_grid};
 use crate::channel::{NORMALS, RESTS};
+use crate::grid_ray::first_of_grid;
+use crate::meet_near::meet_grid;
 use crate::points::MeshHit;
 use crate::shading::unit_or_up;
-use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
+use crate::surface::{Anchor, Hit, Mesh, Sight, Surface, Topology};
 use crate::{Channel, ChannelSet, Projector, Ray, Resting};
 
 /// Largest chord error of a cell, in pixels, at its nearest point and at a crest three times as sharp as the root
@@ -19,10 +20,6 @@ const VERTICES_PER_PIXEL: f64 = 1.5;
 const LEAST_LIMIT: f64 = 1e6;
 /// Most parts of a cell's side.
 const MAX_PARTS: f64 = 8.0;
-/// Number of steps of the reference per cell, and of bisections of the step in which it meets the surface.
-const STEPS_PER_CELL: f64 = 16.0;
-const HALVINGS: usize = 60;
-
 /// A finite height field on a regular grid, smooth between its cells.
 ///
 /// Heights between cells are bicubic Catmull–Rom interpolations, with the cells of the edge repeated beyond it;
@@ -145,6 +142,34 @@ impl GridSurface {
         })
     }
 
+    /// Returns the numbers of columns and rows.
+    pub(crate) fn size(&self) -> [usize; 2] {
+        [self.columns, self.rows]
+    }
+
+    /// Returns the distance between cells, in meters.
+    pub(crate) fn spacing(&self) -> f64 {
+        self.spacing
+    }
+
+    /// Returns world x and z of the first cell.
+    pub(crate) fn origin(&self) -> [f64; 2] {
+        self.origin
+    }
+
+    /// Returns the least and greatest height that the interpolation can have, over the level.
+    pub(crate) fn bounds(&self) -> [f64; 2] {
+        self.bounds
+    }
+
+    /// Returns the heights around a cell, row by row: those that its interpolation depends on.
+    pub(crate) fn neighbors(&self, [i, j]: [usize; 2]) -> [[f64; 4]; 4] {
+        std::array::from_fn(|n| {
+            let row = (j + n).saturating_sub(1).min(self.rows - 1) * self.columns;
+            std::array::from_fn(|m| f64::from(self.heights[row + (i + m).saturating_sub(1).min(self.columns - 1)]))
+        })
+    }
+
     /// Returns world y of the rest level, in meters.
     pub fn level(&self) -> f64 {
         self.level
@@ -206,16 +231,6 @@ impl GridSurface {
     pub(crate) fn within_reach(&self, place: [f64; 2]) -> [f64; 2] {
         let end = self.end();
         [0, 1].map(|axis| place[axis].clamp(self.origin[axis], end[axis]))
-    }
-
-    /// Returns height and slopes at a position x, z on the grid, and the derivative of the first slope along z, in
-    /// 1/m.
-    pub(crate) fn twisted(&self, [x, z]: [f64; 2]) -> ([f64; 3], f64) {
-        let (u, v) = ((x - self.origin[0]) / self.spacing, (z - self.origin[1]) / self.spacing);
-        let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
-        let (wx, (wz, dz)) = (weights(u - i as f64), weights(v - j as f64));
-        let [_, twist, _] = self.blend([i, j], wx, (dz, dz));
-        (self.blend([i, j], wx, (wz, dz)), twist / self.spacing)
     }
 
     /// Returns world x and z of the far corner.
@@ -364,56 +379,16 @@ impl Surface for GridSurface {
         mesh
     }
 
-    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
-        contours_of_grid(&SeenGrid { grid: self, eye: search.projector.position }, search, mesh)
-    }
-
     fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
         meet_grid(self, projector, ray, near)
     }
 
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
-        let low = [self.origin[0], self.level + self.bounds[0], self.origin[1]];
-        let high = [self.end()[0], self.level + self.bounds[1], self.end()[1]];
-        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
-        let (mut start, mut end) = (0.0f64, f64::INFINITY);
-        for ((origin, direction), (low, high)) in origin.into_iter().zip(direction).zip(low.into_iter().zip(high)) {
-            if direction == 0.0 {
-                if origin < low || origin > high {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = ((low - origin) / direction, (high - origin) / direction);
-            (start, end) = (start.max(a.min(b)), end.min(a.max(b)));
-        }
-        if end < start {
-            return None;
-        }
-        // Rounding may put the ends of the segment slightly outside.
-        let clamp =
-            |point: DVec3| [point.x.clamp(self.origin[0], self.end()[0]), point.z.clamp(self.origin[1], self.end()[1])];
-        let gap = |distance: f64| {
-            let point = ray.at(distance);
-            let [x, z] = clamp(point);
-            self.height(x, z).map_or(f64::NAN, |[height, ..]| point.y - self.level - height)
-        };
-        let horizontal = libm::hypot(ray.direction.x, ray.direction.z);
-        let step = self.spacing / STEPS_PER_CELL / horizontal;
-        let (mut near, mut at_near) = (start, gap(start));
-        while near < end {
-            let mut far = (near + step.max(1e-12 * near)).min(end);
-            let at_far = gap(far);
-            if (at_near > 0.0) != (at_far > 0.0) {
-                for _ in 0..HALVINGS {
-                    let middle = (near + far) / 2.0;
-                    if (gap(middle) > 0.0) == (at_near > 0.0) { near = middle } else { far = middle }
-                }
-                return Some(self.hit(projector, ray, far, clamp(ray.at(far)), self.submerged(projector.position)));
-            }
-            (near, at_near) = (far, at_far);
-        }
-        None
+        self.before(projector, ray, f64::INFINITY)
+    }
+
+    fn first(&self, projector: &Projector, ray: &Ray, end: f64) -> Sight {
+        self.before(projector, ray, end).map_or(Sight::Nothing, Sight::Point)
     }
 
     /// Beyond the grid, the heights of its edge continue. A grid holds no detail finer than its cells.
@@ -439,6 +414,14 @@ impl Surface for GridSurface {
 }
 
 impl GridSurface {
+    /// Returns the first point on a ray before a distance.
+    fn before(&self, projector: &Projector, ray: &Ray, end: f64) -> Option<Hit> {
+        let [start, last] = self.within_slab(ray)?;
+        let distance = first_of_grid(self, ray, [start, last.min(end)])?;
+        let inside = self.submerged(projector.position);
+        Some(self.hit(projector, ray, distance, self.place_of(ray.at(distance)), inside))
+    }
+
     pub(crate) fn hit(&self, projector: &Projector, ray: &Ray, distance: f64, [x, z]: [f64; 2], inside: bool) -> Hit {
         let position = ray.at(distance);
         let [_, dx, dz] = self.height(x, z).unwrap_or_default();

@@ -17,6 +17,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
 pub mod bezier;
+mod boxes;
 mod camera;
 mod certain;
 mod channel;
@@ -25,12 +26,15 @@ mod edges;
 mod extent;
 #[cfg(feature = "files")]
 pub mod files;
+mod first_hit;
 mod first_point;
 mod float;
 mod followed;
 mod footprint;
+mod grid_ray;
 mod grid_surface;
 mod light;
+mod meet_near;
 mod obstacles;
 mod points;
 mod project;
@@ -51,7 +55,7 @@ mod triangles;
 mod visible;
 
 pub use camera::{Camera, Projection, Projector, Ray};
-pub use certain::{Certain, Search, Sight};
+pub use certain::Certain;
 pub use channel::{Samples, channel_of};
 pub use float::{Floating, Plane};
 pub use footprint::{GRAZING, footprint, footprint_axes};
@@ -63,7 +67,7 @@ pub use points::{MeshHit, Sums};
 pub use resting::Resting;
 pub use rigid::{Pose, RigidBodies};
 pub use sea_surface::{Resolved, SeaSurface};
-pub use surface::{Anchor, Hit, Mesh, Surface, Topology};
+pub use surface::{Anchor, Hit, Mesh, Sight, Surface, Topology};
 pub use triangles::{MAX_TRIANGLES, TriangleModel, Triangles, TrianglesError};
 pub use trochoid_image::{Channel, ChannelSet};
 pub use visible::{Stats, Visible};

@@ -31,7 +31,7 @@ pub enum Sums {
 }
 
 /// How much further along a ray than its mesh a surface may lie, as a share of the depth, and still count as found.
-pub(crate) const APART: f64 = 0.02;
+const APART: f64 = 0.02;
 
 impl Visible {
     /// Returns what a sample of each of these pixels sees of the surfaces themselves, at `offset` from the pixel's
@@ -103,12 +103,6 @@ impl Visible {
         offset.map(|part| self.raster.fix(part) as f64 * self.raster.step())
     }
 
-    /// Returns the point of the surface itself near a sheet of its mesh.
-    pub(crate) fn meet(&self, surfaces: &[&dyn Surface], ray: &Ray, sheet: &Sheet) -> Option<Hit> {
-        let (surface, near) = self.mesh_hit(ray, sheet);
-        surfaces[surface].meet_near(&self.projector, ray, &near).map(|hit| Hit { surface, ..hit })
-    }
-
     /// Returns where a ray meets a sheet, and the index of the sheet's surface.
     fn mesh_hit(&self, ray: &Ray, sheet: &Sheet) -> (usize, MeshHit) {
         let projector = &self.projector;
@@ -129,7 +123,7 @@ impl Visible {
 }
 
 /// Returns the bounding window of these pixels.
-pub(crate) fn around(pixels: &[[i64; 2]]) -> Window {
+fn around(pixels: &[[i64; 2]]) -> Window {
     pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)))
 }
 

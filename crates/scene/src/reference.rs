@@ -5,9 +5,10 @@ use trochoid_image::Format;
 use trochoid_sea::Sample;
 
 use crate::extent::HORIZON_M;
+use crate::first_hit::{First, NoCells, Thoroughness};
 use crate::first_point::first_point;
 use crate::shading::unit_or_up;
-use crate::surface::{Hit, Surface};
+use crate::surface::{Hit, Sight, Surface};
 use crate::{Camera, Projector, Ray, SeaSurface};
 
 /// Returns what a camera sees at (`x`, `y`) pixels from the upper left corner: the nearest hit of all surfaces.
@@ -24,8 +25,8 @@ pub fn trace(camera: &Camera, surfaces: &[&dyn Surface], format: Format, x: f64,
 /// Number of Newton steps that invert the horizontal displacement at one point.
 const INVERSIONS: usize = 24;
 
-/// Returns the first point where a ray passes through the displaced sea, considering all sheets where it folds.
-pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> Option<Hit> {
+/// Returns the range of distances in which a ray may meet a sea; `None` if it cannot.
+fn within_slab(sea: &SeaSurface, ray: &Ray) -> Option<[f64; 2]> {
     let (rise, height) = (sea.summit, ray.origin.y - sea.level);
     let slope = ray.direction.y;
     // There is no surface outside of the slab of heights that waves reach.
@@ -40,11 +41,45 @@ pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> O
     };
     let horizontal = libm::sqrt((ray.direction.x * ray.direction.x + ray.direction.z * ray.direction.z).max(0.0));
     let end = end.min(HORIZON_M / horizontal.max(1e-9));
-    if end < start {
-        return None;
+    (start <= end).then_some([start, end])
+}
+
+/// Returns the first point where a ray passes through the displaced sea, considering all sheets where it folds.
+pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> Option<Hit> {
+    let range = within_slab(sea, ray)?;
+    let found = match sea.cells.of(projector).as_deref() {
+        Some(Ok(cells)) => cells.first(sea, projector, ray, range, Thoroughness::Thorough),
+        _ => First::Unknown,
+    };
+    let (distance, rest) = match found {
+        First::Nothing => return None,
+        First::At(distance, rest, _) => (distance, rest),
+        First::Unknown => first_point(sea, projector, ray, range)?,
+    };
+    Some(hit(sea, projector, ray, distance, rest))
+}
+
+/// Returns what a camera's ray meets of a sea before a distance, if the cells that were made for the camera tell.
+pub(crate) fn first_of_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, end: f64) -> Sight {
+    let Some([start, last]) = within_slab(sea, ray) else { return Sight::Nothing };
+    if start >= end {
+        return Sight::Nothing;
     }
-    let (distance, rest) = first_point(sea, projector, ray, [start, end])?;
-    Some(hit(sea, projector, ray, distance, rest, sea.submerges(projector)))
+    let range = [start, last.min(end)];
+    let found = match sea.cells.of(projector).as_deref() {
+        Some(Ok(cells)) => cells.first(sea, projector, ray, range, Thoroughness::Quick),
+        Some(Err(NoCells::Unseen)) => First::Nothing,
+        _ => First::Unknown,
+    };
+    match found {
+        First::Nothing => Sight::Nothing,
+        // The sample is within 1e-14 of the plain sum.
+        First::At(distance, rest, sample) if distance < end => {
+            Sight::Point(hit_of_sea(sea, projector, ray, distance, rest, &sample, sea.submerges(projector)))
+        }
+        First::At(..) => Sight::Nothing,
+        First::Unknown => Sight::Unclear,
+    }
 }
 
 /// Returns whether a camera is under water: below the point of the sea that is carried above or below it. Slow;
@@ -82,9 +117,9 @@ fn rest_below(sea: &SeaSurface, projector: &Projector, point: DVec3, guess: [f64
     rest
 }
 
-fn hit(sea: &SeaSurface, projector: &Projector, ray: &Ray, distance: f64, rest: [f64; 2], inside: bool) -> Hit {
+fn hit(sea: &SeaSurface, projector: &Projector, ray: &Ray, distance: f64, rest: [f64; 2]) -> Hit {
     let print = sea.footprint(projector, DVec3::new(rest[0], sea.level, rest[1]));
-    hit_of_sea(sea, projector, ray, distance, rest, &sea.frame.evaluate(rest, print), inside)
+    hit_of_sea(sea, projector, ray, distance, rest, &sea.frame.evaluate(rest, print), sea.submerges(projector))
 }
 
 /// Returns the hit of a sea's point with this rest point at a distance along a ray.

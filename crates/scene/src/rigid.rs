@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::certain::Search;
 use crate::points::MeshHit;
-use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
+use crate::surface::{Anchor, Hit, Mesh, Sight, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
 /// Position and orientation of a rigid body.
@@ -33,6 +32,26 @@ impl Pose {
     /// Converts a direction of the world to the body's space.
     fn turn_back(&self, direction: DVec3) -> DVec3 {
         DVec3::from(self.axes.map(|axis| axis.dot(direction)))
+    }
+
+    /// Converts a ray to the body's space.
+    fn ray(&self, ray: &Ray) -> Ray {
+        Ray { origin: self.turn_back(ray.origin - self.origin), direction: self.turn_back(ray.direction) }
+    }
+
+    /// Converts a hit of the body to the world.
+    fn hit(&self, projector: &Projector, hit: Hit) -> Hit {
+        let position = self.apply(hit.position);
+        let level = hit.position.y - hit.height;
+        Hit {
+            depth: (position - projector.position).dot(projector.forward),
+            position,
+            normal: self.turn(hit.normal),
+            height: position.y - level,
+            rest_distance: position.distance(hit.rest),
+            jacobian: 1.0,
+            ..hit
+        }
     }
 
     /// Converts a camera to the body's space.
@@ -150,18 +169,26 @@ impl Surface for RigidBodies {
         self.bodies(projector, model).unwrap_or_else(|| Mesh::empty(0.0))
     }
 
-    fn tessellate_finely(&self, projector: &Projector, stop: &(dyn Fn() -> bool + Sync)) -> Option<Mesh> {
-        self.bodies(projector, |own| self.model.tessellate_finely(own, stop))
-    }
-
-    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
-        self.model.contours(search, mesh)
-    }
-
     fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
         let away = |hit: &Hit| (hit.distance - near.distance).abs();
         let hits = self.hits(projector, ray, |own, ray| self.model.meet_near(own, ray, near));
         hits.min_by(|a, b| away(a).total_cmp(&away(b)))
+    }
+
+    fn first(&self, projector: &Projector, ray: &Ray, end: f64) -> Sight {
+        let mut nearest = Sight::Nothing;
+        let mut end = end;
+        for pose in &self.poses {
+            match self.model.first(&pose.projector(projector), &pose.ray(ray), end) {
+                Sight::Unclear => return Sight::Unclear,
+                Sight::Nothing => {}
+                Sight::Point(hit) => {
+                    end = hit.distance;
+                    nearest = Sight::Point(pose.hit(projector, hit));
+                }
+            }
+        }
+        nearest
     }
 
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
@@ -178,21 +205,8 @@ impl RigidBodies {
         ray: &Ray,
         meet: impl Fn(&Projector, &Ray) -> Option<Hit>,
     ) -> impl Iterator<Item = Hit> {
-        self.poses.iter().filter_map(move |pose| {
-            let origin = pose.turn_back(ray.origin - pose.origin);
-            let own = Ray { origin, direction: pose.turn_back(ray.direction) };
-            let hit = meet(&pose.projector(projector), &own)?;
-            let position = pose.apply(hit.position);
-            let level = hit.position.y - hit.height;
-            Some(Hit {
-                depth: (position - projector.position).dot(projector.forward),
-                position,
-                normal: pose.turn(hit.normal),
-                height: position.y - level,
-                rest_distance: position.distance(hit.rest),
-                jacobian: 1.0,
-                ..hit
-            })
-        })
+        self.poses
+            .iter()
+            .filter_map(move |pose| Some(pose.hit(projector, meet(&pose.projector(projector), &pose.ray(ray))?)))
     }
 }

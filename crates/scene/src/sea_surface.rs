@@ -3,14 +3,15 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use glam::DVec3;
 use trochoid_sea::{PreciseSea, Sea, SeaFrame};
 
-use crate::certain::{Search, SeenSea, contours_of_grid, meet_sea};
 use crate::extent::{Bounds, Sector, Strip};
+use crate::first_hit::KeptCells;
 use crate::followed::follow_sea;
 use crate::footprint::least_footprint;
+use crate::meet_near::meet_sea;
 use crate::points::MeshHit;
 use crate::sea_point::Limits;
 use crate::spacing::Spacing;
-use crate::surface::{Anchor, Hit, Mesh, Surface};
+use crate::surface::{Anchor, Hit, Mesh, Sight, Surface};
 use crate::{ChannelSet, Projector, Ray, Resting, reference, tessellate};
 
 /// An endless sea at one time.
@@ -29,6 +30,8 @@ pub struct SeaSurface {
     /// The waves for sums in f64, made when first needed.
     precise: Arc<OnceLock<PreciseSea>>,
     limits: Arc<OnceLock<Limits>>,
+    /// Cells for the rays of cameras.
+    pub(crate) cells: Arc<KeptCells>,
     /// Whether the cameras of some views are under water: every ray that meets the sea asks, and finding out takes
     /// several sums.
     submerged: Arc<Mutex<Vec<(Projector, bool)>>>,
@@ -75,6 +78,7 @@ impl SeaSurface {
             detail: 1.0,
             precise: Arc::default(),
             limits: Arc::default(),
+            cells: Arc::default(),
             submerged: Arc::default(),
         }
     }
@@ -93,8 +97,8 @@ impl SeaSurface {
     /// that two pixels cannot resolve become roughness.
     #[must_use]
     pub fn with_detail(self, detail: f64) -> Self {
-        // A camera just at the surface may lie on the other side of other waves.
-        Self { detail, submerged: Arc::default(), ..self }
+        // What was found out for another detail does not hold any more.
+        Self { detail, cells: Arc::default(), submerged: Arc::default(), ..self }
     }
 
     /// Returns whether a camera is under water.
@@ -213,8 +217,12 @@ impl Surface for SeaSurface {
         mesh.unwrap_or_else(|| Some(Mesh::empty(self.level)))
     }
 
-    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
-        contours_of_grid(&SeenSea { sea: self, projector: search.projector }, search, mesh)
+    fn prepare_rays(&self, projector: &Projector, stop: &(dyn Fn() -> bool + Sync)) {
+        self.cells.prepare(self, projector, stop);
+    }
+
+    fn first(&self, projector: &Projector, ray: &Ray, end: f64) -> Sight {
+        reference::first_of_sea(self, projector, ray, end)
     }
 
     fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {

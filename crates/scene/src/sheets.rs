@@ -44,11 +44,6 @@ pub(crate) struct Field {
 }
 
 impl Field {
-    /// Returns the planar depth of the nearest sheet at each sample, +∞ if there is none.
-    pub(crate) fn depths(&self, projector: &Projector) -> impl Iterator<Item = f64> {
-        self.sheets.iter().map(|sheets| sheets[0].map_or(f64::INFINITY, |sheet| sheet.depth(projector)))
-    }
-
     pub(crate) fn at(&self, [x, y]: [i64; 2]) -> Sheets {
         let row = (y - self.window.y0) as usize * self.window.width();
         self.sheets[row + (x - self.window.x0) as usize]

@@ -1,7 +1,5 @@
 use glam::DVec3;
 
-use crate::certain::Search;
-use crate::channel::FINE;
 use crate::points::MeshHit;
 use crate::{ChannelSet, Projector, Ray, Resting, SeaSurface};
 
@@ -26,22 +24,18 @@ pub trait Surface: Send + Sync {
         (!stop()).then(|| self.tessellate(projector, wanted))
     }
 
-    /// Returns a mesh with normals and rest points that is finer than a picture needs, as required to know contours
-    /// closely; or `None`, as in [`tessellate_unless`](Self::tessellate_unless).
-    fn tessellate_finely(&self, projector: &Projector, stop: &(dyn Fn() -> bool + Sync)) -> Option<Mesh> {
-        self.tessellate_unless(projector, FINE, stop)
-    }
-
     /// Returns the first point of the continuous surface along a ray from the camera, in f64.
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit>;
 
-    /// Marks every position in the picture where this surface, its `mesh` for the camera or anything between them may
-    /// have a visible contour. Returns false if that is not known.
-    ///
-    /// The mesh comes from [`tessellate_finely`](Self::tessellate_finely).
-    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
-        let _ = (search, mesh);
-        false
+    /// Prepares for many rays of a camera; gives up soon after `stop` says that they are no longer needed.
+    fn prepare_rays(&self, projector: &Projector, stop: &(dyn Fn() -> bool + Sync)) {
+        let _ = (projector, stop);
+    }
+
+    /// Returns the first point of the continuous surface along a ray from the camera, if it is nearer than `end`, in
+    /// f64 and with limited effort: [`Sight::Unclear`] if that does not suffice to be certain.
+    fn first(&self, projector: &Projector, ray: &Ray, end: f64) -> Sight {
+        self.trace(projector, ray).filter(|hit| hit.distance < end).map_or(Sight::Nothing, Sight::Point)
     }
 
     /// Returns the point of the continuous surface along a ray near a point of its mesh, in f64.
@@ -77,6 +71,17 @@ pub trait Surface: Send + Sync {
     fn resting(&self) -> Option<&dyn Resting> {
         None
     }
+}
+
+/// What a ray certainly meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sight {
+    /// It is not certain.
+    Unclear,
+    /// No surface.
+    Nothing,
+    /// A point of a surface.
+    Point(Hit),
 }
 
 /// A point of a surface by its texture coordinates (u, v).

@@ -3,9 +3,10 @@
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
 
 use crate::bezier::Placement;
-use crate::certain::{Search, contours_of_facets};
+use crate::boxes::{Line, Tree};
 use crate::channel::{NORMALS, RESTS};
 use crate::points::MeshHit;
 use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
@@ -148,6 +149,8 @@ pub struct TriangleModel {
     normals: Vec<DVec3>,
     /// Corners, with the outer side as placed.
     triangles: Vec<[u32; 3]>,
+    /// Boxes around the triangles, made for the first ray.
+    tree: Arc<OnceLock<Option<Tree>>>,
 }
 
 impl TriangleModel {
@@ -174,7 +177,7 @@ impl TriangleModel {
             let sign = if turned { -1.0 } else { 1.0 };
             mesh.normals.par_iter().map(|normal| unit(turn.apply(*normal) * sign)).collect()
         };
-        Ok(Self { mesh, positions, normals, triangles })
+        Ok(Self { mesh, positions, normals, triangles, tree: Arc::default() })
     }
 
     /// Returns the number of triangles.
@@ -256,10 +259,6 @@ impl Surface for TriangleModel {
         mesh
     }
 
-    fn contours(&self, search: &Search<'_>, mesh: &Mesh) -> bool {
-        contours_of_facets(mesh, search, false)
-    }
-
     /// Returns the hit of the triangle itself, unless rounding has moved the ray beside it.
     fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
         // There may be several bodies of this model.
@@ -269,10 +268,24 @@ impl Surface for TriangleModel {
     }
 
     fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
-        let met =
-            self.triangles.iter().filter_map(|triangle| Some((meet(&self.positions, *triangle, ray)?, *triangle)));
-        let (met, triangle) = met.min_by(|a, b| a.0.distance.total_cmp(&b.0.distance))?;
-        Some(self.hit(projector, ray, met, triangle))
+        let mut nearest: Option<(Crossing, usize)> = None;
+        let tree = self.tree.get_or_init(|| {
+            let corners = |triangle: &[u32; 3]| triangle.map(|vertex| self.positions[vertex as usize]);
+            let bounds = |[a, b, c]: [DVec3; 3]| [a.min(b).min(c), a.max(b).max(c)];
+            Tree::new(&self.triangles.iter().map(|triangle| bounds(corners(triangle))).collect::<Vec<_>>())
+        });
+        tree.as_ref()?.visit(&Line::new(ray.origin, ray.direction), f64::INFINITY, |index| {
+            if let Some(met) = meet(&self.positions, self.triangles[index], ray) {
+                // Of equally near triangles, the first one counts.
+                let is_nearer = |(known, of): &(Crossing, usize)| (met.distance, index) < (known.distance, *of);
+                if nearest.as_ref().is_none_or(is_nearer) {
+                    nearest = Some((met, index));
+                }
+            }
+            nearest.as_ref().map_or(f64::INFINITY, |(met, _)| met.distance)
+        });
+        let (met, index) = nearest?;
+        Some(self.hit(projector, ray, met, self.triangles[index]))
     }
 }
 

@@ -9,13 +9,13 @@ use std::f64::consts::{LN_2, LOG2_E, TAU};
 const LANES: usize = 8;
 
 /// 1.5·2⁵²: adding and subtracting it rounds |v| < 2⁵¹ to the nearest integer, ties to even, exactly.
-const ROUNDER: f64 = 6_755_399_441_055_744.0;
+pub(crate) const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// Exponent from which a wave is not added: 1e-17 of it is left.
 const CUT: f64 = 40.0;
 
 /// Largest exponent for which e⁻ˣ is computed.
-const MOST: f64 = 700.0;
+pub(crate) const MOST: f64 = 700.0;
 
 /// ln 2 in two parts; the first has so few bits that its multiples by integers below 2²⁰ are exact.
 const LN_2_HIGH: f64 = f64::from_bits(LN_2.to_bits() & !0x3_ffff_ffff);
@@ -202,7 +202,7 @@ impl Waves {
 
 /// Returns sin and cos of −½…½ turn, to 1e-16: their series over an eighth of a turn to each side, in its quadrant.
 #[inline(always)]
-fn sincos(turns: f64) -> (f64, f64) {
+pub(crate) fn sincos(turns: f64) -> (f64, f64) {
     let quadrant = (4.0 * turns + ROUNDER) - ROUNDER;
     let x = (turns - 0.25 * quadrant) * TAU;
     let x2 = x * x;
@@ -236,7 +236,7 @@ const COSINE: [f64; 8] = [
 
 /// Returns e⁻ˣ for 0 ≤ x ≤ [`MOST`], with a relative error of 1e-15.
 #[inline(always)]
-fn exp_neg(x: f64) -> f64 {
+pub(crate) fn exp_neg(x: f64) -> f64 {
     let halvings = (x * LOG2_E + ROUNDER) - ROUNDER;
     let rest = -((x - halvings * LN_2_HIGH) - halvings * LN_2_LOW);
     let mut power = 1.0 / 6_227_020_800.0;

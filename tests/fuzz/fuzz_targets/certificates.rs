@@ -15,7 +15,7 @@ const DOCUMENT: &str = r##"{ "trochoid": 1, "format": { "width": 16, "height": 9
     "nodes": { "across": { "type": "ScreenX" }, "mix": { "type": "Mix", "a": "#123", "b": "#fed", "weight": "across" } },
     "outputs": { "beauty": { "color": "mix" } } }"##;
 
-/// A picture that certificates may be of.
+/// Returns the picture that certificates are verified against.
 fn image() -> &'static PathBuf {
     static IMAGE: OnceLock<PathBuf> = OnceLock::new();
     IMAGE.get_or_init(|| {

@@ -1,4 +1,4 @@
-//! Any bytes as a document: checked, drawn, described, never a panic.
+//! Any bytes as a document: checked, hashed and planned, without a panic.
 #![no_main]
 
 use libfuzzer_sys::{fuzz_mutator, fuzz_target};
@@ -12,7 +12,6 @@ fuzz_target!(|bytes: &[u8]| {
     match trochoid::parse("a.json", text, trochoid_fuzz::folder(), &[]) {
         Ok(loaded) => {
             let graph = &loaded.graph;
-            // The same document again, from what it means.
             let hash = graph.document_hash();
             assert_eq!(hash.len(), 64);
             let frame = graph.frames().0;

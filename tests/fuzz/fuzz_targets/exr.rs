@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 
-/// What every EXR begins with, so that no run is spent on finding it.
+/// First bytes of every EXR, which the fuzzer need not find by itself.
 const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 fuzz_target!(|bytes: &[u8]| {

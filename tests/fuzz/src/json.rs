@@ -70,7 +70,7 @@ fn count(value: &Value) -> usize {
     1 + children(value).into_iter().map(count).sum::<usize>()
 }
 
-/// Some value within, to stand elsewhere.
+/// Returns a random value of the document, to be put elsewhere.
 fn pick(value: &Value, random: &mut Pcg64Mcg) -> Value {
     let mut at = random.random_range(0..count(value));
     fn find<'v>(value: &'v Value, at: &mut usize) -> Option<&'v Value> {
@@ -83,7 +83,7 @@ fn pick(value: &Value, random: &mut Pcg64Mcg) -> Value {
     find(value, &mut at).filter(|value| count(value) < 200).cloned().unwrap_or(Value::Null)
 }
 
-/// Changes the value that comes at this place in the order of the text.
+/// Changes the value at this place in the order of the text; returns whether there is one.
 fn change(value: &mut Value, at: &mut usize, donor: Value, random: &mut Pcg64Mcg) -> bool {
     if *at == 0 {
         become_another(value, donor, random);
@@ -130,7 +130,7 @@ fn become_another(value: &mut Value, donor: Value, random: &mut Pcg64Mcg) {
     }
 }
 
-/// Removes, renames, gives or swaps an entry.
+/// Removes, replaces, renames or swaps an entry.
 fn alter(map: &mut Map<String, Value>, donor: Value, random: &mut Pcg64Mcg) {
     let keys: Vec<String> = map.keys().cloned().collect();
     let (Some(one), Some(other)) = (keys.choose(random), keys.choose(random)) else { return };

@@ -14,7 +14,7 @@ const PATIENCE: Duration = Duration::from_millis(500);
 /// Memory limit of one evaluation, in bytes.
 const MEMORY: u64 = 512 << 20;
 
-/// A folder of this process, in memory where the system has such a place.
+/// Returns a folder of this process, in memory if the system offers that.
 pub fn folder() -> &'static Path {
     static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
     let memory = Path::new("/dev/shm");
@@ -38,7 +38,7 @@ impl Monitor for Patience {
     }
 }
 
-/// Evaluates all outputs of a graph at 8 × 8 pixels; no color may leave the palette, or be no number.
+/// Evaluates all outputs of a graph at 8 × 8 pixels; no color may leave the palette or be NaN.
 pub fn evaluate(graph: &CheckedGraph) {
     let format = Format::new(8, 8, graph.format().samples()).expect("a small format");
     let graph = graph.clone().with_format(format);
@@ -49,7 +49,7 @@ pub fn evaluate(graph: &CheckedGraph) {
         Ok(frame) => {
             for picture in frame.pictures.iter().filter(|picture| picture.guarantee.is_some()) {
                 assert_eq!(picture.audit.hull_exits, 0, "the picture leaves its palette");
-                assert_eq!(picture.audit.nan_count, 0, "a color is no number");
+                assert_eq!(picture.audit.nan_count, 0, "a color is NaN");
             }
         }
         Err(EvalError::Cancelled) => {}
@@ -57,8 +57,7 @@ pub fn evaluate(graph: &CheckedGraph) {
     }
 }
 
-/// Reads a picture file in every way that there is: what it says of itself, its metadata, its pixels by `Read` and
-/// `Texture`.
+/// Reads a picture file in every way: header, metadata, and pixels, by the library and by `Read` and `Texture`.
 pub fn read(path: &Path) {
     let limits = trochoid::io::Limits { pixels: 1 << 22, bytes: 64 << 20 };
     let _ = trochoid::io::info(path, &limits).map_err(told);

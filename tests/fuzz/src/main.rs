@@ -22,7 +22,7 @@ fn main() -> Result {
     certificate(&folder.join("certificates"))
 }
 
-/// Scenes, golden cases and extreme documents.
+/// Copies scenes, golden cases and extreme documents.
 fn documents(folder: &Path) -> Result {
     for from in ["graphs", "tests/nodes", "tests/extremes"] {
         for entry in fs::read_dir(from)? {
@@ -72,7 +72,7 @@ fn images(folder: &Path) -> Result {
     Ok(())
 }
 
-/// Models, each after the byte that tells its kind.
+/// Writes models, each after a byte that tells its kind.
 fn models(folder: &Path) -> Result {
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\n";
     let gltf = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],

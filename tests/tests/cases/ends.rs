@@ -1,5 +1,5 @@
 //! Numbers at the ends of their declared ranges, one at a time, in the golden case of every front-end node, with one
-//! test per node: each document is refused with a reason, or its masks are masks and nothing is NaN.
+//! test per node: each document is refused, or its masks lie from 0 to 1 and nothing is NaN.
 
 use crate::support::{folder, root, settings};
 use crate::trial;
@@ -22,8 +22,8 @@ fn ends(items: &[Item]) -> Vec<(&'static str, [Value; 2])> {
     numbers.collect()
 }
 
-/// The document with one number changed, and words that say which: all numbers of the node, and those of the first
-/// record of each of its lists.
+/// Returns the document with one number changed, each time with a text that says which: for all numbers of the node,
+/// and of the first record of each of its lists.
 fn variants(document: &Value, node: &str, items: &[Item]) -> Vec<(String, Value)> {
     let mut places: Vec<(String, &str, [Value; 2])> = Vec::new();
     let place = format!("/nodes/{node}");
@@ -51,7 +51,7 @@ fn variants(document: &Value, node: &str, items: &[Item]) -> Vec<(String, Value)
 fn judge(document: &Value, folder: &Path) -> Result<bool, String> {
     let Ok(loaded) = parse("test.json", &document.to_string(), folder, &[]) else { return Ok(true) };
     let (first, last) = loaded.graph.frames();
-    // Work in small pieces, such as steps of small seas, costs more to share than to do.
+    // Small pieces of work, such as steps of small seas, take longer if threads share them.
     let settings = settings(|s| s.threads = 1);
     let Ok(plan) = Plan::new(&loaded.graph, &[], (first + last) / 2, &[], &settings) else { return Ok(true) };
     let Ok(frame) = plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent) else { return Ok(true) };
@@ -81,7 +81,7 @@ fn holds(name: &str, items: &[Item]) -> Result<(), String> {
     let mut document: Value = serde_json::from_str(&text).unwrap();
     let nodes = document["nodes"].as_object().unwrap();
     let is = |node: &Value, ty: &str| node["type"] == ty;
-    // Pictures from files have the size that they have.
+    // A document that reads pictures keeps their size.
     if !nodes.values().any(|node| is(node, "Read") || is(node, "ViewFromPasses")) {
         (document["format"]["width"], document["format"]["height"]) = (json!(16), json!(9));
     }
@@ -97,7 +97,7 @@ fn holds(name: &str, items: &[Item]) -> Result<(), String> {
         }
     }
     if seen == 0 && refused > 0 {
-        faults.push(format!("all {refused} documents are refused, so nothing is seen of the numbers"));
+        faults.push(format!("all {refused} documents are refused, so none of the numbers is evaluated"));
     }
     if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
 }

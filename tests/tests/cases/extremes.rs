@@ -1,9 +1,10 @@
-//! Ends of ranges and hostile data: the graphs of `tests/extremes`, each with its expectation beside it: refused by
-//! `check`, warned of, refused when its data are read, or evaluated within the hull, without NaN, as the f64 reference
-//! says, and to the same bits with every switch off. All that is said on the way is `NAME.said.txt`, word by word.
+//! Ends of ranges and hostile data: the graphs of `tests/extremes`, each with its expectation beside it. A graph is
+//! refused by `check`, warned of, refused when its data are read, or evaluated: within the hull, without NaN, as the
+//! f64 reference says, and to the same bits with every switch off. `NAME.said.txt` has all messages, word by word.
 //!
 //! `NAME.expect.json` says `why` the case is there, and:
-//! - `check`: "valid", "warns", "refused", or "any" where warnings do not matter; `evaluate`: false where that is all;
+//! - `check`: "valid", "warns", "refused", or "any" if warnings do not matter; `evaluate`: false
+//!   if nothing else is checked;
 //! - `files`: EXR files that it reads: `data` and `display` windows, and `channels` whose values may be "nan" or "inf";
 //! - `fails`: whether evaluation must end with an error;
 //! - `frame`, `tolerance` (of 1 or of the value, whichever is larger), and `unsure`: the share of pixels on
@@ -63,7 +64,7 @@ fn write_file(path: &Path, file: &Value) {
     }
 }
 
-/// The graph, or none where it was to be refused; what is said of it is added to `said`.
+/// Returns the graph, or `None` if it was refused as expected; adds its messages to `said`.
 fn checked(
     text: &str,
     folder: &Path,
@@ -84,7 +85,7 @@ fn checked(
             said.push(error.to_string());
             Ok(None)
         }
-        (Ok(_), _) => Err(format!("was to be {check}, and is valid")),
+        (Ok(_), _) => Err(format!("is valid; expected the check \"{check}\"")),
         (Err(error), _) => Err(format!("is refused: {error}")),
     }
 }
@@ -120,7 +121,7 @@ fn agrees(graph: &CheckedGraph, frame: &Frame, at: i64, expected: &Value) -> Res
     let unsure = expected["unsure"].as_f64().unwrap_or(0.0);
     let (width, height) = (i64::from(graph.format().width()), i64::from(graph.format().height()));
     let stride = (width * height / PIXELS).max(1);
-    // A stride that shares no factor with the width meets every column.
+    // An odd stride shares no factor with a width that is a power of two, and so meets every column.
     let stride = if stride > 1 { stride | 1 } else { stride };
     for picture in &frame.pictures {
         let name = &graph.outputs()[picture.output].name;
@@ -187,7 +188,7 @@ fn written(
             (Err(error), false) => {
                 said.push(error.to_string());
                 if file.path.exists() {
-                    return Err("a part of a file is left behind".into());
+                    return Err("an incomplete file is left behind".into());
                 }
             }
         }
@@ -207,14 +208,14 @@ fn judge(text: &str, folder: &Path, expected: &Value, said: &mut Vec<String>) ->
             said.push(error);
             return Ok(());
         }
-        (Ok(_), true) => return Err("was to fail, and was evaluated".into()),
+        (Ok(_), true) => return Err("was evaluated; expected an error".into()),
         (Err(error), false) => return Err(format!("cannot be evaluated: {error}")),
         (Ok(frame), false) => frame,
     };
     legal(&graph, &frame)?;
     let plain = evaluated(&graph, at, Some(Switches::NONE)).map_err(|error| format!("all switches off: {error}"))?;
     if all_bits(&frame) != all_bits(&plain) {
-        return Err("other bits with all switches off".into());
+        return Err("the bits differ with all switches off".into());
     }
     agrees(&graph, &frame, at, expected)?;
     meets(&graph, &frame, &expected["expect"])?;

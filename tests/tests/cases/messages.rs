@@ -1,9 +1,9 @@
 //! Faulty documents with their whole messages: place, what was found, what was expected, and a remedy.
 //!
-//! `refusals/TOPIC/NAME.json` is the document, `NAME.txt` beside it the message, which is stored as it is found with
-//! `TROCHOID_UPDATE=1`. Where `NAME.set` lies there, the document itself is sound, and each of its lines is an
-//! assignment that is refused. Documents that are too large for a file are made here. Those in `warnings` are legal,
-//! and mean nothing, or less than their author thinks; beside them are some that are sound, of which nothing is said.
+//! `refusals/TOPIC/NAME.json` is the document, and `NAME.txt` beside it the message, which `TROCHOID_UPDATE=1` stores
+//! as it is found. If there is a `NAME.set`, the document itself is sound, and each line of that file is an assignment
+//! that is refused. Documents that are too large for a file are made here. Documents in `warnings` are valid but do
+//! nothing, or less than their author thinks; among them are some without a fault, which get no warning.
 
 use crate::support::{large, root};
 use crate::{stored, trial};
@@ -42,7 +42,7 @@ fn warnings(loaded: Result<Loaded, LoadError>) -> Result<String, String> {
     Ok(warnings.iter().map(Diagnostic::to_string).collect::<Vec<_>>().join("\n"))
 }
 
-/// The messages of a document that is refused with each of these assignments, a line each.
+/// Returns the messages of a document that is refused with each of these assignments, one per line.
 fn refusals(document: &Path, assignments: &str) -> Result<String, String> {
     let one = |line: &str| Ok(format!("--set {line}\n{}\n", refusal(load(document, &[line.into()]))?));
     Ok(assignments.lines().map(one).collect::<Result<Vec<String>, String>>()?.join("\n"))
@@ -96,7 +96,7 @@ fn files(kind: &str) -> Vec<(String, PathBuf)> {
     files
 }
 
-/// Every message belongs to a document.
+/// Checks that every message belongs to a document.
 fn strays(kind: &str) -> Result<(), String> {
     for (topic, path) in files(kind) {
         let large =

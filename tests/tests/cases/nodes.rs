@@ -1,9 +1,9 @@
 //! Golden cases, one for every node type. `nodes/Type.json` is a document of a few pixels; beside it lie
 //! `Type.expect.json`, the pixels that are worked out by hand, each with its arithmetic, and `Type.sheet.txt`, all
-//! pixels as the f64 references have them.
+//! pixels as the f64 references compute them.
 //!
-//! One body runs every case: the references against the sheet, to the last bit; the fast path against both, and against
-//! itself under all settings.
+//! Every case compares the references with the sheet, to the last bit, and the fast path with both, and with itself
+//! under all settings.
 
 use crate::sheet::{self, Truth};
 use crate::support::{evaluate, folder, graph_in, pixels_are_as_the_whole, root, sample, settings, under_all_settings};
@@ -16,7 +16,7 @@ use trochoid::{
     Buffers, Cache, Certifier, CheckedGraph, Format, Frame, Picture, ReferenceFrame, Shading, Silent, registry,
 };
 
-/// Maximum number of pixels that are worked out by hand: nobody checks more.
+/// Maximum number of pixels that are worked out by hand, because nobody would check more.
 const BY_HAND: usize = 5;
 
 /// Contents of `Type.expect.json`.
@@ -292,7 +292,7 @@ fn holds(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Every file of the folder belongs to a type.
+/// Checks that every file of the folder belongs to a type.
 fn strays() -> Result<(), String> {
     for entry in std::fs::read_dir(cases()).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();

@@ -1,7 +1,7 @@
 //! A drawn graph at one pixel: its value in f64, how far f32 may be off, and the box of its controls.
 //!
-//! The bound follows NUMERICS §3 with u = 2⁻²⁴ and η = 2⁻¹⁴⁹, the least f32: what operands err by passes on as there,
-//! and each operation adds its own rounding.
+//! The bound follows NUMERICS §3 with u = 2⁻²⁴ and η = 2⁻¹⁴⁹, the smallest positive f32: errors of operands propagate
+//! as described there, and each operation adds its own rounding.
 //!
 //! | operation | passes on | adds |
 //! |---|---|---|
@@ -12,7 +12,7 @@
 //! | Mix | (1 − t)·eₐ + t·e_b + eₜ·(\|b − a\| + eₐ + e_b) | 1.5 ulp of the larger operand |
 //! | Blend | Σ(w + e)·eᵢ + ½·diameter·Σe | 1 ulp of the largest operand, weights (n + 1)·2⁻²⁵ |
 //!
-//! No color errs by more than the width of its box, in which value and result both lie.
+//! The error of a color is at most the width of its box, because value and result both lie in the box.
 
 use super::draw::{Arg, Drawn, Op};
 use super::pixels::Pixels;
@@ -44,7 +44,7 @@ pub(crate) enum Value {
     Color(Color),
     /// A mask or a field.
     Number(Scalar),
-    /// Masks laid over each other, the first on top; and whether the lowest comes first among the weights.
+    /// Masks laid over each other, the first on top; the flag says whether the weight of the bottom comes first.
     Masks(Vec<Scalar>, bool),
     /// Explicit weights.
     Weights(Vec<Scalar>),
@@ -293,7 +293,7 @@ impl At<'_> {
             Value::Number(t) => mix(colors[0], colors[1], *t),
             Value::Weights(weights) => blend(colors, weights),
             Value::Masks(masks, rising) => {
-                // Laid from the bottom up, one Mix a mask.
+                // Laid from the bottom up, with one Mix per mask.
                 let mut layers = colors.to_vec();
                 if *rising {
                     layers.reverse();

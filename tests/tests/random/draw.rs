@@ -21,7 +21,7 @@ pub(crate) enum Arg {
     Color([f32; 3]),
 }
 
-/// A node; numbers are such that f32 holds them exactly.
+/// A node; its numbers are exact in f32.
 #[derive(Clone, Debug)]
 pub(crate) enum Op {
     Input(&'static str),
@@ -123,7 +123,7 @@ impl Drawn {
         let disabled: Vec<bool> = nodes
             .iter()
             .map(|(op, _)| {
-                // A disabled node hands on its first input, where that is of its own kind.
+                // A disabled node passes its first input through, if it is of the same kind.
                 matches!(op, Op::Mix { a: Arg::Node(_), .. } | Op::Invert(Arg::Node(_))) && random.random_bool(0.06)
             })
             .collect();
@@ -137,13 +137,13 @@ impl Drawn {
     }
 }
 
-/// The node that an argument names.
+/// Returns the node that an argument names.
 pub(crate) fn node(arg: &Arg) -> Option<usize> {
     if let Arg::Node(node) = arg { Some(*node) } else { None }
 }
 
 impl Op {
-    /// Everything at its ports.
+    /// Returns everything at its ports.
     pub(crate) fn args(&self) -> Vec<Arg> {
         match self {
             Self::Input(_) => Vec::new(),
@@ -162,7 +162,7 @@ impl Op {
 }
 
 impl<R: Rng> Drawing<'_, R> {
-    /// Up to three outputs: the last node and others.
+    /// Draws up to three outputs: the last node and others.
     fn outputs(&mut self) -> Vec<usize> {
         let mut outputs = vec![self.nodes.len() - 1];
         for kind in [Kind::Mask, Kind::Weights(0)] {
@@ -174,7 +174,7 @@ impl<R: Rng> Drawing<'_, R> {
         outputs
     }
 
-    /// A node of a kind, the latest first.
+    /// Draws a node of a kind, preferably the latest.
     fn find(&mut self, fits: impl Fn(Kind) -> bool) -> Option<usize> {
         let all: Vec<usize> = (0..self.nodes.len()).filter(|&node| fits(self.nodes[node].1)).collect();
         let latest = &all[all.len().saturating_sub(1)..];
@@ -214,7 +214,7 @@ impl<R: Rng> Drawing<'_, R> {
         }
     }
 
-    /// A bound of a Clamp or a threshold of Bands: finite, and often exactly a pixel's value.
+    /// Draws a bound of a Clamp or a threshold of Bands: finite, and often exactly the value of a pixel.
     fn place(&mut self) -> f64 {
         let tame = f64::from(self.random.random_range(-64..=128)) / 64.0;
         let exact = pick(&FIELDS, self.random);
@@ -248,7 +248,7 @@ impl<R: Rng> Drawing<'_, R> {
             9 => {
                 let count = self.random.random_range(1..4);
                 let width = [0.0, 0.0, 0.5, 0.25, 2.0].choose(self.random).copied().unwrap_or(0.0);
-                // A soft edge must not round against its threshold.
+                // Both ends of a soft edge must be exact in f32.
                 let thresholds = if width == 0.0 {
                     self.places(count)
                 } else {

@@ -52,7 +52,7 @@ fn within(seed: u64, drawn: &Drawn, frame: &Frame, pixels: &Pixels, graph: &Chec
             let (x, y) = ((at % WIDTH) as i64, (at / WIDTH) as i64);
             let found: Vec<f32> = picture.planes.iter().map(|plane| plane.samples()[at]).collect();
             let values = bound::evaluate(drawn, pixels, at);
-            // The reference is slow: every seventh pixel, another in each graph.
+            // The reference is slow, so it is compared at every seventh pixel, at others in each graph.
             let truth = if (at as u64 + seed).is_multiple_of(7) { Some(reference.pixel(x, y).unwrap()) } else { None };
             let expected = values[node].channels();
             assert_eq!(found.len(), expected.len(), "graph {seed}: {}", spec.name);
@@ -66,7 +66,7 @@ fn within(seed: u64, drawn: &Drawn, frame: &Frame, pixels: &Pixels, graph: &Chec
                     let error = (f64::from(*found) - truth[channel]).abs();
                     assert!(error <= bound, "{error:e} > {bound:e}: {found:e}, not {truth:?}: {}", place());
                 }
-                // Where a threshold is not certain the bound is the box, which says nothing of rounding.
+                // At an uncertain threshold the bound is the box, which says nothing about rounding.
                 if bound > 0.0 && bound < 1e-5 * expected.high {
                     tally.loosest = tally.loosest.max(error / bound);
                 }
@@ -125,7 +125,7 @@ fn random_graphs_hold_every_promise() {
         let buffers = pixels.buffers(&graph);
         let frame = under_all_settings(&graph, FRAME, &buffers, &format!("graph {seed}: {}", drawn.text));
         let read = evaluate(&graph, FRAME, &Buffers::new(), &settings(|_| ()));
-        assert_eq!(all_bits(&frame), all_bits(&read), "graph {seed}: buffers are not files\n{}", drawn.text);
+        assert_eq!(all_bits(&frame), all_bits(&read), "graph {seed}: buffers and files differ\n{}", drawn.text);
         within(seed, &drawn, &frame, &pixels, &graph, &mut tally);
         certified(seed, &drawn, &frame, &buffers, &graph, &mut tally);
         let states = read.nodes.iter().map(|report| &report.state);
@@ -147,6 +147,6 @@ fn random_graphs_hold_every_promise() {
     assert!(tally.ratios.len() > 5_000 && median < 10.0, "{median} times the error found, of {}", tally.ratios.len());
     let share = tally.doubtful as f64 / (tally.clear + tally.doubtful) as f64;
     assert!(share > 0.0 && share < 0.1, "{share} of the samples are in doubt");
-    // A bound that nothing comes near would say nothing.
+    // A bound far above all errors would prove little.
     assert!((0.2..=1.0).contains(&tally.loosest), "the worst error is {} of its bound", tally.loosest);
 }

@@ -93,7 +93,7 @@ impl Pixels {
                         for row in &mut rows {
                             let tame = random.random_range(0.0..1.0);
                             row[at] = if hostile { pick(&COLORS, random) } else { tame };
-                            // One control image of one color, to meet equal operands.
+                            // One image has a single color, so that operands may be equal.
                             if name == "c2" {
                                 row[at] = one;
                             }
@@ -110,7 +110,7 @@ impl Pixels {
         self.planes.iter().map(|(name, plane)| (name.as_str(), plane.as_slice())).collect()
     }
 
-    /// The samples of an input at a pixel.
+    /// Returns the samples of an input at a pixel.
     pub(crate) fn at(&self, name: &str, at: usize) -> Vec<f32> {
         self.of(name).iter().map(|plane| plane[at]).collect()
     }
@@ -120,7 +120,7 @@ impl Pixels {
         self.planes.iter().filter(|(channel, _)| own(channel)).map(|(_, plane)| plane.as_slice()).collect()
     }
 
-    /// Buffers for every input that the graph declares.
+    /// Returns buffers for every input that the graph declares.
     pub(crate) fn buffers(&self, graph: &CheckedGraph) -> Buffers<'_> {
         let inputs = INPUTS.iter().filter(|(name, ..)| graph.find(name).is_some());
         inputs.fold(Buffers::new(), |buffers, (name, ..)| buffers.with(name, &self.of(name)))

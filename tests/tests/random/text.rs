@@ -4,7 +4,7 @@ use super::draw::{Arg, Kind, Op};
 use super::pixels::INPUTS;
 use rand::{Rng, RngExt};
 
-/// The document; some numbers and colors are keyed such that frame 2 has the value drawn.
+/// Returns the document; some numbers and colors are keyed such that frame 2 has the value drawn.
 pub(crate) fn text(
     nodes: &[(Op, Kind)],
     disabled: &[bool],
@@ -40,7 +40,7 @@ fn name(nodes: &[(Op, Kind)], index: usize) -> String {
     if let Op::Input(name) = nodes[index].0 { name.into() } else { format!("n{index}") }
 }
 
-/// A value, or the same keyed at frame 2 between others.
+/// Returns the value, or a keyed knob that has it at frame 2, between other values.
 fn keyed(value: String, others: [&str; 2], random: &mut impl Rng) -> String {
     if random.random_bool(0.8) {
         return value;

@@ -27,7 +27,8 @@ type Values<'f> = &'f dyn Fn(f32, f32) -> f32;
 const MESH: &str = "v -9 -2.25 9\nv 9 2.25 9\nv 9 2.25 -9\nv -9 -2.25 -9\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
                     vn 0 1 0\nvn 0.6 0.8 0\nf 1/1/1 2/2/2 3/3/2 4/4/1\n";
 
-/// A folder with what golden cases read: the 4 × 3 pictures `read.exr` and `passes.exr`, and `mesh.obj`.
+/// Returns a folder with the files that golden cases read: the 4 × 3 pictures `read.exr` and `passes.exr`, and
+/// `mesh.obj`.
 pub(crate) fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("mesh.obj"), MESH).unwrap();

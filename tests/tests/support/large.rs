@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-/// A small generator of random numbers, so that this file needs nothing but the standard library.
+/// A small generator of random numbers, so that this file needs only the standard library.
 struct Draw(u64);
 
 impl Draw {
@@ -21,7 +21,7 @@ impl Draw {
     }
 }
 
-/// A document of this size with these nodes and outputs.
+/// Returns a document of this size with these nodes and outputs.
 pub(crate) fn document(size: (u32, u32), nodes: &str, outputs: &str) -> String {
     let (width, height) = size;
     format!(
@@ -54,7 +54,7 @@ pub(crate) fn chain(count: usize, size: (u32, u32)) -> String {
     document(size, &nodes, &format!("\"out\": {{ \"color\": {last} }}"))
 }
 
-/// What the nodes of a random graph hand on, by kind; in each the names that nothing reads yet come last.
+/// Nodes of one kind in a random graph; those that nothing reads yet are also in `unread`.
 #[derive(Default)]
 struct Pool {
     names: Vec<String>,
@@ -62,7 +62,7 @@ struct Pool {
 }
 
 impl Pool {
-    /// One that nothing reads yet, at every second draw, so that the graph hangs together.
+    /// Draws a node; at every second draw one that nothing reads yet, so that most nodes are used.
     fn draw(&mut self, draw: &mut Draw) -> Option<String> {
         if draw.below(2) == 0
             && let Some(name) = self.unread.pop()

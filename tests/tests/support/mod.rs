@@ -8,19 +8,37 @@ pub(crate) use certified::pixels_are_as_the_whole;
 pub(crate) use files::{folder, write_exr};
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use trochoid::{
-    Buffers, Cache, CheckedGraph, Frame, Instructions, Judging, Picture, Plan, ReferenceFrame, Settings, Silent, State,
-    Switches, parse,
+    Buffers, Cache, CheckedGraph, Frame, Instructions, Judging, Picture, Plan, Plane, ReferenceFrame, Settings, Silent,
+    State, Switches, Window, parse,
 };
 
-/// The workspace's root; from now on the current folder too, so that scenes may read beneath it.
+/// Returns the workspace's root, and makes it the current folder, so that scenes may read beneath it.
 pub(crate) fn root() -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     std::env::set_current_dir(root).unwrap();
     root.into()
 }
 
-/// The graph of a document's text; paths are relative to `folder`.
+/// Environment variable of a process in which a single test runs.
+const ALONE: &str = "TROCHOID_TEST_ALONE";
+
+/// Returns whether a test runs in a process of its own, where no other test takes memory. Elsewhere, runs it in such a
+/// process, and panics if it fails there.
+#[track_caller]
+pub(crate) fn is_alone(test: &str) -> bool {
+    if std::env::var_os(ALONE).is_some() {
+        return true;
+    }
+    let mut command = Command::new(std::env::current_exe().unwrap());
+    let output = command.args(["--exact", test, "--nocapture"]).env(ALONE, "1").output().unwrap();
+    let told = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+    assert!(output.status.success() && told.contains("1 passed"), "{test}, alone: {told}");
+    false
+}
+
+/// Returns the graph of a document's text; paths are relative to `folder`.
 pub(crate) fn graph_in(folder: &Path, text: &str) -> CheckedGraph {
     match parse("test.json", text, folder, &[]) {
         Ok(loaded) => loaded.graph,
@@ -28,7 +46,7 @@ pub(crate) fn graph_in(folder: &Path, text: &str) -> CheckedGraph {
     }
 }
 
-/// The graph of these nodes and outputs at a format.
+/// Returns the graph of these nodes and outputs at a format.
 pub(crate) fn graph(format: &str, nodes: &str, outputs: &str) -> CheckedGraph {
     let text = format!(
         r#"{{ "trochoid": 1, "format": {{ {format} }}, "frames": {{ "first": 1, "last": 100 }},
@@ -37,7 +55,7 @@ pub(crate) fn graph(format: &str, nodes: &str, outputs: &str) -> CheckedGraph {
     graph_in(Path::new("."), &text)
 }
 
-/// All outputs at a frame.
+/// Evaluates all outputs at a frame.
 pub(crate) fn evaluate(graph: &CheckedGraph, frame: i64, buffers: &Buffers<'_>, settings: &Settings) -> Frame {
     evaluate_some(graph, &[], frame, buffers, settings)
 }
@@ -54,7 +72,7 @@ pub(crate) fn evaluate_again(
     plan.evaluate(buffers, cache, &Silent).unwrap()
 }
 
-/// Some outputs at a frame.
+/// Evaluates some outputs at a frame.
 pub(crate) fn evaluate_some(
     graph: &CheckedGraph,
     outputs: &[&str],
@@ -66,17 +84,17 @@ pub(crate) fn evaluate_some(
     plan.evaluate(buffers, &mut Cache::new(), &Silent).unwrap()
 }
 
-/// The bits of a picture, channel by channel.
+/// Returns the bits of a picture, channel by channel.
 pub(crate) fn bits(picture: &Picture) -> Vec<Vec<u32>> {
     picture.planes.iter().map(|plane| plane.samples().iter().map(|v| v.to_bits()).collect()).collect()
 }
 
-/// The bits of all pictures of a frame.
+/// Returns the bits of all pictures of a frame.
 pub(crate) fn all_bits(frame: &Frame) -> Vec<Vec<Vec<u32>>> {
     frame.pictures.iter().map(bits).collect()
 }
 
-/// Default settings with one thing changed.
+/// Returns default settings with one thread and a change.
 pub(crate) fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
     let mut settings = Settings::default();
     settings.threads = 1;
@@ -84,8 +102,8 @@ pub(crate) fn settings(change: impl FnOnce(&mut Settings)) -> Settings {
     settings
 }
 
-/// Settings that must not change a bit: every switch alone on and alone off, none, tile sizes, threads, what is kept
-/// from one evaluation to the next.
+/// Settings that must not change a bit: every switch alone on and alone off, all off, tile sizes, threads, instruction
+/// sets, machine code, and planes that are kept for the next evaluation.
 pub(crate) fn variants() -> Vec<(String, Settings)> {
     let mut variants = vec![
         ("all switches off".into(), settings(|s| s.switches = Switches::NONE)),
@@ -129,9 +147,10 @@ pub(crate) fn variants() -> Vec<(String, Settings)> {
     variants
 }
 
-/// Evaluates under every variant, holds all bits against the default settings, and gives the latter's frame.
+/// Evaluates under every variant, compares all bits with those of the default settings, and returns their frame.
 pub(crate) fn under_all_settings(graph: &CheckedGraph, frame: i64, buffers: &Buffers<'_>, what: &str) -> Frame {
     let expected = evaluate(graph, frame, buffers, &settings(|_| ()));
+    assert_eq!(expected.pictures.len(), graph.outputs().len(), "{what}: pictures");
     let mut kept = Cache::new();
     for (name, settings) in variants() {
         let found = if settings.keep {
@@ -139,8 +158,14 @@ pub(crate) fn under_all_settings(graph: &CheckedGraph, frame: i64, buffers: &Buf
         } else {
             evaluate(graph, frame, buffers, &settings)
         };
+        assert_eq!(found.pictures.len(), expected.pictures.len(), "{what}: {name}: pictures");
         for (a, b) in expected.pictures.iter().zip(&found.pictures) {
             let output = &graph.outputs()[a.output].name;
+            let shape = |picture: &Picture| {
+                let windows: Vec<Window> = picture.planes.iter().map(Plane::window).collect();
+                (picture.output, windows)
+            };
+            assert_eq!(shape(b), shape(a), "{what}: {name}: planes of output {output}");
             for (channel, (a, b)) in a.planes.iter().zip(&b.planes).enumerate() {
                 let pairs = a.samples().iter().zip(b.samples());
                 if let Some(at) = pairs.clone().position(|(a, b)| a.to_bits() != b.to_bits()) {

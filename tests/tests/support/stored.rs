@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// Environment variable with which found texts are stored instead of compared.
+/// Environment variable that makes tests store the texts that they find, instead of comparing them.
 const UPDATE: &str = "TROCHOID_UPDATE";
 
 fn updates() -> bool {
@@ -49,7 +49,7 @@ pub(crate) fn holds_said(path: &Path, said: &str, folder: &Path) -> Result<(), S
     if said.is_empty() && updates() {
         return std::fs::remove_file(path).map_err(|error| format!("{}: cannot be removed: {error}", path.display()));
     }
-    // Names of files within the folder first, then the folder itself, as it is reached and as it is.
+    // First the names of files in the folder, then the folder itself; by its given path, and by its canonical path.
     let mut said = format!("{}\n", said.trim_end());
     for folder in [Some(folder.to_owned()), folder.canonicalize().ok()].into_iter().flatten() {
         said =

@@ -96,7 +96,7 @@ fn outputs_go_where_the_document_may_write() {
 }
 
 #[test]
-fn every_command_that_opens_files_asks() {
+fn commands_that_open_files_need_access() {
     let scene = beside();
     run_in(&scene, "shot", &["check", "a.json"]).fails(2, &REFUSED);
     let json = run_in(&scene, "shot", &["check", "a.json", "--json"]).code(2).json();
@@ -120,7 +120,7 @@ fn every_command_that_opens_files_asks() {
 }
 
 #[test]
-fn the_document_in_a_certificate_comes_from_elsewhere_too() {
+fn the_document_in_a_certificate_has_no_more_access_than_others() {
     let scene = beside();
     scene.run(&["render", "shot/a.json", "--out", "other/a.exr", "--certificate", "other/c.json"]).code(0);
     scene.run(&["verify", "other/c.json", "other/a.exr"]).code(0);
@@ -175,7 +175,7 @@ fn links_count_by_where_they_lead() {
 
 #[cfg(unix)]
 #[test]
-fn nothing_is_written_elsewhere_behind_a_link() {
+fn a_link_does_not_lead_writing_elsewhere() {
     let scene = Scene::new("");
     fs::create_dir_all(scene.path("shot/in/deep")).unwrap();
     std::os::unix::fs::symlink("in/deep", scene.path("shot/link")).unwrap();

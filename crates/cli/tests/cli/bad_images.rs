@@ -207,7 +207,7 @@ const CASES: &[Case] = &[
 ];
 
 #[test]
-fn bad_pictures_are_code_1_each_with_its_own_words_and_nothing_is_written() {
+fn bad_pictures_are_code_1_with_a_message_of_their_own_and_nothing_is_written() {
     let mut told = Told::new("pictures");
     for case in CASES {
         let kind = ["color", "field", "weights"].into_iter().find(|kind| case.knobs.contains(kind)).unwrap();

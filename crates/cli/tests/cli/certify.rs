@@ -142,7 +142,7 @@ fn resume_takes_no_image_for_done_without_its_certificate() {
 }
 
 #[test]
-fn patterns_that_name_two_files_one_and_files_in_use_are_refused() {
+fn patterns_that_give_two_files_one_name_or_name_files_in_use_are_refused() {
     let scene = Scene::new(SCENE);
     let refused = |more: &[&str], words: &[&str]| {
         scene.run(&[&["render", "a.json"], more].concat()).fails(2, words);
@@ -219,7 +219,7 @@ fn files_that_cannot_be_read_have_their_own_codes() {
 }
 
 #[test]
-fn an_image_of_another_kind_is_told_as_it_is() {
+fn an_image_of_another_kind_is_described_as_it_is() {
     let scene = Scene::new(SCENE);
     let one = ["render", "a.json", "--frames", "1", "--output", "beauty", "--out"];
     scene.run(&[&one[..], &["x.png", "--certificate", "c.json"]].concat()).code(0);

@@ -23,7 +23,7 @@ fn run(program: &Path, arguments: &[&str]) -> Run {
 }
 
 #[test]
-fn the_editor_that_lies_beside_gets_the_arguments_and_gives_its_exit_code() {
+fn the_editor_in_the_same_folder_gets_the_arguments_and_gives_the_exit_code() {
     let (_folder, program) = installed();
     // A shell in place of the editor runs its first argument, the document.
     std::os::unix::fs::symlink("/bin/sh", program.with_file_name("trochoid-editor")).unwrap();
@@ -52,7 +52,7 @@ fn without_an_editor_the_command_that_makes_one_is_named() {
     let (folder, program) = installed();
     let missing = ["trochoid-editor: found no such program", "cargo install --path crates/editor"];
     run(&program, &["edit", "a.json"]).fails(1, &missing);
-    // In the folders of cargo builds.
+    // In a build folder of cargo, the remedy is to build the editor with the same profile.
     for (profile, command) in [
         ("debug", "build it: cargo build -p trochoid-editor\n"),
         ("release", "build it: cargo build --release -p trochoid-editor\n"),

@@ -55,21 +55,41 @@ fn headers_that_do_not_fit_are_told_as_rendering_tells_them() {
     scene.run(&["check", "a.json"]).code(0).says(&["valid, 1 warning"]);
 }
 
+const MESH: &str = r#""type": "Mesh", "file""#;
+const PATCHES: &str = r#""type": "BezierModel", "model""#;
+
+/// Checks that `check` tells of a model what `render` tells, in these words.
+fn model_is_told(scene: &Scene, model: &str, name: &str, words: &str) {
+    let document = r##"{ "trochoid": 1, "format": { "width": 4, "height": 2 }, "nodes": {
+        "camera": { "type": "Camera", "position": [0, 1, 5], "target": [0, 0, 0] }, "model": { MODEL: "NAME" },
+        "view": { "type": "Render", "camera": "camera", "surfaces": ["model"] },
+        "depth": { "type": "Depth", "view": "view" } }, "outputs": { "depth": { "field": "depth" } } }"##;
+    fs::write(scene.path("a.json"), document.replace("MODEL", model).replace("NAME", name)).unwrap();
+    let rendered = scene.run(&["render", "a.json"]).code(1);
+    let checked = scene.run(&["check", "a.json"]).code(2);
+    assert_eq!(errors(&checked), errors(&rendered));
+    assert!(checked.err.contains(words), "{words}: {}", checked.err);
+}
+
 #[cfg(unix)]
 #[test]
 fn models_that_are_no_files_are_told_too() {
     let scene = Scene::new("");
-    for (model, name) in [(r#""type": "Mesh", "file""#, "pipe.obj"), (r#""type": "BezierModel", "model""#, "pipe.json")]
-    {
+    for (model, name) in [(MESH, "pipe.obj"), (PATCHES, "pipe.json")] {
         assert!(std::process::Command::new("mkfifo").arg(scene.path(name)).status().unwrap().success());
-        let document = r##"{ "trochoid": 1, "format": { "width": 4, "height": 2 }, "nodes": {
-            "camera": { "type": "Camera", "position": [0, 1, 5], "target": [0, 0, 0] }, "model": { MODEL: "NAME" },
-            "view": { "type": "Render", "camera": "camera", "surfaces": ["model"] },
-            "depth": { "type": "Depth", "view": "view" } }, "outputs": { "depth": { "field": "depth" } } }"##;
-        fs::write(scene.path("a.json"), document.replace("MODEL", model).replace("NAME", name)).unwrap();
-        let rendered = scene.run(&["render", "a.json"]).code(1);
-        let checked = scene.run(&["check", "a.json"]).code(2);
-        assert_eq!(errors(&checked), errors(&rendered));
-        assert!(checked.err.contains("found a pipe, expected a file"), "{}", checked.err);
+        model_is_told(&scene, model, name, "found a pipe, expected a file");
+    }
+}
+
+#[test]
+fn faults_within_models_are_told_too() {
+    let scene = Scene::new("");
+    for (model, name, bytes, words) in [
+        (MESH, "m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "m.obj: "),
+        (PATCHES, "m.json", r#"{ "points": [[0, 0, 0]], "patches": [] }"#, "expected \"trochoid_model\": 1"),
+        (PATCHES, "n.json", r#"{ "trochoid_model": 1, "points": [], "patches": [[0, 0, 7, 0]] }"#, "names point 0"),
+    ] {
+        fs::write(scene.path(name), bytes).unwrap();
+        model_is_told(&scene, model, name, words);
     }
 }

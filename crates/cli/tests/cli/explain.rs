@@ -68,7 +68,7 @@ fn machines_get_the_same_as_json() {
 }
 
 #[test]
-fn what_cannot_be_told_is_said() {
+fn what_is_unknown_is_reported_with_its_reason() {
     let scene = Scene::new(READS);
     // The file is missing: the results of planning are printed, with the reason that the rest is unknown.
     let run = scene.run(&["check", "a.json", "--explain", "--measure"]).code(0);

@@ -11,7 +11,7 @@ fn shared() -> Scene {
 }
 
 #[test]
-fn outputs_of_a_shared_file_are_not_thrown_away_unasked() {
+fn outputs_of_a_shared_file_are_not_removed_unasked() {
     let scene = shared();
     scene.run(&["render", "a.json"]).code(0);
     let whole = fs::read(scene.path("all.0002.exr")).unwrap();
@@ -47,7 +47,7 @@ fn outputs_of_a_shared_file_are_not_thrown_away_unasked() {
 }
 
 #[test]
-fn endings_are_looked_at_before_anything_is_done() {
+fn extensions_are_checked_before_anything_is_written() {
     let scene = Scene::new(SCENE);
     scene.run(&["render", "a.json"]).code(0);
     let before = fs::read(scene.path("out/mask.0002.png")).unwrap();
@@ -84,7 +84,7 @@ fn our_files_of_another_kind_are_not_replaced_unasked() {
 
 #[cfg(unix)]
 #[test]
-fn two_pictures_do_not_land_in_one_file_by_a_link() {
+fn links_do_not_lead_two_pictures_into_one_file() {
     use std::os::unix::fs::symlink;
     let outputs = r#""outputs": { "a": { "color": "mix", "file": "a.####.png" }, "b": { "weights": "across", "file": "b.####.png" } } }"#;
     let scene = Scene::new(&format!("{}{outputs}", SCENE.split("\"outputs\"").next().unwrap()));
@@ -120,7 +120,7 @@ fn two_pictures_do_not_land_in_one_file_by_a_link() {
 
 #[cfg(unix)]
 #[test]
-fn links_to_what_is_not_there_yet_are_followed() {
+fn links_to_missing_files_are_followed() {
     use std::os::unix::fs::symlink;
     let scene = Scene::new(SCENE);
     let one = ["render", "a.json", "--frames", "1", "--output"];
@@ -172,7 +172,7 @@ fn two_frame_patterns_in_a_name_are_refused() {
 }
 
 #[test]
-fn names_that_cannot_be_say_where_they_stand_and_what_to_do() {
+fn impossible_names_are_refused_with_their_place_and_a_remedy() {
     let still = SCENE.replace("out/mask.####.png", "dusk.png");
     Scene::new(&still).run(&["render", "a.json"]).fails(
         2,

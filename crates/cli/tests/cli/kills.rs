@@ -53,7 +53,7 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
-fn what_is_resumed_after_a_kill_is_the_whole_run_and_leaves_no_litter() {
+fn a_killed_and_resumed_run_equals_a_whole_run_and_leaves_no_partial_files() {
     let kills = std::env::var("TROCHOID_KILLS").map_or(KILLS, |kills| kills.parse().expect("a number of kills"));
     let (mut killed, mut left) = (0, 0);
     // A fixed sequence: the fractions of multiples of the golden ratio are evenly distributed.
@@ -70,7 +70,7 @@ fn what_is_resumed_after_a_kill_is_the_whole_run_and_leaves_no_litter() {
         let mut done = 0;
         while done < share {
             fs::remove_dir_all(&out).unwrap();
-            // Up to four kills before a run may end, so that resumed runs are resumed, too.
+            // Up to four kills before a run may end, so that runs that resume are also killed.
             for _ in 0..(1 + done % 4).min(share - done) {
                 let mut child =
                     scene.command(&["render", "a.json", "--threads", "1", "--resume", "--quiet"]).spawn().unwrap();

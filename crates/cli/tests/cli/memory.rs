@@ -37,7 +37,7 @@ fn twelve(node: &str, side: u32) -> String {
 }
 
 #[test]
-fn what_many_large_files_take_together_is_refused_before_it_is_taken() {
+fn many_files_that_are_too_large_together_are_refused() {
     // Each node reads another name of the picture, so that no two are merged.
     let texture = r#""type": "Texture", "file": "large.png", "as": "color", "u": "x", "v": "x""#;
     let scene = Scene::new(&twelve(texture, 8));
@@ -84,7 +84,7 @@ const WHOLE: &str = r##"{ "trochoid": 1, "format": { "width": 1500, "height": 15
     "outputs": { "out": { "color": "soft", "file": "out/out.png" }, "mask": { "weights": "mask", "file": "out/mask.exr" } } }"##;
 
 #[test]
-fn memory_that_cannot_be_had_is_an_error_and_leaves_nothing() {
+fn memory_that_the_system_refuses_is_an_error_and_leaves_no_partial_files() {
     let scene = Scene::new(WHOLE);
     let mut codes = Vec::new();
     for megabytes in (200..=1400).step_by(100) {
@@ -102,7 +102,7 @@ fn memory_that_cannot_be_had_is_an_error_and_leaves_nothing() {
         let _ = std::fs::remove_dir_all(scene.path("out"));
         codes.push(run.code);
     }
-    assert!(codes.contains(&0) && codes.contains(&1), "no limit that matters: {codes:?}");
+    assert!(codes.contains(&0) && codes.contains(&1), "no limit made a difference: {codes:?}");
 }
 
 #[test]

@@ -50,7 +50,7 @@ fn reports_know_their_files() {
 }
 
 #[test]
-fn a_file_of_others_that_appears_meanwhile_stays() {
+fn documents_are_not_overwritten_by_plans_and_reports() {
     let scene = Scene::new(SCENE);
     scene.run(&["render", "a.json", "--out", "x.{output}.##.png", "--output", "beauty"]).code(0);
     // Documents are files of users, whatever their names are.
@@ -102,7 +102,7 @@ fn no_input_is_overwritten_by_any_run() {
 }
 
 #[test]
-fn what_set_hides_is_an_input_all_the_same() {
+fn an_input_that_set_replaces_is_still_an_input() {
     let scene = Scene::new(READS);
     scene.write_picture("in.exr", 0.1);
     scene.write_picture("other.exr", 0.2);
@@ -117,7 +117,7 @@ fn what_set_hides_is_an_input_all_the_same() {
 }
 
 #[test]
-fn an_output_is_not_lost_where_another_one_has_its_file_and_its_channels() {
+fn an_output_in_a_file_is_not_lost_to_another_with_its_channels() {
     let both = READS.replace(
         "\"outputs\": {",
         "\"outputs\": { \"again\": { \"color\": \"in\", \"file\": \"out.exr\", \"layer\": \"\" },",
@@ -145,11 +145,11 @@ fn frames_are_not_replaced_by_previews_and_maps_unasked() {
 #[test]
 fn a_name_that_is_too_long_fails_before_anything_is_rendered() {
     let scene = Scene::new(SCENE);
-    // The name is short enough at the first frame.
     let pattern = format!("{}{{output}}.#.exr", "n".repeat(243 - "beauty".len()));
     scene.run(&["render", "a.json", "--output", "beauty", "--frames", "1,99999", "--out", &pattern]).code(0);
     fs::remove_file(scene.path(&pattern.replace("{output}.#", "beauty.1"))).unwrap();
     fs::remove_file(scene.path(&pattern.replace("{output}.#", "beauty.99999"))).unwrap();
+    // This name is short enough at the first frame, but not at the second.
     let long = pattern.replace('#', "######");
     scene
         .run(&["render", "a.json", "--output", "beauty", "--frames", "1,9999999", "--out", &format!("n{long}")])
@@ -171,7 +171,7 @@ fn one_file_made_again_is_the_file_of_the_whole_run() {
         }
     }
     scene.run(&["render", "a.json", "--output", "mask"]).code(0);
-    assert!(fs::read(scene.path("out/mask.0002.png")).unwrap() == whole[4], "whatever else a run makes");
+    assert!(fs::read(scene.path("out/mask.0002.png")).unwrap() == whole[4], "the same without other outputs");
     let resumed = scene.run(&["render", "a.json", "--resume", "--unoptimized", "--frames", "1"]).code(0).out;
-    assert!(!resumed.contains("up to date"), "its metadata tell another plan: {resumed}");
+    assert!(!resumed.contains("up to date"), "its metadata name another plan: {resumed}");
 }

@@ -51,7 +51,7 @@ fn a_plan_is_certified_to_meet_its_tolerance_and_renders_what_the_tolerance_rend
 }
 
 #[test]
-fn the_document_may_ask_for_it() {
+fn the_document_may_require_a_tolerance() {
     let scene = Scene::new(&SEA.replace("\"working_space\"", "\"tolerance\": \"1/64\", \"working_space\""));
     let run = scene.run(&["render", "a.json", "--frames", "1-2"]).code(0);
     run.says(&["tolerance 1/64: view.points=surface", "frame 2: beauty"]);
@@ -77,7 +77,7 @@ fn a_pass_without_a_bound_is_named_with_its_reason() {
 }
 
 #[test]
-fn what_no_method_meets_is_refused_by_the_pass_that_limits_it() {
+fn a_tolerance_that_no_method_meets_is_refused_with_the_pass_that_limits_it() {
     let scene = Scene::new(SEA);
     let words = ["output \"beauty\": found ", "limited by the pass \"fresnel\" (Fresnel)", "remedy: ask for 1/"];
     scene.run(&["plan", "a.json", "--tolerance", "1e-9"]).fails(3, &words);
@@ -117,7 +117,7 @@ fn exact_and_reference_are_within_what_is_certified() {
 }
 
 #[test]
-fn what_has_nothing_to_choose_is_certified_as_it_is() {
+fn a_document_without_a_choice_is_certified_as_it_is() {
     let scene = Scene::new(SCENE);
     scene
         .run(&["plan", "a.json", "--tolerance", "1/512"])
@@ -128,7 +128,7 @@ fn what_has_nothing_to_choose_is_certified_as_it_is() {
 }
 
 #[test]
-fn faults_are_told_before_anything_is_done() {
+fn wrong_tolerances_and_outputs_are_refused() {
     let scene = Scene::new(SEA);
     scene.run(&["plan", "a.json"]).fails(2, &["--tolerance", "1/512"]);
     scene.run(&["plan", "a.json", "--tolerance", "reference"]).fails(2, &["render with --tolerance reference"]);
@@ -182,7 +182,7 @@ fn a_file_that_is_no_plan_is_named_with_what_to_do() {
 }
 
 #[test]
-fn what_a_plan_was_not_made_for_is_told() {
+fn a_plan_for_another_document_frame_or_tolerance_is_warned_of() {
     let scene = Scene::new(SCENE);
     scene.run(&["plan", "a.json", "--tolerance", "1/64", "--out", "p.json"]).code(0);
     let warned = |arguments: &[&str], words: &[&str]| {

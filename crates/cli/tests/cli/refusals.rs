@@ -89,7 +89,7 @@ fn input_output_and_bad_data_are_code_1() {
 }
 
 #[test]
-fn pictures_beyond_memory_are_refused_by_their_place() {
+fn pictures_beyond_memory_are_refused_with_their_place() {
     let scene = Scene::new(&SCENE.replace("\"width\": 16, \"height\": 8", "\"width\": 40000, \"height\": 40000"));
     let mut told = Told::new("memory");
     // The number of threads must not depend on the machine.
@@ -101,7 +101,7 @@ fn pictures_beyond_memory_are_refused_by_their_place() {
 }
 
 #[test]
-fn all_that_is_wrong_with_a_pattern_is_told_at_once() {
+fn all_faults_of_a_pattern_are_reported_at_once() {
     let fields = SCENE
         .replace("\"across\": {", "\"f\": { \"type\": \"FieldMath\", \"expression\": \"2\" }, \"across\": {")
         .replace("\"outputs\": {", "\"outputs\": { \"x\": { \"field\": \"f\" }, \"y\": { \"field\": \"f\" },");
@@ -118,7 +118,7 @@ fn all_that_is_wrong_with_a_pattern_is_told_at_once() {
 }
 
 #[test]
-fn places_that_take_no_files_are_found_before_anything_is_evaluated() {
+fn outputs_that_cannot_be_written_are_refused_and_leave_no_files() {
     let (scene, mut told) = (Scene::new(SCENE), Told::new("places"));
     told.is("beneath_a_file", 1, &scene, &["render", "a.json", "--out", "a.json/{output}.####.exr"]);
     fs::create_dir_all(scene.path("out/mask.0003.png")).unwrap();

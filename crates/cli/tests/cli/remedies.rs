@@ -18,7 +18,7 @@ fn in_shell(scene: &Scene, folder: &str, words: &str) -> Run {
 }
 
 #[test]
-fn signs_of_folders_and_names_are_escaped_as_told() {
+fn signs_in_folders_and_names_can_be_escaped_as_the_remedy_says() {
     let cases = [
         ("take #3", "in.exr"),
         ("take #3", "a#1.exr"),
@@ -73,7 +73,7 @@ fn one_remedy_allows_all_that_is_refused() {
     assert!(without.contains("current folder"), "{told}");
     in_shell(&scene, "", &format!("render shot/a.json --strict {options}")).code(0);
     scene.run(&["render", "shot/a.json"]).code(0);
-    // From another folder, that would not help.
+    // In another folder, omitting --strict would not help.
     let strict = Run::of(scene.command(&["render", "a.json", "--strict"]).current_dir(scene.path("shot"))).code(2);
     assert!(!remedy(&strict).contains("or omit"), "{}", strict.err);
     let json = Run::of(scene.command(&["check", "a.json", "--json"]).current_dir(scene.path("shot"))).code(2).json();
@@ -101,7 +101,7 @@ fn check_says_what_strict_demands() {
 }
 
 #[test]
-fn what_is_allowed_and_not_there_is_warned_of_once() {
+fn an_allowed_path_that_does_not_exist_is_warned_of_once() {
     let scene = Scene::new(SCENE);
     for command in [&["render", "a.json", "--tolerance", "exact"][..], &["check", "a.json"]] {
         let run = scene.run(&[command, &["--allow", "no such", "--allow", "."]].concat()).code(0);
@@ -111,7 +111,7 @@ fn what_is_allowed_and_not_there_is_warned_of_once() {
 }
 
 #[test]
-fn a_sign_in_the_name_of_a_still_is_told_with_the_name_that_is_written() {
+fn a_number_sign_in_the_name_of_a_still_is_noted_with_the_name_that_is_written() {
     let still = SCENE.replace(r#""frames": { "first": 1, "last": 3 },"#, "");
     let scene = Scene::new(&still);
     let render = |out: &str| scene.run(&["render", "a.json", "--output", "beauty", "--out", out]).code(0);
@@ -132,7 +132,7 @@ fn a_sign_in_the_name_of_a_still_is_told_with_the_name_that_is_written() {
 }
 
 #[test]
-fn the_memory_that_is_told_to_do_does() {
+fn the_memory_that_a_remedy_names_is_enough() {
     let scene = Scene::new(&SCENE.replace("\"width\": 16, \"height\": 8", "\"width\": 4000, \"height\": 2000"));
     let run = scene.run(&["render", "a.json", "--frames", "1", "--threads", "1", "--memory", "64MB"]).code(1);
     assert!(!run.err.contains("Settings"), "{}", run.err);

@@ -27,7 +27,10 @@ fn frames_outputs_and_pattern_are_chosen() {
     assert_eq!(scene.files(), ["m.-01.exr", "m.-02.exr", "m.05.exr", "m.07.exr", "m.09.exr"]);
     let order: Vec<&str> = run.out.lines().map(|line| line.split(':').next().unwrap()).collect();
     assert_eq!(order, ["frame -2", "frame -1", "frame 5", "frame 7", "frame 9"]);
+    assert!(run.err.contains("5 frames, -2 and others, are outside of the document's frames, 1 to 3"), "{}", run.err);
     scene.run(&["render", "a.json", "--frames", "1", "--out", "x/{output}.%03d.exr"]).code(0);
+    let run = scene.run(&["render", "a.json", "--frames", "4", "--output", "mask"]).code(0);
+    assert!(run.err.contains("frame 4 is outside of the document's frames, 1 to 3"), "{}", run.err);
     assert!(scene.path("x/beauty.001.exr").exists() && scene.path("x/mask.001.exr").exists());
 }
 
@@ -66,7 +69,7 @@ fn resume_renders_again_when_an_input_has_changed() {
 }
 
 #[test]
-fn values_that_were_replaced_are_told_once_by_their_node() {
+fn replaced_values_are_warned_of_once_with_their_node() {
     let nan = |more: &str| {
         let fm = format!("\"fm\": {{ \"type\": \"FieldMath\", \"expression\": \"0/0*a\", \"a\": \"across\"{more} }}");
         let scene = SCENE.replace(
@@ -163,7 +166,7 @@ fn equal_frames_are_equal_files_whatever_a_cache_held() {
 }
 
 #[test]
-fn what_a_file_keeps_free_is_not_shown() {
+fn reserved_space_in_a_file_is_not_shown() {
     let scene = Scene::new(SCENE);
     scene.run(&["render", "a.json", "--frames", "1"]).code(0);
     let run = scene.run(&["info", "out/beauty.0001.exr"]).code(0);

@@ -3,14 +3,14 @@
 use crate::scene::{SCENE, Scene};
 use std::fs;
 
-/// Returns the end of the first mark in the bytes of a file.
+/// Returns an offset shortly behind the first mark in the bytes of a file.
 fn mark(bytes: &[u8]) -> usize {
     let mark = b"trochoid:version";
     bytes.windows(mark.len()).position(|found| found == mark).unwrap() + 60
 }
 
 #[test]
-fn what_is_cut_off_or_has_something_behind_it_is_made_again() {
+fn files_that_are_cut_off_or_too_long_are_made_again() {
     let scene = Scene::new(SCENE);
     let render = || scene.run(&["render", "a.json", "--frames", "1", "--resume", "--error", "out/e.{output}.exr"]);
     render().code(0);

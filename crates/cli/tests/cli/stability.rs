@@ -41,7 +41,7 @@ fn an_unstable_sea_is_refused_with_what_would_be_stable() {
 }
 
 #[test]
-fn graphs_are_looked_at_node_by_node() {
+fn graphs_are_examined_node_by_node() {
     let scene = Scene::new(SCENE);
     scene.run(&["stability", "a.json"]).code(0).says(&["no node depends on time"]);
     let seas = r#"{ "trochoid": 1, "format": { "width": 8, "height": 8 }, "nodes": {

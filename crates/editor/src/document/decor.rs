@@ -224,7 +224,7 @@ mod tests {
         );
         session.undo();
         assert_eq!(session.text(), text);
-        // Two at once, as nodes that are deleted leave a list.
+        // Two removals in one edit, as when two nodes are deleted.
         session.edit(Edit::new("Remove", vec![Op::Remove(list.to(2)), Op::Remove(list.to(0))])).unwrap();
         assert_eq!(
             wires(&session),
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn backdrops_come_back_as_they_were_put() {
+    fn backdrops_are_read_as_they_were_written() {
         let mut session = new();
         let body = Backdrop { at: [-20.0, 5.0], size: [300.0, 200.0], text: "sky\nand air".into(), tint: 3 };
         let name = free_backdrop(session.sheet());

@@ -190,11 +190,11 @@ mod tests {
         assert_eq!(playback.step(5.0, Some(1), true, 10.0), Step::Go);
         assert_eq!(playback.step(5.0, None, true, 10.0), Step::Wait);
         assert!(matches!(playback.step(5.0, Some(2), true, 10.0), Step::Pause(_)));
-        assert!(matches!(playback.step(5.05, Some(2), true, 10.0), Step::Pause(_)), "not two at once");
+        assert!(matches!(playback.step(5.05, Some(2), true, 10.0), Step::Pause(_)), "one frame, not two");
     }
 
     #[test]
-    fn a_range_is_gone_through_again_from_wherever_one_is() {
+    fn frames_repeat_within_the_range_and_enter_it_from_outside() {
         assert_eq!([1, 2, 3].map(|frame| after(frame, (1, 3))), [2, 3, 1]);
         assert_eq!([0, -9, 4, 90].map(|frame| after(frame, (1, 3))), [1; 4]);
         assert_eq!(after(7, (7, 7)), 7);

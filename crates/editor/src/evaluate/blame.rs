@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn colors_of_one_node_that_nobody_tells_apart_are_one() {
+    fn colors_of_one_node_that_look_alike_are_merged() {
         let share = |node: &str, red: f64, weight: f64| Share { node: node.into(), color: [red, 0.5, 0.25], weight };
         let all = [
             share("painted", 0.8738, 0.25),

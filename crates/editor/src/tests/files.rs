@@ -65,7 +65,7 @@ fn a_change_by_another_program_is_noticed_once_and_can_be_undone() {
     let mut window = window(Session::open(&file).unwrap(), None);
     act(&mut window, Action::Save);
     window.run_steps(20);
-    assert!(window.query_by_label("The file has changed").is_none(), "its own writing is no news");
+    assert!(window.query_by_label("The file has changed").is_none(), "the editor does not report its own save");
     let other = DUSK.replace("0.25", "0.75");
     std::fs::write(&file, &other).unwrap();
     until(&mut window, "the question", |editor| editor.prompts.is_open());
@@ -77,7 +77,7 @@ fn a_change_by_another_program_is_noticed_once_and_can_be_undone() {
     assert_eq!(editor(&window).state().session.text(), DUSK);
 }
 
-/// A folder of data with a copy of unsaved work, of a document or of none.
+/// Writes a copy of unsaved work into the data folder, of a document or of none; returns its path.
 fn kept(folder: &std::path::Path, number: usize, file: Option<&std::path::Path>, text: &str) -> std::path::PathBuf {
     let unsaved = folder.join("data").join("unsaved");
     std::fs::create_dir_all(&unsaved).unwrap();
@@ -118,16 +118,16 @@ fn unsaved_work_is_offered_for_its_own_document_alone() {
     let copy = kept(folder.path(), 0, Some(&one), &DUSK.replace("0.25", "0.5"));
     let mut first = window(Session::open(&two).unwrap(), data.clone());
     assert!(!asks(&first), "another was opened");
-    // It is when it is opened, however it is named.
+    // It is offered when its document is opened, by whatever path.
     act(&mut first, Action::OpenFile(folder.path().join("data/../one.json")));
     assert!(asks(&first));
     drop(first);
     let bare = window(dusk(), data.clone());
     assert!(!asks(&bare));
-    assert_eq!(editor(&bare).notices.texts().len(), 1, "it is told where it belongs");
+    assert_eq!(editor(&bare).notices.texts().len(), 1, "a notice names its document");
     drop(bare);
     std::fs::remove_file(copy).unwrap();
-    // What was never saved belongs to no document.
+    // Work that was never saved belongs to no document.
     kept(folder.path(), 1, None, DUSK);
     assert!(!asks(&window(Session::open(&one).unwrap(), data.clone())));
     assert!(asks(&window(dusk(), data)));
@@ -164,7 +164,7 @@ fn the_range_is_rendered_to_files() {
     assert_eq!(names, ["dusk.0002.png", "dusk.0003.png", "dusk.0004.png"]);
 }
 
-/// A document that reads a picture beside it, in a folder of its own.
+/// Writes a document into a folder of its own, where it reads a picture, and the picture if `picture` is set.
 fn reading(folder: &std::path::Path, picture: bool) -> std::path::PathBuf {
     std::fs::create_dir_all(folder).unwrap();
     if picture {
@@ -194,13 +194,13 @@ fn a_document_saved_elsewhere_shows_the_same_picture_and_says_what_it_rewrote() 
     window.run_steps(3);
     assert_eq!(editor(&window).notices.texts().len(), 2, "that it is saved, and what was rewritten");
     finished(&mut window);
-    // From there they lead out of its folder.
+    // The rewritten paths lead out of the folder of the copy, which needs a permission.
     act(&mut window, Action::Allow(crate::actions::Grant::Read(folder.path().join("shot"))));
     finished(&mut window);
     assert_eq!(editor(&window).state().evaluated.failed, None);
     assert!(editor(&window).state().session.text().contains("\"../shot/plate.png\""));
     assert!(editor(&window).state().session.text().contains("\"../shot/dusk.####.png\""));
-    // From here on the new file is what counts.
+    // The editor now watches the new file.
     std::fs::write(&file, DUSK).unwrap();
     until(&mut window, "the question", |editor| editor.prompts.is_open());
 }

@@ -71,7 +71,7 @@ fn what_is_chosen_is_deleted_disabled_and_brought_back() {
 }
 
 #[test]
-fn a_number_shows_what_is_under_it() {
+fn number_keys_assign_nodes_and_show_them() {
     let mut window = window(dusk(), None);
     finished(&mut window);
     assert_eq!(editor(&window).state().look.node, Some(("dusk".into(), 0)));
@@ -119,7 +119,7 @@ fn the_space_bar_plays_when_it_is_let_go_unless_it_moved_the_view() {
 }
 
 #[test]
-fn the_viewer_and_the_properties_lead_to_the_culprit() {
+fn the_viewer_and_the_properties_lead_to_the_faulty_node() {
     let text = super::DUSK.replace("ScreenY", "ScreenZ");
     for button in ["Show down", "Error above, in down"] {
         let mut window = window(crate::document::Session::new(text.clone(), None), None);

@@ -27,12 +27,12 @@ fn after_an_error_the_last_picture_stays_until_there_is_another() {
     let seen = &editor(&window).state().evaluated;
     assert!(seen.failed.is_some() && seen.result.is_none());
     assert_eq!(seen.last.as_ref().map(|last| last.frame), Some(1));
-    // What is held is shown beside it, and the fault above both.
+    // The held picture is shown beside it, and the error message above both.
     window.get_by_label("Wipe line");
     let fault = window.get_by_label(seen.failed.as_deref().unwrap()).rect();
     let picture = window.get_by_label("Picture").rect();
     assert!(fault.top() < picture.top() + 40.0, "{fault:?} in {picture:?}");
-    // Another fault does not blank it either.
+    // Another error does not remove it either.
     act(&mut window, Action::Rewrite(DUSK.replace("\"dusk\": {", "\"dusk\": { \"unheard\": 1,")));
     finished(&mut window);
     assert!(editor(&window).state().evaluated.last.is_some());
@@ -44,7 +44,7 @@ fn after_an_error_the_last_picture_stays_until_there_is_another() {
 }
 
 #[test]
-fn what_is_held_goes_with_its_document() {
+fn the_held_picture_is_released_with_its_document() {
     let mut window = window(dusk(), None);
     finished(&mut window);
     act(&mut window, Action::Viewer(crate::actions::Switch::Hold));
@@ -66,7 +66,7 @@ fn undo_brings_back_what_was_looked_at() {
     finished(&mut window);
     assert_eq!(editor(&window).state().look.node, Some(("sky".into(), 0)));
     assert!(editor(&window).state().evaluated.result.is_some());
-    // Not over what was chosen since.
+    // Undo does not override a choice made since.
     act(&mut window, Action::Select(["sky".to_string()].into()));
     act(&mut window, Action::Delete);
     act(&mut window, Action::Look("down".into(), 0));
@@ -118,7 +118,7 @@ fn what_is_typed_fast_lands_where_it_is_meant() {
         window.event(Event::PointerButton { pos: field.center(), button, pressed, modifiers });
     }
     window.run_steps(2);
-    // All of it between two frames, as where a picture takes long.
+    // All input arrives between two frames, as it does if a frame takes long.
     let key =
         |key: Key| Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE };
     let typed = |text: &str| text.chars().map(|c| Event::Text(c.into())).collect::<Vec<_>>();
@@ -160,7 +160,7 @@ fn a_warning_that_comes_late_moves_no_knob() {
 }
 
 #[test]
-fn nor_does_one_that_comes_or_goes_at_the_end_of_a_long_list() {
+fn a_warning_that_comes_or_goes_moves_no_knob_at_the_end_of_a_long_list() {
     let text = DUSK.replace("\"down\": {", "\"storm\": { \"type\": \"GerstnerSea\" }, \"down\": {");
     let mut window = crate::testing::unseen_in(Session::new(text.clone(), None), [1280.0, 460.0]);
     act(&mut window, Action::Select(["storm".to_string()].into()));
@@ -203,7 +203,7 @@ fn texts_of_other_systems_stay_as_they_are_but_for_what_is_changed() {
         act(&mut window, set(0.5));
         assert_eq!(editor(&window).state().session.text(), text.replace("0.25", "0.5"));
         act(&mut window, Action::Undo);
-        // What comes new is set apart as the rest is.
+        // New text gets the line endings of the rest.
         let edit = crate::document::edit::moved(&[("sky".into(), [7.0, 0.0])]);
         act(&mut window, Action::Edit(edit));
         let new = editor(&window).state().session.text().to_string();
@@ -216,7 +216,7 @@ fn texts_of_other_systems_stay_as_they_are_but_for_what_is_changed() {
 }
 
 #[test]
-fn what_no_json_has_is_told_with_its_place_and_stays() {
+fn syntax_that_is_not_json_is_reported_with_its_place_and_stays() {
     for (text, found) in
         [(format!("\u{feff}{DUSK}"), "1:1"), (DUSK.replace("  \"format\"", "  // how large\n  \"format\""), "3:3")]
     {

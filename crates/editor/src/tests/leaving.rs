@@ -71,19 +71,19 @@ fn what_is_typed_counts_when_another_node_is_clicked_or_dragged() {
 }
 
 #[test]
-fn what_is_refused_stays_to_be_seen_where_something_else_is_clicked() {
+fn a_click_elsewhere_first_shows_why_a_value_was_refused() {
     let mut window = typing("7");
     let sky = place(&window, "sky");
     click(&mut window, sky);
     window.get_by_label_contains("found \"7\"; expected a number from 0 to 1");
     assert_eq!((weight(&window), chosen(&window)), (json!(0.25), Some("dusk")));
-    // Once it was seen, it keeps nobody.
+    // The second click leaves the field.
     click(&mut window, sky);
     assert_eq!(chosen(&window), Some("sky"));
 }
 
 #[test]
-fn esc_gives_a_text_back_that_counts_at_each_key() {
+fn esc_restores_a_text_that_is_applied_at_each_key() {
     let mut window = unseen_in(dusk(), [1280.0, 1200.0]);
     act(&mut window, Action::Output(Some("beauty".into())));
     let field = window.query_all_by_value("dusk.####.png").next().unwrap().rect();
@@ -95,11 +95,11 @@ fn esc_gives_a_text_back_that_counts_at_each_key() {
     window.run_steps(4);
     assert_eq!(editor(&window).state().session.text(), DUSK);
     assert!(!editor(&window).state().session.is_changed());
-    assert_eq!(editor(&window).state().session.history().undoes(), None, "nothing was done");
+    assert_eq!(editor(&window).state().session.history().undoes(), None, "there is nothing to undo");
 }
 
 #[test]
-fn the_dropper_is_put_down_where_its_field_is_left() {
+fn the_dropper_ends_when_its_field_is_left() {
     let mut window = unseen_in(dusk(), [1280.0, 1200.0]);
     let take = || Action::Dropper(Some(Path::node("dusk").to("b")));
     let ways: [&dyn Fn(&mut Window); 3] =
@@ -117,7 +117,7 @@ fn the_dropper_is_put_down_where_its_field_is_left() {
 }
 
 #[test]
-fn a_document_that_is_nowhere_is_saved_before_it_is_rendered() {
+fn a_document_without_a_file_must_be_saved_before_it_is_rendered() {
     let mut window = unseen_in(dusk(), [1280.0, 800.0]);
     act(&mut window, Action::Render);
     assert!(editor(&window).state().render.is_none() && editor(&window).prompts.is_open());
@@ -137,13 +137,13 @@ fn a_run_is_not_ended_by_closing_the_window_unasked() {
     window.run_steps(3);
     assert!(!editor(&window).is_closing() && editor(&window).state().render.is_some());
     act(&mut window, Action::Quit);
-    // A run that ends by itself answers nothing.
+    // A run that ends by itself closes the question, and the window stays open.
     window.state_mut().as_mut().unwrap().end_render();
     window.run_steps(3);
     assert!(!editor(&window).is_closing() && !editor(&window).prompts.is_open());
     act(&mut window, Action::Render);
     act(&mut window, Action::Quit);
-    // Beside the one of the timeline.
+    // The timeline has a button of this name, too.
     window.get_all_by_label("Stop").last().unwrap().click();
     window.run_steps(3);
     assert!(editor(&window).is_closing());
@@ -158,7 +158,7 @@ fn saving_asks_where_another_program_has_changed_the_file() {
     act(&mut window, Action::Edit(crate::document::edit::moved(&[("sky".into(), [7.0, 0.0])])));
     let theirs = DUSK.replace("0.25", "0.75");
     std::fs::write(&file, &theirs).unwrap();
-    // Before any watcher can tell.
+    // Save before the file watcher reports the change.
     ask(&mut window, Action::Save);
     assert_eq!(std::fs::read_to_string(&file).unwrap(), theirs);
     window.run_steps(3);
@@ -167,7 +167,7 @@ fn saving_asks_where_another_program_has_changed_the_file() {
     assert_eq!(std::fs::read_to_string(&file).unwrap(), editor(&window).state().session.text());
 }
 
-/// A copy of unsaved work of a file, as an editor leaves it that ended at once.
+/// Writes a copy of unsaved work on a file, as a killed editor leaves it.
 fn copy(data: &std::path::Path, file: &std::path::Path, text: &str) {
     let unsaved = data.join("unsaved");
     std::fs::create_dir_all(&unsaved).unwrap();
@@ -207,7 +207,7 @@ fn work_of_a_document_that_is_gone_is_offered_all_the_same() {
 }
 
 #[test]
-fn a_document_that_is_mended_after_opening_is_looked_at_from_its_beginning() {
+fn a_document_repaired_after_opening_is_shown_from_its_first_frame() {
     let mut window = window(Session::new(DUSK.replace("\"nodes\"", "nodes"), None), None);
     window.run_steps(3);
     assert!(editor(&window).state().evaluated.failed.is_some());
@@ -219,7 +219,7 @@ fn a_document_that_is_mended_after_opening_is_looked_at_from_its_beginning() {
 }
 
 #[test]
-fn a_change_is_not_made_of_what_the_typed_text_has_changed() {
+fn an_edit_of_a_value_that_was_just_typed_in_the_text_is_not_made() {
     let mut window = window(dusk(), None);
     act(&mut window, Action::Panel(Pane::Text));
     window.get_by_role(Role::MultilineTextInput).focus();

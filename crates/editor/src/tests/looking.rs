@@ -29,7 +29,7 @@ fn change(editor: &Editor, text: &str, revision: u64) -> Option<String> {
 fn look_at(session: Session) -> Vec<String> {
     let text = session.text().to_string();
     let mut window = unseen(session);
-    // Lists, records and menus lie open.
+    // Opens all lists, records and menus.
     window.ctx.memory_mut(|memory| memory.set_everything_is_visible(true));
     let revision = editor(&window).state().session.revision();
     let sheet = editor(&window).state().sheet().clone();
@@ -69,7 +69,7 @@ fn nothing_is_written_by_looking_at_every_node_of_every_document() {
         let changes = look_at(Session::open(file).unwrap());
         changes.into_iter().map(move |change| format!("{name}: {change}"))
     };
-    // As many at once as there are processors.
+    // One thread per processor.
     let next = std::sync::atomic::AtomicUsize::new(0);
     let take = || files.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
     let work = || std::iter::from_fn(&take).flat_map(&look).collect::<Vec<String>>();

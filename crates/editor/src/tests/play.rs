@@ -7,10 +7,11 @@ use crate::testing::{Window, ask, editor, finished, window};
 use serde_json::json;
 use std::time::{Duration, Instant};
 
-/// The frames of this document.
+/// Number of frames of `DUSK`.
 const FRAMES: i64 = 8;
 
-/// A window whose worker takes this long for every picture. The window's own clock goes ten times as fast as the machine's.
+/// Opens a window whose worker takes this long for every picture. The window's clock runs ten times as fast as the
+/// machine's.
 fn slow(session: Session, milliseconds: u64) -> Window {
     let mut window = window(session, None);
     finished(&mut window);
@@ -18,14 +19,14 @@ fn slow(session: Session, milliseconds: u64) -> Window {
     window
 }
 
-/// The frame whose picture is shown, whole.
+/// Returns the frame that is shown, if its picture is finished.
 fn shown(window: &Window) -> Option<i64> {
     let state = editor(window).state();
     let result = state.evaluated.result.as_ref().filter(|result| result.finished && state.evaluated.failed.is_none());
     result.map(|result| result.frame)
 }
 
-/// Draws until so many frames have followed each other, and gives them.
+/// Draws until `count` frames have been shown, and returns them.
 fn follow(window: &mut Window, count: usize) -> Vec<i64> {
     let (started, mut frames) = (Instant::now(), Vec::new());
     while frames.len() < count {
@@ -40,14 +41,14 @@ fn follow(window: &mut Window, count: usize) -> Vec<i64> {
     frames
 }
 
-/// What follows from a frame on in a range.
+/// Returns the frames that playback of a range should show, from a frame on.
 fn wanted(from: i64, (first, last): (i64, i64), count: usize) -> Vec<i64> {
     (0..count as i64).map(|index| first + (from - first + index).rem_euclid(last - first + 1)).collect()
 }
 
 #[test]
 fn every_frame_is_shown_in_order_however_long_it_takes() {
-    // 300 ms on the window's clock, where a frame should last 42.
+    // 300 ms on the window's clock; at 24 frames per second, a frame should last 42 ms.
     let mut window = slow(dusk(), 30);
     ask(&mut window, Action::Play(true));
     let count = 2 * FRAMES as usize + 3;
@@ -60,7 +61,7 @@ fn every_frame_is_shown_in_order_however_long_it_takes() {
 }
 
 #[test]
-fn a_range_that_cannot_be_kept_is_played_all_the_same() {
+fn a_range_too_large_for_the_memory_is_played_all_the_same() {
     let mut window = slow(dusk(), 5);
     window.state_mut().as_mut().unwrap().room = 1;
     ask(&mut window, Action::Play(true));
@@ -81,7 +82,7 @@ fn an_edit_while_frames_are_played_shows_in_those_that_follow() {
     let frames = follow(&mut window, 12);
     assert_eq!(frames, wanted(from, (1, FRAMES), 12));
     assert_eq!(editor(&window).state().evaluated.result.as_ref().unwrap().subject.revision, revision);
-    // A fault of the document is waited for.
+    // Playback waits while the document has a fault.
     let broken = editor(&window).state().session.text().replace("\"sky\", \"b\"", "\"skyy\", \"b\"");
     ask(&mut window, Action::Rewrite(broken));
     finished(&mut window);
@@ -92,11 +93,11 @@ fn an_edit_while_frames_are_played_shows_in_those_that_follow() {
     finished(&mut window);
     let frames = follow(&mut window, 5);
     assert_eq!(frames, wanted(frames[0], (1, FRAMES), 5));
-    assert!(wanted(from, (1, FRAMES), 2).contains(&frames[0]), "from where one was");
+    assert!(wanted(from, (1, FRAMES), 2).contains(&frames[0]), "playback continues where it was");
 }
 
 #[test]
-fn a_frame_that_cannot_be_made_ends_it_and_says_why() {
+fn a_frame_that_fails_ends_playback_and_says_why() {
     let folder = tempfile::tempdir().unwrap();
     for frame in [1, 2, 4, 5] {
         let name = format!("plate.{frame:04}.png");
@@ -121,7 +122,7 @@ fn a_frame_that_cannot_be_made_ends_it_and_says_why() {
 }
 
 #[test]
-fn one_frame_is_shown_and_nothing_is_done() {
+fn a_range_of_one_frame_shows_that_frame() {
     let mut window = slow(dusk(), 0);
     ask(&mut window, Action::Range(3, 3));
     ask(&mut window, Action::Play(true));
@@ -138,7 +139,7 @@ fn the_range_and_the_frame_may_change_while_frames_are_played() {
     ask(&mut window, Action::Range(5, 7));
     let frames = follow(&mut window, 10);
     assert_eq!(frames[1..], wanted(5, (5, 7), 9));
-    // Nothing of it is made yet.
+    // No frame of this range is evaluated yet.
     ask(&mut window, Action::Range(20, 22));
     let frames = follow(&mut window, 8);
     assert_eq!(frames[1..], wanted(20, (20, 22), 7));
@@ -147,5 +148,5 @@ fn the_range_and_the_frame_may_change_while_frames_are_played() {
     finished(&mut window);
     let frames = follow(&mut window, 10);
     assert_eq!(frames, wanted(frames[0], (1, FRAMES), 10));
-    assert!(frames[0] == 2 || frames[0] == 3, "from where one went: {frames:?}");
+    assert!(frames[0] == 2 || frames[0] == 3, "playback continues at the selected frame: {frames:?}");
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// A folder with a picture, and another with a document that reads it.
 struct Shot {
     root: tempfile::TempDir,
-    /// The picture's folder, as it is shown.
+    /// Canonical path of the picture's folder, as messages show it.
     plates: PathBuf,
 }
 
@@ -78,14 +78,14 @@ fn a_file_elsewhere_is_read_once_it_is_allowed_and_that_is_remembered() {
     assert!(first.query_by_label(&shot.reading()).is_none());
     assert!(!editor(&first).state().session.is_changed());
     assert_eq!(std::fs::read_to_string(&one).unwrap(), text);
-    // Another document in the same window, whose picture is known by now.
+    // Another document in the same window may not read the picture, although it is in the cache.
     act(&mut first, Action::OpenFile(two.clone()));
     look(&mut first);
     assert!(!is_seen(&first));
     first.get_by_label(&shot.reading());
     drop(first);
     assert!(is_seen(&shot.open(&one)), "a new editor does not ask");
-    // However it is named.
+    // The permission holds whatever path names the document.
     assert!(is_seen(&shot.open(&one.parent().unwrap().join("../one/dusk.json"))));
     let second = shot.open(&two);
     assert!(!is_seen(&second));
@@ -107,7 +107,7 @@ fn a_document_saved_under_another_path_is_asked_about_anew() {
     look(&mut window);
     assert!(!is_seen(&window));
     window.get_by_label(&shot.reading());
-    // What is new has no path: an answer lasts as long as it is open.
+    // A new document has no path, so its permission lasts while it is open.
     let text = editor(&window).state().session.text().replace("../plates/plate.png", &path(&shot));
     act(&mut window, Action::New);
     act(&mut window, Action::Rewrite(text));
@@ -124,7 +124,7 @@ fn path(shot: &Shot) -> String {
 }
 
 #[test]
-fn what_a_run_allows_is_not_asked() {
+fn what_the_command_line_allows_is_not_asked() {
     let shot = Shot::new();
     let mut window = shot.open(&shot.document("one"));
     window.state_mut().as_mut().unwrap().allow_all(&[shot.plates.join("plate.png")]);
@@ -156,10 +156,10 @@ fn a_run_asks_what_it_may_write_and_read_and_goes_on() {
     assert!(editor(&window).state().render.is_none());
     window.get_by_label(&writing).click();
     window.run_steps(3);
-    // That of the viewer, and that of the run.
+    // One button in the viewer, and one in the question of the run.
     let reading = shot.reading();
     assert_eq!(window.get_all_by_label(&reading).count(), 2);
-    assert_eq!(std::fs::read_dir(&made).unwrap().count(), 0, "nothing is made before all is answered");
+    assert_eq!(std::fs::read_dir(&made).unwrap().count(), 0, "no file is written before all questions are answered");
     window.get_all_by_label(&reading).last().unwrap().click();
     window.run_steps(2);
     until(&mut window, "the files", |editor| editor.state().render.is_none());
@@ -188,7 +188,7 @@ fn a_folder_that_may_be_read_may_not_be_written() {
     window.run_steps(2);
     until(&mut window, "the file", |editor| editor.state().render.is_none());
     assert!(shot.plates.join("dusk.0001.png").exists());
-    // Each is taken back for itself.
+    // Reading and writing are revoked separately.
     act(&mut window, Action::ShowAllowed);
     window.get_by_label(&format!("Remove writing {}", shot.plates.display())).click();
     window.run_steps(3);
@@ -200,7 +200,7 @@ fn a_folder_that_may_be_read_may_not_be_written() {
 }
 
 #[test]
-fn what_was_allowed_can_be_taken_back() {
+fn permissions_can_be_revoked() {
     let shot = Shot::new();
     let (one, two) = (shot.document("one"), shot.document("two"));
     for document in [&two, &one] {
@@ -222,7 +222,7 @@ fn what_was_allowed_can_be_taken_back() {
     window.run_steps(3);
     assert_eq!(window.get_all_by_label(&remove).count(), 1);
     look(&mut window);
-    assert!(!is_seen(&window), "at once");
+    assert!(!is_seen(&window), "revoked at once");
     window.get_all_by_label(&remove).next().unwrap().click();
     window.run_steps(3);
     assert!(window.query_by_label(&remove).is_none());
@@ -232,12 +232,12 @@ fn what_was_allowed_can_be_taken_back() {
     assert!(!editor(&window).state().session.is_changed());
     drop(window);
     for document in [&one, &two] {
-        assert!(!is_seen(&shot.open(document)), "and for good");
+        assert!(!is_seen(&shot.open(document)), "revoked for later runs, too");
     }
 }
 
 #[test]
-fn nor_does_an_answer_last_for_a_document_without_a_file() {
+fn a_permission_of_a_document_without_a_file_can_be_revoked() {
     let shot = Shot::new();
     let text = std::fs::read_to_string(shot.document("one")).unwrap();
     let text = text.replace("../plates/plate.png", &path(&shot));

@@ -10,7 +10,7 @@ use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use std::path::{Path, PathBuf};
 
-/// An editor of a document in a folder, with a place for copies.
+/// An editor with a document on disk, and a folder for copies of unsaved work.
 struct Desk {
     folder: tempfile::TempDir,
     file: PathBuf,
@@ -39,7 +39,7 @@ impl Desk {
         std::fs::read_to_string(&self.file).unwrap()
     }
 
-    /// Waits until the texts that are kept are these.
+    /// Waits until the only copy has this text, or until there is none.
     fn keeps(&mut self, what: &str, text: Option<&str>) {
         let folder = self.folder.path().join("data/unsaved");
         until(&mut self.window, what, |_| kept(&folder).as_deref() == text);
@@ -49,7 +49,7 @@ impl Desk {
         editor(&self.window).title().starts_with('•')
     }
 
-    /// Types a text in the panel of the text, in place of all that is there.
+    /// Replaces the whole text in the text panel.
     fn types(&mut self, text: &str) {
         self.act(Action::Panel(Pane::Text));
         self.window.get_by_role(Role::MultilineTextInput).focus();
@@ -61,7 +61,7 @@ impl Desk {
     }
 }
 
-/// The text in the only copy.
+/// Returns the text of the only copy.
 fn kept(folder: &Path) -> Option<String> {
     let paths = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
     let copy = paths.into_iter().find(|path| path.extension().is_some_and(|end| end == "json"))?;
@@ -74,7 +74,7 @@ fn moved() -> Action {
 }
 
 #[test]
-fn what_is_saved_or_taken_back_has_no_copy_any_more() {
+fn text_that_equals_its_file_has_no_copy() {
     let mut desk = Desk::new();
     desk.act(moved());
     let text = editor(&desk.window).state().session.text().to_string();
@@ -82,22 +82,22 @@ fn what_is_saved_or_taken_back_has_no_copy_any_more() {
     desk.saves();
     assert!(!desk.dot() && desk.stored() == text);
     desk.keeps("the copy to go", None);
-    // What is taken back is unsaved, what is made again is not.
+    // After undo, the text differs from the file; after redo, it is the saved text again.
     desk.act(Action::Undo);
     desk.keeps("the copy of what was before", Some(DUSK));
     desk.act(Action::Redo);
-    desk.keeps("that to go", None);
-    // Another document leaves nothing of the one before.
+    desk.keeps("that copy to go", None);
+    // Opening another document removes the copy of the one before.
     desk.act(Action::Undo);
     desk.keeps("the copy again", Some(DUSK));
     desk.act(Action::New);
     desk.window.get_by_label("Discard").click();
     desk.window.run_steps(3);
-    desk.keeps("all to go", None);
+    desk.keeps("all copies to go", None);
 }
 
 #[test]
-fn what_its_file_has_by_now_is_not_offered() {
+fn a_copy_that_equals_its_file_is_not_offered() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("dusk.json");
     std::fs::write(&file, DUSK).unwrap();
@@ -111,7 +111,7 @@ fn what_its_file_has_by_now_is_not_offered() {
 }
 
 #[test]
-fn what_is_kept_against_the_file_is_kept_for_good() {
+fn a_version_kept_over_a_changed_file_is_unsaved_until_it_is_saved() {
     let mut desk = Desk::new();
     std::fs::write(&desk.file, DUSK.replace("0.25", "0.75")).unwrap();
     until(&mut desk.window, "the question", |editor| editor.prompts.is_open());
@@ -156,7 +156,7 @@ fn text_that_is_no_json_is_not_saved_in_silence() {
     assert_eq!(desk.stored(), DUSK);
     assert!(desk.dot());
     assert_eq!(editor(&desk.window).notices.texts().len(), 1);
-    // Nor does anything else change the document beneath it.
+    // Other actions do not change the document either.
     desk.act(moved());
     desk.act(Action::SaveAs);
     assert!(!editor(&desk.window).prompts.is_open());
@@ -165,7 +165,7 @@ fn text_that_is_no_json_is_not_saved_in_silence() {
 }
 
 #[test]
-fn text_that_is_not_applied_is_taken_along_by_the_next_change() {
+fn text_that_is_not_applied_yet_is_applied_by_the_next_change() {
     let mut desk = Desk::new();
     desk.types(&DUSK.replace("0.25", "0.75"));
     desk.act(moved());

@@ -1,28 +1,31 @@
-//! Parts of the editor as they are drawn, compared with pictures beside this file.
+//! Parts of the editor as they are drawn, compared with the pictures in `snapshots`.
 //!
-//! They are drawn by wgpu, for which Mesa's software driver will do (Debian: mesa-vulkan-drivers), so they run on request:
+//! wgpu draws them and needs a graphics driver; Mesa's software driver is enough (Debian: mesa-vulkan-drivers). So they
+//! run only on request:
 //!
 //! ```text
 //! cargo test -p trochoid-editor --lib -- --ignored snapshots
 //! ```
 //!
-//! Where one differs, `snapshots/<name>.diff.png` shows by what, and `<name>.new.png` what was drawn. If that is as it should
-//! be, the same command with `UPDATE_SNAPSHOTS=1` before it takes it over; look at the pictures before they are committed.
+//! If one differs, `snapshots/<name>.diff.png` shows the difference, and `<name>.new.png` what was drawn. The same
+//! command with `UPDATE_SNAPSHOTS=1` stores what is drawn; look at the pictures before you commit them.
 
 use super::DUSK;
-use crate::actions::Action;
+use crate::actions::{Action, Switch};
 use crate::canvas::{Canvas, canvas_ui};
 use crate::document::Session;
 use crate::editor::Editor;
+use crate::evaluate::Display;
 use crate::properties::{Properties, properties_ui};
 use crate::state::State;
-use crate::testing::{finished, sized, until};
+use crate::testing::{ask, finished, sized, until};
+use crate::viewer::tests::SEA;
 use crate::viewer::{Viewer, viewer_ui};
-use egui::{Theme, Ui};
+use egui::{Event, Modifiers, MouseWheelUnit, Pos2, Theme, TouchPhase, Ui, Vec2, vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 
-/// A node of each kind, on places of their own; those of the scene are not needed by the output.
+/// Nodes of each kind at fixed positions; the output does not need those of the scene.
 const KINDS: &str = r##"{
   "trochoid": 1,
   "format": { "width": 48, "height": 27 },
@@ -54,11 +57,39 @@ const KINDS: &str = r##"{
 }
 "##;
 
-/// What is open, with its pictures: those of the scene are left out, and every node has taken a millisecond.
+/// A picture whose palette is a tetrahedron.
+const SOLID: &str = r##"{
+  "trochoid": 1, "format": { "width": 16, "height": 9 },
+  "nodes": {
+    "across": { "type": "ScreenX" },
+    "down": { "type": "ScreenY" },
+    "upper": { "type": "Mix", "a": "#d04030", "b": "#3050c0", "weight": "across" },
+    "lower": { "type": "Mix", "a": "#30a050", "b": "#101010", "weight": "across" },
+    "whole": { "type": "Mix", "a": "upper", "b": "lower", "weight": "down" }
+  },
+  "outputs": { "beauty": { "color": "whole" } }
+}"##;
+
+/// Returns the state of an open document with its thumbnails, except those of the scene.
 fn seen(text: &str) -> State {
+    seen_after(text, &[])
+}
+
+/// Returns the state of an open document after some actions. Every node has taken a millisecond, because measured times
+/// differ from run to run.
+fn seen_after(text: &str, actions: &[Action]) -> State {
     let mut window = sized(Session::new(text.into(), None), None, [800.0, 600.0]);
     finished(&mut window);
     until(&mut window, "thumbnails", |editor| !editor.state().evaluated.thumbnails.is_empty());
+    for action in actions {
+        ask(&mut window, action.clone());
+        finished(&mut window);
+    }
+    until(&mut window, "the picture as it is looked at", |editor| {
+        let (seen, look) = (&editor.state().evaluated, &editor.state().look);
+        let is_displayed = seen.result.as_ref().is_none_or(|result| result.display == look.display);
+        is_displayed && seen.blame.as_ref().map(|blamed| blamed.at) == look.pick
+    });
     let editor: Editor = window.into_state().unwrap();
     let mut state = editor.state;
     let plane = ["down", "curved", "band", "sky", "dusk"];
@@ -67,7 +98,7 @@ fn seen(text: &str) -> State {
     state
 }
 
-/// Draws a part of the editor in both themes, and compares; `before` is done once it is drawn.
+/// Draws a part of the editor in both themes, and compares; `before` acts on the part after its first frames.
 fn compare<P: 'static>(
     name: &str,
     size: [f32; 2],
@@ -79,7 +110,7 @@ fn compare<P: 'static>(
     let mut results = SnapshotResults::new();
     for theme in [Theme::Dark, Theme::Light] {
         let ui = move |ui: &mut Ui, (part, state): &mut (P, State)| {
-            // As behind the panels of the window.
+            // The background that panels have in the window.
             egui::Frame::new().inner_margin(6).fill(ui.visuals().panel_fill).show(ui, |ui| {
                 ui.set_min_size(ui.available_size());
                 draw(part, ui, state, &mut Vec::new());
@@ -91,16 +122,18 @@ fn compare<P: 'static>(
         harness.run_steps(4);
         before(&mut harness);
         harness.run_steps(8);
-        // Drivers round colors and edges differently, by what nobody sees: some steps of 255 at some pixels.
+        // Drivers round colors and edges differently: a few 8-bit steps at a few pixels, which nobody sees.
         let options = SnapshotOptions::new().output_path("src/tests/snapshots").threshold(8.0).max_failed_pixels(10);
         harness.snapshot_options(format!("{name}_{theme:?}").to_lowercase(), &options);
         results.extend(harness.take_snapshot_results());
     }
 }
 
-#[test]
-#[ignore = "needs a graphics driver"]
-fn the_graph() {
+/// A window with the graph.
+type Graph<'h> = Harness<'h, (Canvas, State)>;
+
+/// Compares a graph that has a node with an error, one below it, and one that is disabled.
+fn compare_graph(name: &str, before: impl Fn(&mut Graph<'_>)) {
     let faulty = KINDS.replace(
         r#""eye": {"#,
         r#""off": { "type": "Invert", "weight": "band", "disabled": true },
@@ -115,7 +148,79 @@ fn the_graph() {
         state.look.slots[1] = Some("band".into());
         state
     };
-    compare("graph", [760.0, 560.0], state, Canvas::default, canvas_ui, |_| {});
+    compare(name, [760.0, 560.0], state, Canvas::default, canvas_ui, before);
+}
+
+fn center<P>(harness: &Harness<'_, P>, label: &str) -> Pos2 {
+    harness.get_by_label(label).rect().center()
+}
+
+/// Draws a wire, without letting it go.
+fn pull(harness: &mut Graph<'_>, from: &str, to: Pos2) {
+    let from = center(harness, from);
+    harness.hover_at(from);
+    harness.drag_at(from);
+    for step in 1..=4 {
+        harness.hover_at(from.lerp(to, step as f32 / 4.0));
+    }
+    harness.run_steps(2);
+}
+
+/// Returns a place on the empty canvas.
+fn nowhere(harness: &Graph<'_>) -> Pos2 {
+    center(harness, "Node lit, NonSpecular") + vec2(110.0, 60.0)
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn the_graph() {
+    compare_graph("graph", |_| {});
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn the_graph_from_nearby() {
+    compare_graph("graph_near", |harness| {
+        harness.hover_at(center(harness, "Node sky, Ramp"));
+        for _ in 0..8 {
+            harness.event(Event::MouseWheel {
+                unit: MouseWheelUnit::Line,
+                delta: Vec2::new(0.0, 1.4),
+                phase: TouchPhase::Move,
+                modifiers: Modifiers::NONE,
+            });
+        }
+        harness.run_steps(12);
+        harness.remove_cursor();
+    });
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn the_error_of_a_node() {
+    compare_graph("graph_error", |harness| harness.hover_at(center(harness, "Node bad, Mix")));
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn the_menu_of_a_node() {
+    compare_graph("graph_menu", |harness| harness.get_by_label("Node curved, FieldMath").click_secondary());
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn a_wire_that_is_drawn() {
+    compare_graph("graph_wire", |harness| pull(harness, "Output of curved", nowhere(harness)));
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn a_wire_that_is_refused() {
+    compare_graph("graph_refusal", |harness| {
+        let to = center(harness, "Input weight of dusk");
+        pull(harness, "Output of curved", to);
+        harness.drop_at(to);
+    });
 }
 
 #[test]
@@ -144,8 +249,115 @@ fn a_curve() {
     });
 }
 
+/// A window with the viewer.
+type Picture<'h> = Harness<'h, (Viewer, State)>;
+
+fn compare_viewer(name: &str, state: impl Fn() -> State, before: impl Fn(&mut Picture<'_>)) {
+    compare(name, [640.0, 320.0], state, Viewer::default, viewer_ui, before);
+}
+
+fn switch(harness: &mut Picture<'_>, switch: Switch) {
+    let (viewer, state) = harness.state_mut();
+    viewer.switch(switch, state);
+}
+
+/// Returns the state of a document that shows another node.
+fn looking(text: &str, node: &str) -> State {
+    seen_after(text, &[Action::Look(node.into(), 0)])
+}
+
 #[test]
 #[ignore = "needs a graphics driver"]
 fn a_picture() {
-    compare("picture", [640.0, 320.0], || seen(DUSK), Viewer::default, viewer_ui, |_| {});
+    compare_viewer("picture", || seen(DUSK), |_| {});
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn the_colors_of_a_pixel() {
+    compare_viewer("picture_pixel", || seen_after(SOLID, &[Action::Pick(Some([0.3, 0.6]))]), |_| {});
+}
+
+/// Compares a picture with another one.
+fn compare_two(name: &str, by: Switch) {
+    compare_viewer(
+        name,
+        || seen(SOLID),
+        |harness| {
+            switch(harness, by);
+            harness.state_mut().1 = looking(SOLID, "upper");
+        },
+    );
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn two_pictures_beside_each_other() {
+    compare_two("picture_wipe", Switch::Wipe);
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn the_difference_of_two_pictures() {
+    compare_two("picture_difference", Switch::Difference);
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn pixels_near_the_faces_of_the_hull() {
+    compare_viewer("picture_near", || seen(SOLID), |harness| switch(harness, Switch::Near));
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn the_hull() {
+    compare_viewer("picture_hull", || seen(SOLID), |harness| switch(harness, Switch::Hull));
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn a_field() {
+    let display = Display { false_color: true, range: Some([0.0, 1.0]), ..Display::default() };
+    let actions = [Action::Look("across".into(), 0), Action::Display(display)];
+    compare_viewer("picture_field", || seen_after(SOLID, &actions), |_| {});
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn a_surface() {
+    compare_viewer("picture_clay", || looking(SEA, "waves"), |_| {});
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn what_is_no_picture() {
+    compare_viewer("picture_failed", || looking(SEA, "camera"), |_| {});
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn the_handles_of_a_sea() {
+    let state = || {
+        let mut state = seen(SEA);
+        state.selection = ["waves".to_string()].into();
+        state
+    };
+    compare_viewer("picture_handles", state, |harness| harness.hover_at(center(harness, "guides[0], point 2")));
+}
+
+#[test]
+#[ignore = "needs a graphics driver"]
+fn the_tools_of_a_narrow_viewer() {
+    compare(
+        "picture_tools",
+        [320.0, 300.0],
+        || seen(DUSK),
+        Viewer::default,
+        viewer_ui,
+        |harness| {
+            switch(harness, Switch::Hold);
+            harness.run_steps(2);
+            harness.get_by_label("More").click();
+        },
+    );
 }

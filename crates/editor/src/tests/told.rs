@@ -12,7 +12,7 @@ fn texts(window: &Window) -> Vec<&str> {
     editor(window).notices.texts()
 }
 
-/// A picture of this size, and a document of 48 × 27 that reads it as it is.
+/// Writes a picture of this size, and a document of 48 × 27 pixels that reads it without a fit.
 fn reading(folder: &std::path::Path, [width, height]: [u32; 2]) -> std::path::PathBuf {
     image::RgbImage::from_pixel(width, height, image::Rgb([9; 3])).save(folder.join("plate.png")).unwrap();
     let read = "{ \"type\": \"Read\", \"as\": \"color\", \"file\": \"plate.png\" }";
@@ -30,16 +30,16 @@ fn an_error_is_closed_by_hand_or_goes_with_its_document() {
     for _ in 0..2 {
         act(&mut window, Action::OpenFile("/nowhere/dusk.json".into()));
     }
-    assert_eq!(texts(&window).len(), 1, "once, however often it is said");
+    assert_eq!(texts(&window).len(), 1, "shown once, however often it is reported");
     window.run_steps(1000);
-    assert_eq!(texts(&window).len(), 1, "it waits");
+    assert_eq!(texts(&window).len(), 1, "an error stays until it is closed");
     window.get_by_label("Close notice").click();
     window.run_steps(3);
     assert!(texts(&window).is_empty());
     act(&mut window, Action::OpenFile("/nowhere/dusk.json".into()));
     act(&mut window, Action::New);
     assert!(texts(&window).is_empty());
-    // What is only told goes by itself.
+    // A notice that is no error disappears by itself.
     act(&mut window, Action::Notice("a word".into()));
     assert_eq!(texts(&window), ["a word"]);
     window.run_steps(500);
@@ -57,7 +57,7 @@ fn a_notice_takes_no_clicks_beside_itself() {
 }
 
 #[test]
-fn the_answers_about_unsaved_work_stand_where_they_stood() {
+fn the_buttons_for_unsaved_work_do_not_depend_on_the_length_of_the_name() {
     let folder = tempfile::tempdir().unwrap();
     let mut places = Vec::new();
     for name in ["a.json".to_string(), format!("{}.json", "long".repeat(40))] {
@@ -87,7 +87,7 @@ fn a_picture_of_the_size_of_the_document_is_seen_at_every_size() {
 }
 
 #[test]
-fn what_evaluation_alone_shows_is_counted_and_marked_and_names_the_documents_size() {
+fn errors_of_evaluation_are_counted_and_marked_and_name_the_size_of_the_document() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = window(Session::open(&reading(folder.path(), [20, 10])).unwrap(), None);
     finished(&mut window);
@@ -99,7 +99,7 @@ fn what_evaluation_alone_shows_is_counted_and_marked_and_names_the_documents_siz
     window.get_by_label("1 error").click();
     window.run_steps(3);
     assert!(editor(&window).state().selection.contains("down"));
-    // Mended, all of that goes.
+    // All of that disappears once the fault is fixed.
     act(&mut window, Action::Edit(crate::document::Edit::set(Path::node("down").to("fit"), &json!("nearest"))));
     finished(&mut window);
     window.run_steps(3);
@@ -126,7 +126,7 @@ fn a_key_of_a_curve_is_taken_by_the_press_and_follows_to_the_end() {
     window.get_by_label("Curve").click();
     window.run_steps(4);
     let plot = window.get_by_label("Keys over frames").rect();
-    // All keys are seen, with a twentieth on each side.
+    // The plot shows all keys with a margin of 5 % on each side.
     let at = |frame: f32, value: f32| {
         let [x, y] = [(frame - 1.0 + 0.35) / 7.7, (0.8 - value + 0.03) / 0.66];
         plot.min + egui::vec2(x, y) * plot.size()
@@ -143,15 +143,15 @@ fn a_key_of_a_curve_is_taken_by_the_press_and_follows_to_the_end() {
     window.hover_at(at(4.0, 0.8));
     window.step();
     button(&mut window, at(4.0, 0.8), true);
-    // At once further than it was near.
+    // The first move already leaves the area in which a press hits the key.
     window.event(Event::PointerMoved(at(6.0, 0.5)));
     window.run_steps(2);
     assert!(near(&key(&window), 6.0, 0.5), "{}", key(&window));
-    // The last step arrives with the button.
+    // The last move arrives in the same frame as the release.
     window.event(Event::PointerMoved(at(5.0, 0.7)));
     button(&mut window, at(5.0, 0.7), false);
     window.run_steps(4);
     assert!(near(&key(&window), 5.0, 0.7), "{}", key(&window));
     act(&mut window, Action::Undo);
-    assert!(near(&key(&window), 4.0, 0.8), "one step");
+    assert!(near(&key(&window), 4.0, 0.8), "undone in one step");
 }

@@ -33,7 +33,7 @@ fn value(window: &Window, node: &str, knob: &str) -> Option<Value> {
     editor(window).state().sheet().get(&Path::node(node).to(knob)).cloned()
 }
 
-/// The fields of numbers that stand in the row of a name.
+/// Returns the number fields in the row of a label.
 pub(super) fn fields(window: &Window, name: &str) -> Vec<Rect> {
     let row = window.query_all_by_label(name).last().unwrap().rect();
     let all = window.query_all_by_role(Role::SpinButton).map(|field| field.rect());
@@ -49,7 +49,7 @@ fn click(window: &mut Window, at: egui::Pos2) {
     window.run_steps(2);
 }
 
-/// Writes a text over what a field holds, and enters it.
+/// Replaces the text of a field, and presses Enter.
 fn enter(window: &mut Window, field: Rect, text: &str) {
     click(window, field.center());
     window.event(Event::Text(text.into()));
@@ -71,7 +71,7 @@ fn a_whole_number_that_is_not_set_shows_its_default_and_is_set_by_typing_alone()
 }
 
 #[test]
-fn what_is_no_such_number_is_refused_in_words_and_changes_nothing() {
+fn an_invalid_number_is_refused_with_a_message_and_changes_nothing() {
     for (node, knob, typed, message) in [
         ("noise", "octaves", "2.5", "found \"2.5\"; expected a whole number from 1 to"),
         ("noise", "octaves", "999", "found \"999\"; expected a whole number from 1 to"),
@@ -86,7 +86,7 @@ fn what_is_no_such_number_is_refused_in_words_and_changes_nothing() {
         assert!(editor(&window).state().session.history().undoes().is_none());
         window.get_by_label_contains(message);
         assert_eq!(fields(&window, knob), before, "the message moves nothing");
-        // Another try.
+        // A legal value removes the message.
         let right = if node == "sky" { "0.75" } else { "3" };
         enter(&mut window, before[0], right);
         assert!(window.query_by_label_contains("found \"").is_none());
@@ -118,7 +118,7 @@ fn esc_gives_up_what_was_typed() {
         window.run_steps(4);
         assert_eq!(editor(&window).state().session.text(), NOISE, "{typed}");
         assert!(refusals(&window).is_empty(), "{typed}");
-        // What is typed next counts again.
+        // Esc ends only the current input.
         enter(&mut window, field, "5");
         assert_eq!(value(&window, "noise", "octaves"), Some(json!(5)), "{typed}");
     }
@@ -147,7 +147,7 @@ fn a_drag_stays_within_the_range() {
 }
 
 #[test]
-fn a_color_that_is_none_stays_to_be_mended() {
+fn an_invalid_color_stays_to_be_corrected() {
     let mut window = open(NOISE, "sky");
     let field = window.query_all_by_value("#2d3f52").last().unwrap().rect();
     let all = |window: &mut Window, text: &str| {
@@ -160,14 +160,14 @@ fn a_color_that_is_none_stays_to_be_mended() {
     all(&mut window, "#2d3fzz");
     assert_eq!(editor(&window).state().session.text(), NOISE);
     window.get_by_label_contains("found \"#2d3fzz\"; expected a color as #rrggbb");
-    assert!(window.query_all_by_value("#2d3fzz").next().is_some(), "it stays to be mended");
+    assert!(window.query_all_by_value("#2d3fzz").next().is_some(), "the text stays, to be corrected");
     all(&mut window, "804020");
     assert_eq!(value(&window, "sky", "a"), Some(json!("#804020")));
     assert!(window.query_by_label_contains("found \"").is_none());
 }
 
 #[test]
-fn a_name_that_is_none_stays_to_be_mended_and_esc_gives_back_what_was_there() {
+fn an_invalid_name_stays_to_be_corrected_and_esc_restores_the_old_one() {
     let mut window = unseen(Session::new(DUSK.into(), None));
     choose(&mut window, "sky");
     let field = window.query_all_by_value("sky").next().unwrap().rect();
@@ -185,7 +185,7 @@ fn a_name_that_is_none_stays_to_be_mended_and_esc_gives_back_what_was_there() {
     assert_eq!(editor(&window).state().session.text(), DUSK);
 }
 
-/// What is said of a value that was refused.
+/// Returns the places of messages about refused values.
 fn refusals(window: &Window) -> Vec<Rect> {
     window.query_all_by_label_contains("found \"").map(|said| said.rect()).collect()
 }
@@ -230,7 +230,7 @@ fn a_refusal_goes_with_what_was_typed() {
         way(&mut window);
         window.run_steps(2);
         assert!(refusals(&window).is_empty(), "way {index}");
-        // Nor does it come back with its field.
+        // The message does not return with its field.
         if index == 4 {
             choose(&mut window, "noise");
             assert!(refusals(&window).is_empty());
@@ -249,12 +249,12 @@ fn one_refusal_is_said_at_a_time_below_its_field_within_the_panel() {
         assert_eq!(said.len(), 1, "{name}");
         assert!(said[0].top() >= field.bottom() && said[0].top() < field.bottom() + 20.0, "{:?} {field:?}", said[0]);
         assert!(said[0].left() >= row.left() - 8.0 && said[0].right() <= 1280.0, "{:?} {row:?}", said[0]);
-        assert!(said[0].height() > 20.0, "it is wrapped");
+        assert!(said[0].height() > 20.0, "the text is wrapped");
     }
 }
 
 #[test]
-fn what_was_refused_goes_from_its_field_with_the_refusal() {
+fn refused_text_leaves_its_field_with_the_message() {
     let mut window = open(NOISE, "sky");
     let field = window.query_all_by_value("#2d3f52").last().unwrap().rect();
     click(&mut window, field.center());
@@ -285,7 +285,7 @@ pub(super) const LISTS: &str = r##"{
 }"##;
 
 #[test]
-fn what_only_the_document_can_refuse_is_refused_in_words_and_changes_nothing() {
+fn a_value_that_validation_refuses_gets_a_message_and_changes_nothing() {
     let window = open(LISTS, "sky");
     assert!(editor(&window).state().session.meaning().graph.is_some());
     for (node, knob, typed, message) in [
@@ -308,7 +308,7 @@ fn what_only_the_document_can_refuse_is_refused_in_words_and_changes_nothing() {
 }
 
 #[test]
-fn a_list_out_of_order_is_refused_and_stays_to_be_mended() {
+fn a_list_out_of_order_is_refused_and_stays_to_be_corrected() {
     let mut window = open(LISTS, "steps");
     let all = |window: &mut Window, shown: &str, text: &str| {
         let field = window.query_all_by_value(shown).last().unwrap().rect();
@@ -327,20 +327,20 @@ fn a_list_out_of_order_is_refused_and_stays_to_be_mended() {
 }
 
 #[test]
-fn steps_on_the_way_are_not_refused() {
-    // What was faulty before, at this node.
+fn intermediate_steps_are_not_refused() {
+    // The node already had a fault before the edit.
     let mut window = open(&LISTS.replace("[0.2, 0.1]", "[-0.2, -0.1]"), "marks");
     assert!(editor(&window).state().session.meaning().graph.is_none());
     let size = fields(&window, "size");
     enter(&mut window, size[size.len() - 2], "0.5");
     assert!(editor(&window).state().session.text().contains("[0.5, -0.1]"));
-    // A fault elsewhere hinders nothing, and excuses nothing.
+    // A fault elsewhere does not block the edit.
     let mut window = open(&LISTS.replace("\"weight\": \"range\"", "\"weight\": \"rang\""), "range");
     let text = editor(&window).state().session.text().to_string();
     let min = fields(&window, "min")[0];
     enter(&mut window, min, "0.5");
     assert_eq!(editor(&window).state().session.text(), text.replace("\"min\": 0.25", "\"min\": 0.5"));
-    // A choice may need more than itself.
+    // A polygon also needs points, so the choice alone is incomplete.
     let mut window = open(LISTS, "marks");
     window.get_all_by_role(Role::ComboBox).last().unwrap().click();
     window.run_steps(3);
@@ -350,7 +350,7 @@ fn steps_on_the_way_are_not_refused() {
 }
 
 #[test]
-fn a_drag_ends_where_the_document_ends_it() {
+fn a_drag_stops_at_the_last_value_that_the_document_accepts() {
     let mut window = open(LISTS, "marks");
     let field = *fields(&window, "size").last().unwrap();
     let (button, modifiers, at) = (egui::PointerButton::Primary, egui::Modifiers::NONE, field.center());

@@ -10,7 +10,7 @@ fn set(value: f64) -> Action {
     Action::Edit(crate::document::Edit::set(Path::node("dusk").to("weight"), &json!(value)))
 }
 
-/// A document of a version to come: nodes and entries that nothing here knows.
+/// Returns a document of a future version, with an unknown node type and an unknown entry.
 fn newer() -> String {
     let text = DUSK.replace("\"trochoid\": 1", "\"trochoid\": 2, \"look\": { \"film\": 3 }");
     text.replace("\"down\": {", "\"haze\": { \"type\": \"Haze\", \"thick\": [1, 2] },\n    \"down\": {")
@@ -33,7 +33,7 @@ fn a_newer_document_is_shown_and_never_written_unasked() {
     for name in ["Node haze, Haze", "Node sky, Ramp", "Node dusk, Mix"] {
         window.get_by_label(name);
     }
-    assert!(window.query_by_label("Set the format version").is_none(), "another number would not make it known");
+    assert!(window.query_by_label("Set the format version").is_none(), "setting the version would not help");
     save(&mut window);
     assert_eq!(on_disk(), newer(), "nothing was changed");
     act(&mut window, set(0.5));
@@ -52,7 +52,7 @@ fn a_newer_document_is_shown_and_never_written_unasked() {
     window.get_by_label("Overwrite").click();
     window.run_steps(3);
     assert!(editor(&window).is_closing());
-    assert_eq!(on_disk(), newer().replace("0.25", "0.5"), "what is not known stays as it was");
+    assert_eq!(on_disk(), newer().replace("0.25", "0.5"), "unknown entries stay as they were");
 }
 
 #[test]
@@ -99,14 +99,14 @@ fn versions_are_told_apart() {
 }
 
 #[test]
-fn a_text_that_is_no_json_leaves_in_sight_what_was_there() {
+fn text_that_is_not_json_leaves_the_previous_state_visible() {
     let mut window = window(Session::new(DUSK.into(), None), None);
     finished(&mut window);
     let look = editor(&window).state().look.clone();
     act(&mut window, Action::Rewrite(DUSK.replace("\"nodes\": {", "\"nodes\": ")));
     window.get_by_label_contains("The panels show the previous state");
     assert_eq!(editor(&window).state().sheet().nodes.len(), 3);
-    // What is asked for meanwhile changes nothing.
+    // Meanwhile, edits change nothing.
     let broken = editor(&window).state().session.text().to_string();
     let edit = crate::document::Edit::set(Path::node("dusk").to("weight"), &json!(0.5));
     act(&mut window, Action::Edit(edit));

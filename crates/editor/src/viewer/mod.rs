@@ -9,7 +9,7 @@ mod origin;
 mod picture;
 mod switch;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod toolbar;
 
 use crate::actions::Action;

@@ -103,7 +103,7 @@ mod tests {
         assert_eq!(of("mix", [0.25, 0.5, 1.5]).as_deref(), Some("b"));
         assert_eq!(of("glow", orange).as_deref(), Some("stops[1]"));
         assert_eq!(of("sheet", orange).as_deref(), Some("colors[1]"));
-        assert_eq!(of("same", dark), None, "both are");
-        assert_eq!(of("mix", orange), None, "none is");
+        assert_eq!(of("same", dark), None, "both controls match");
+        assert_eq!(of("mix", orange), None, "no control matches");
     }
 }

@@ -1,14 +1,14 @@
 //! Tests of the viewer, driven by simulated clicks and keys.
 
 use super::handles::Eye;
-use crate::actions::Action;
+use crate::actions::{Action, Switch};
+use crate::commands::{COMMANDS, Command};
 use crate::document::{Path, Session};
 use crate::evaluate::{Channel, Display};
 use crate::testing::{Window, ask, editor, sized, until};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use std::path::PathBuf;
 
 const WINDOW: [f32; 2] = [1280.0, 800.0];
 
@@ -25,7 +25,7 @@ const MIXED: &str = r##"{
 }"##;
 
 /// A sea with one guide.
-const SEA: &str = r##"{
+pub(crate) const SEA: &str = r##"{
   "trochoid": 1, "format": { "width": 64, "height": 36 },
   "nodes": {
     "camera": { "type": "Camera", "position": [5, 8, 16], "target": [5, 0, 5] },
@@ -60,7 +60,7 @@ fn settle(window: &mut Window) {
         let is_done = seen.result.as_ref().is_some_and(|result| result.finished && result.display == look.display);
         seen.progress.is_none() && (seen.failed.is_some() || (is_done && is_blamed))
     });
-    // What came last is drawn now.
+    // Draws the latest result.
     window.run_steps(2);
 }
 
@@ -73,7 +73,6 @@ fn press(window: &mut Window, key: Key) {
     settle(window);
 }
 
-/// Moves the pointer there.
 fn hover(window: &mut Window, at: Pos2) {
     window.hover_at(at);
     window.step();
@@ -119,7 +118,7 @@ fn a_pixel_is_picked_and_its_colors_listed() {
     {
         assert!(window.query_by_label(text).is_some(), "{text}");
     }
-    // Half a pixel beyond the middle: the rows are of 38.1, 36.9 and 25 percent.
+    // The pixel is half a pixel right of the middle, so the shares are 38.1, 36.9 and 25 percent.
     assert!(window.query_by_label("38.1 %").is_some() && window.query_by_label("36.9 %").is_some());
     hover(&mut window, center);
     press(&mut window, Key::Escape);
@@ -128,10 +127,10 @@ fn a_pixel_is_picked_and_its_colors_listed() {
 }
 
 #[test]
-fn what_is_told_of_a_pixel_covers_nothing_of_the_picture() {
+fn the_inspector_covers_nothing_of_the_picture() {
     let mut window = open(MIXED, WINDOW);
     let before = picture(&window);
-    // Not while the pointer is held: it would move from below it.
+    // The inspector waits for the release, or the picture would move away from the pointer.
     let at = before.center();
     window.hover_at(at);
     for (to, pressed) in [(at, true), (at + vec2(9.0, 0.0), true), (at + vec2(9.0, 0.0), false)] {
@@ -154,7 +153,7 @@ fn what_is_told_of_a_pixel_covers_nothing_of_the_picture() {
     }
     press(&mut window, Key::Escape);
     act(&mut window, Action::Pick(None));
-    assert_eq!(picture(&window), before, "the room is given back");
+    assert_eq!(picture(&window), before, "the picture gets its space back");
 }
 
 #[test]
@@ -204,7 +203,7 @@ fn a_region_is_dragged_and_cleared() {
     window.key_press_modifiers(Modifiers::SHIFT, Key::W);
     settle(&mut window);
     assert_eq!(editor(&window).state().look.region, None);
-    // By the button, too: once.
+    // After a click on the button, the next drag draws a region; the one after that does not.
     window.get_by_label("Region").click();
     settle(&mut window);
     drag(&mut window, from, to, Modifiers::NONE);
@@ -227,7 +226,7 @@ fn a_color_taken_from_the_picture_goes_where_it_was_asked_for() {
     click(&mut window, center);
     let state = editor(&window).state();
     assert_eq!(state.dropper, None);
-    // A quarter of white light.
+    // 25 % of white in linear light.
     assert_eq!(state.sheet().get(&place).unwrap(), "#898989");
     assert_eq!(state.look.pick, None);
     act(&mut window, Action::Undo);
@@ -317,7 +316,7 @@ fn what_is_no_picture_says_so() {
 }
 
 #[test]
-fn the_picture_is_fitted_and_moved() {
+fn the_picture_is_shown_one_to_one_and_fitted() {
     let mut window = open(MIXED, WINDOW);
     let center = picture(&window).center();
     window.get_by_label("1:1").click();
@@ -343,7 +342,7 @@ fn a_double_click_takes_numbers_back() {
     }
     settle(&mut window);
     assert_eq!(editor(&window).state().look.display.exposure, 0.0);
-    // Nothing is being typed any more: keys count again.
+    // No field has the focus any more, so keys reach the viewer.
     hover(&mut window, area.center());
     press(&mut window, Key::R);
     assert_eq!(editor(&window).state().look.display.channel, Channel::One(0));
@@ -361,7 +360,7 @@ fn a_path_of_the_chosen_sea_is_moved_in_the_picture() {
     drag(&mut window, grip, grip + vec2(30.0, 0.0), Modifiers::NONE);
     let moved = written(&window);
     assert!(moved.ends_with("4,5,6,5,8,5]") && moved != "[2,5,4,5,6,5,8,5]", "{moved}");
-    // The hand took it along: it is where it was dropped, and all of it one step of undo.
+    // The handle is where it was dropped, and the drag is undone in one step.
     let now = window.get_by_label("guides[0], point 1").rect().center();
     assert!((now - grip - vec2(30.0, 0.0)).length() < 2.0, "{now:?} {grip:?}");
     act(&mut window, Action::Undo);
@@ -371,7 +370,7 @@ fn a_path_of_the_chosen_sea_is_moved_in_the_picture() {
 }
 
 #[test]
-fn what_is_projected_comes_back() {
+fn projecting_a_point_and_back_gives_the_same_point() {
     let mut window = open(SEA, [800.0, 600.0]);
     act(&mut window, Action::Select(["waves".to_string()].into()));
     for knobs in
@@ -391,101 +390,60 @@ fn what_is_projected_comes_back() {
     }
 }
 
-/// Writes what the viewer looks like into the folder that `TROCHOID_SHOTS` names.
-#[test]
-#[ignore = "needs a graphics driver, and minutes"]
-fn screenshots_of_the_viewer() {
-    let Some(folder) = std::env::var_os("TROCHOID_SHOTS").map(PathBuf::from) else { return };
-    let shot = |window: &mut Window, name: &str| {
-        window.run_steps(4);
-        window.render().unwrap().save(folder.join(format!("viewer_{name}.png"))).unwrap();
-    };
-    crate::tests::shots::at_root();
-    let graphs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../graphs");
-    let session = Session::open(&graphs.join("stormy_sea_bare.json")).unwrap();
-    let mut window = sized(session, None, WINDOW);
-    act(&mut window, Action::Proxy(2));
-    shot(&mut window, "plain");
-    act(&mut window, Action::Pick(Some([0.42, 0.6])));
-    shot(&mut window, "picked");
-    window.get_by_label("Hold A").click();
-    settle(&mut window);
-    let other = editor(&window).state().sheet().nodes.iter().rev().find_map(|node| {
-        let is_color = node.makes.first().and_then(|(_, kind)| *kind) == Some(trochoid::Kind::Color);
-        (is_color && Some(&node.name) != editor(&window).state().look.node.as_ref().map(|(name, _)| name))
-            .then(|| node.name.clone())
-    });
-    act(&mut window, Action::Look(other.unwrap(), 0));
-    shot(&mut window, "wipe");
-    window.get_by_label("Diff").click();
-    settle(&mut window);
-    shot(&mut window, "difference");
-    window.get_by_label("Release A").click();
-    settle(&mut window);
-    act(&mut window, Action::Look("beauty".into(), 0));
-    let center = picture(&window).center();
-    hover(&mut window, center);
-    press(&mut window, Key::N);
-    hover(&mut window, center + vec2(4.0, 4.0));
-    shot(&mut window, "near");
-    press(&mut window, Key::N);
-    press(&mut window, Key::H);
-    shot(&mut window, "hull");
-    press(&mut window, Key::H);
-    act(&mut window, Action::Look("sea".into(), 0));
-    act(&mut window, Action::Pick(None));
-    shot(&mut window, "clay");
-    let display = crate::evaluate::Display { false_color: true, range: Some([0.0, 1.0]), ..Default::default() };
-    act(&mut window, Action::Display(display));
-    shot(&mut window, "field");
-    act(&mut window, Action::Look("camera".into(), 0));
-    shot(&mut window, "failed");
-
-    let session = Session::open(&graphs.join("toon_sea.json")).unwrap();
-    let mut window = sized(session, None, WINDOW);
-    act(&mut window, Action::Proxy(4));
-    act(&mut window, Action::Select(["waves".to_string()].into()));
-    let point = window.get_by_label("guides 1, point 2").rect().center();
-    hover(&mut window, point);
-    shot(&mut window, "handles");
-    act(&mut window, Action::Theme);
-    act(&mut window, Action::Pick(Some([0.5, 0.5])));
-    shot(&mut window, "light");
-
-    let session = Session::open(&graphs.join("cartoon_bay.json")).unwrap();
-    let mut window = sized(session, None, [780.0, 640.0]);
-    act(&mut window, Action::Proxy(2));
-    act(&mut window, Action::Pick(Some([0.5, 0.7])));
-    window.get_by_label("More").click();
-    settle(&mut window);
-    window.get_by_label("Hold A").click();
-    settle(&mut window);
-    shot(&mut window, "narrow");
-}
-
 #[test]
 fn every_switch_of_the_viewer_is_a_command() {
-    let mut window = open(MIXED, WINDOW);
-    let run = |window: &mut Window, name: &str| {
+    let run = |window: &mut Window, switch: Switch| {
         let state = editor(window).state();
-        let command = crate::commands::COMMANDS.iter().find(|command| command.name == name).unwrap();
-        assert!((command.enabled)(state), "{name}");
-        let action = (command.action)(state);
-        crate::testing::act(window, action);
+        let does = |command: &&Command| (command.action)(state) == Action::Viewer(switch);
+        let command = COMMANDS.iter().find(does).unwrap_or_else(|| panic!("{switch:?} is no command"));
+        assert!((command.enabled)(state), "{}", command.name);
+        crate::testing::act(window, Action::Viewer(switch));
     };
-    run(&mut window, "Difference");
-    assert!(window.query_by_label("Release A").is_some(), "what is seen is held, where nothing was");
-    run(&mut window, "Wipe");
-    assert!(window.query_by_label("Release A").is_some());
-    run(&mut window, "Release A");
-    assert!(window.query_by_label("Release A").is_none());
-    run(&mut window, "Hull");
-    assert!(window.query_by_label("Hull of the palette").is_some());
-    run(&mut window, "Hull");
-    run(&mut window, "Near");
-    assert!(window.query_by_label("The palette is flat: every color lies on its face.").is_some());
-    run(&mut window, "Region");
-    let place = picture(&window);
-    drag(&mut window, place.center(), place.center() + vec2(40.0, 20.0), Modifiers::NONE);
-    assert!(editor(&window).state().look.region.is_some());
+    let shows = |window: &Window, label: &str| window.query_by_label(label).is_some();
+    let mut next = Some(Switch::Hold);
+    while let Some(switch) = next {
+        let mut window = open(MIXED, WINDOW);
+        run(&mut window, switch);
+        let is_held = shows(&window, "Release A");
+        next = match switch {
+            Switch::Hold => {
+                assert!(is_held);
+                Some(Switch::LetGo)
+            }
+            Switch::LetGo => {
+                run(&mut window, Switch::Hold);
+                run(&mut window, Switch::LetGo);
+                assert!(!shows(&window, "Release A"));
+                Some(Switch::Wipe)
+            }
+            Switch::Wipe => {
+                assert!(is_held && shows(&window, "Wipe line"), "the current picture is held if none was");
+                Some(Switch::Difference)
+            }
+            Switch::Difference => {
+                assert!(is_held && !shows(&window, "Wipe line"), "the current picture is held if none was");
+                run(&mut window, Switch::Wipe);
+                assert!(shows(&window, "Release A") && shows(&window, "Wipe line"));
+                Some(Switch::Region)
+            }
+            Switch::Region => {
+                let place = picture(&window);
+                drag(&mut window, place.center(), place.center() + vec2(40.0, 20.0), Modifiers::NONE);
+                assert!(editor(&window).state().look.region.is_some());
+                Some(Switch::Hull)
+            }
+            Switch::Hull => {
+                assert!(shows(&window, "Hull of the palette") && !shows(&window, "Picture"));
+                run(&mut window, switch);
+                assert!(!shows(&window, "Hull of the palette") && shows(&window, "Picture"));
+                Some(Switch::Near)
+            }
+            Switch::Near => {
+                assert!(shows(&window, "The palette is flat: every color lies on its face."));
+                run(&mut window, switch);
+                assert!(!shows(&window, "The palette is flat: every color lies on its face."));
+                None
+            }
+        };
+    }
 }

@@ -96,8 +96,11 @@ fn groups_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<
     let count = (0..=Group::ALL.len()).rev().find(|count| fits(*count)).unwrap_or(0);
     for group in &Group::ALL[..count] {
         let (stage, start) = (group.stage(viewer), ui.cursor().left());
-        ui.separator();
-        group.ui(viewer, ui, state, actions);
+        // Not wrapped within, because the width of a group in two lines would be wrong.
+        ui.horizontal(|ui| {
+            ui.separator();
+            group.ui(viewer, ui, state, actions);
+        });
         viewer.widths.insert((*group, stage), ui.cursor().left() - start);
     }
     if count == Group::ALL.len() {

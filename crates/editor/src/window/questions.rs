@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_is_saved_in_the_folder_that_is_highlighted_as_json() {
+    fn a_file_is_saved_as_json_in_the_highlighted_folder() {
         let folder = tempfile::tempdir().unwrap();
         let new = folder.path().join("new");
         std::fs::create_dir(&new).unwrap();

@@ -2,7 +2,8 @@
 
 use super::{Checker, Draft, FaultLocation, kind_of};
 use crate::{
-    Accepts, Arity, ChannelSet, Item, Kind, NodeId, OutputSpec, Port, Record, Settled, Severity, Source, refusal,
+    Accepts, Arity, ChannelSet, Item, Kind, Knob, KnobType, NodeId, OutputSpec, Port, Record, Settled, Severity,
+    Source, refusal,
 };
 use petgraph::algo::{tarjan_scc, toposort};
 use petgraph::graph::{DiGraph, NodeIndex};
@@ -92,7 +93,9 @@ impl<'a> Checker<'a> {
         let place = FaultLocation { offset, node: Some(draft.name), port: Some(port) };
         let found = format!("the view \"{}\", which has no {}", view.name, names.join(", no "));
         let mut expected = format!("a view with {}", names.join(", "));
-        let remedy = if never {
+        let remedy = if let Some((choice, word)) = choice_without(missing, draft) {
+            format!("set \"{choice}\" to \"{word}\", or connect a view that has this")
+        } else if never {
             expected.push_str(": the view of a Render");
             let ty = view.ty.map_or("node", |ty| ty.declaration().name);
             format!("connect a Render, which sees the surfaces themselves; no pass of a {ty} holds this")
@@ -301,6 +304,21 @@ fn bypass(record: &mut Record, resolved: &[Option<(NodeId, usize)>]) {
     for (_, records) in &mut record.lists {
         records.iter_mut().for_each(|record| bypass(record, resolved));
     }
+}
+
+/// Returns a choice of a node, and a word for it with which the node does not require these channels.
+fn choice_without(missing: ChannelSet, draft: &Draft<'_>) -> Option<(&'static str, &'static str)> {
+    let ty = draft.ty?;
+    let choices = ty.declaration().items.iter().filter_map(|item| match item {
+        Item::Knob(Knob { name, takes: KnobType::Choice(words), .. }) => Some((*name, *words)),
+        _ => None,
+    });
+    let mut words = choices.flat_map(|(choice, words)| words.iter().map(move |word| (choice, *word)));
+    words.find(|(choice, word)| {
+        let settled = ty.settle(draft.record.with_word(choice, word).settle(0.0));
+        let stage = settled.stage();
+        stage.is_some_and(|stage| !stage.required_channels(&vec![true; draft.kinds.len()]).intersects(missing))
+    })
 }
 
 fn is_short(port: &Port, record: &Record) -> bool {

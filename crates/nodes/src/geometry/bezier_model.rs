@@ -147,7 +147,7 @@ impl Node for BezierModel {
     }
 
     fn notes(&self) -> Vec<String> {
-        // Checking a document does not open model files.
+        // Notes are made without opening files.
         match self.inline() {
             Ok(patches) if !patches.is_empty() => {
                 let shapes: Vec<_> = patches.iter().map(|patch| &patch.shape).collect();
@@ -172,7 +172,7 @@ impl Stage for BezierModel {
 
     fn check_headers(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         let Some(model) = &self.model else { return Ok(()) };
-        trochoid_io::open_file(named(frame, model)?)?;
+        read_model(&named(frame, model)?)?;
         Ok(())
     }
 

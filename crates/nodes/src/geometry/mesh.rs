@@ -1,6 +1,6 @@
 //! Mesh: a model of triangles.
 
-use super::{PlacementKnobs, PreparedSurface, Up, check_ending, memory, read_mesh};
+use super::{PlacementKnobs, PreparedSurface, Up, check_ending, check_mesh, memory, read_mesh};
 use crate::view::named;
 use std::path::PathBuf;
 use trochoid_graph::*;
@@ -89,8 +89,7 @@ impl Stage for Mesh {
     }
 
     fn check_headers(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
-        trochoid_io::open_file(named(frame, &self.file)?)?;
-        Ok(())
+        check_mesh(&named(frame, &self.file)?)
     }
 
     fn files(&self, frame: &FrameContext) -> Vec<PathBuf> {

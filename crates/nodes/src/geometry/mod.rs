@@ -7,7 +7,7 @@ mod mesh;
 mod model_files;
 mod placement;
 
-use model_files::{read_mesh, read_model};
+use model_files::{check_mesh, read_mesh, read_model};
 use placement::{PlacementKnobs, check_ending};
 pub(crate) use placement::{PreparedSurface, Up};
 

@@ -12,7 +12,7 @@ use trochoid_scene::files;
 /// Maximum memory of a decoded mesh per byte of its file: an index of two digits becomes three of 8 bytes, and a corner
 /// of a triangle.
 const BYTES_PER_BYTE: u64 = 32;
-/// Maximum size of a model file in bytes.
+/// Maximum size of a model file in bytes, and of a mesh that checking a document decodes.
 const MAX_FILE_BYTES: u64 = 8 << 20;
 
 /// Reads the mesh of a file, in the file's own coordinates. The first bytes determine the format.
@@ -22,6 +22,17 @@ const MAX_FILE_BYTES: u64 = 8 << 20;
 /// array.
 pub(crate) fn read_mesh(path: &Path, memory: u64) -> Result<Triangles, NodeError> {
     read(path, memory / BYTES_PER_BYTE, files::mesh)
+}
+
+/// Checks a mesh's file: the whole mesh if decoding takes a moment, otherwise only that it is a file.
+///
+/// # Errors
+/// As [`read_mesh`].
+pub(crate) fn check_mesh(path: &Path) -> Result<(), NodeError> {
+    if trochoid_io::open_file(path)?.length <= MAX_FILE_BYTES {
+        read(path, MAX_FILE_BYTES, files::mesh)?;
+    }
+    Ok(())
 }
 
 /// Reads the patches of a model file.

@@ -112,7 +112,7 @@ impl Stage for Render {
             // Points of surfaces are searched for starting from rest points.
             let mut prepared = if follows.is_some() { wanted.union(ChannelSet::REST) } else { wanted };
             if prepare.bounded() {
-                prepared = prepared.union(SIGHT);
+                prepared = prepared.union(SIGHT).union(ChannelSet::REST);
             }
             let stop = prepare.cancellation();
             let found = scene::Visible::prepare_unless(&camera, &surfaces, format, fineness, prepared, stop);
@@ -149,11 +149,12 @@ fn borrowed(surfaces: &[SurfaceHandle]) -> Vec<&dyn scene::Surface> {
 /// accordingly. Normals and quantities derived from them rotate by at most as many radians.
 const REFERENCE_RAY: f64 = 1e-8;
 
-/// Channels that tell which sheet of a surface a sample sees.
-const SIGHT: ChannelSet = ChannelSet::of(&[Channel::Depth, Channel::Surface]);
+/// Channel that tells whether a sample sees a mesh.
+const SIGHT: ChannelSet = ChannelSet::of(&[Channel::Surface]);
 
-/// Maximum difference in depth, as a share of it, between a point of a sheet and the matching point of its mesh.
-const SHEET: f64 = 0.02;
+/// Maximum distance of a point that Newton's steps from the mesh lead to from the first point of the ray, relative to
+/// 1 m + distance, if they are one.
+const SHEET: f64 = 1e-6;
 
 thread_local! {
     /// Reused from tile to tile.
@@ -279,22 +280,25 @@ impl Prepared for PreparedRender {
 }
 
 impl PreparedRender {
-    /// Whether each sample's mesh shows the same sheet of the surface as the surface itself.
+    /// Whether each sample's mesh shows the same sheet of the surface as the surface itself: Newton's steps from the mesh
+    /// lead to the point that the sample certainly sees.
     fn sees(&self, block: &Block<'_>, sights: &[scene::Sight]) -> Vec<bool> {
         let Some(visible) = &self.visible else { return vec![true; sights.len()] };
+        let pixels: Vec<[i64; 2]> = block.pixels().collect();
+        let near = visible.points(&borrowed(&self.surfaces), &pixels, block.offset, scene::Sums::Double);
         SAMPLES.with_borrow_mut(|samples| {
             match block.scattered {
                 None => visible.fill(block.window, block.offset, SIGHT, samples),
                 Some(pixels) => visible.fill_pixels(pixels, block.offset, SIGHT, samples),
             }
-            let shown = samples.channel(Channel::Depth).iter().zip(samples.channel(Channel::Surface));
-            let same = shown.zip(sights).map(|((depth, surface), sight)| match sight {
+            let shown = samples.channel(Channel::Surface).iter().zip(near);
+            let same = shown.zip(sights).map(|((surface, near), sight)| match sight {
                 scene::Sight::Unclear => false,
                 scene::Sight::Nothing => *surface < 0.0,
-                scene::Sight::Point(hit) => {
-                    let apart = (f64::from(*depth) - hit.depth).abs();
-                    hit.surface as f32 == *surface && apart <= SHEET * hit.depth.abs()
-                }
+                scene::Sight::Point(hit) => near.is_some_and(|near| {
+                    let apart = (near.distance - hit.distance).abs();
+                    near.surface == hit.surface && apart <= SHEET * (1.0 + hit.distance)
+                }),
             });
             same.collect()
         })

@@ -254,6 +254,12 @@ pub enum PatchesFault {
     /// An unknown version of the format.
     #[error("found \"trochoid_model\": {0}; expected 1")]
     Version(u32),
+    /// JSON that does not say that it is a model.
+    #[error(
+        "found no \"trochoid_model\"; expected \"trochoid_model\": 1: add it if the file is a model of patches, or name \
+         another file"
+    )]
+    NoVersion,
     /// A point that is not finite, or too large.
     #[error("{at}: found {found:?}; expected coordinates within ±{MAX_PATCH_COORDINATE:e}")]
     Point {

@@ -13,7 +13,7 @@ use serde::Deserialize;
 #[serde(deny_unknown_fields)]
 struct Model {
     /// Version of the format.
-    trochoid_model: u32,
+    trochoid_model: Option<u32>,
     #[serde(default, rename = "notes")]
     _notes: serde::de::IgnoredAny,
     #[serde(default)]
@@ -43,8 +43,10 @@ struct Sheet {
 pub fn patches(bytes: &[u8]) -> Result<Vec<Patch>, PatchesFault> {
     let model: Model = serde_json::from_slice(bytes)
         .map_err(|error| if error.is_data() { PatchesFault::NoModel(error) } else { PatchesFault::NoJson(error) })?;
-    if model.trochoid_model != 1 {
-        return Err(PatchesFault::Version(model.trochoid_model));
+    match model.trochoid_model {
+        Some(1) => {}
+        Some(other) => return Err(PatchesFault::Version(other)),
+        None => return Err(PatchesFault::NoVersion),
     }
     let point = |at: PointPlace, found: [f64; 3]| {
         let near = found.iter().all(|part| part.abs() <= MAX_PATCH_COORDINATE);
@@ -93,6 +95,7 @@ mod tests {
             ("{\n\"trochoid_model\": 1,\n\"pints\": []}", "unknown field `pints`"),
             ("{\n\"trochoid_model\": 1,\n\"pints\": []}", "line 3"),
             (r#"{"trochoid_model": 2}"#, "\"trochoid_model\": 2; expected 1"),
+            (r#"{"points": []}"#, "found no \"trochoid_model\"; expected \"trochoid_model\": 1"),
             (r#"{"trochoid_model": 1}"#, "found 0 patches"),
             (r#"{"trochoid_model": 1, "points": [[1e300,0,0]]}"#, "point 0"),
             (r#"{"trochoid_model": 1, "points": [[1e999,0,0]]}"#, "line 1"),

@@ -2,8 +2,8 @@
 //!
 //!     cargo run --release -p trochoid-bench --bin memory -- graphs/stormy_sea.json
 //!
-//! For each document, all outputs are held at its first frame. There is one line per node with figures of a megabyte or
-//! more.
+//! All outputs of each document are evaluated at its first frame. There is one line per node with figures of a megabyte
+//! or more.
 
 use std::collections::BTreeMap;
 use trochoid::{Buffers, Cache, Heap, MemoryConsumer, Pictures, Plan, Settings, Silent, in_bytes};

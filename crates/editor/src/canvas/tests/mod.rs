@@ -2,7 +2,6 @@
 
 mod nodes;
 mod outputs;
-mod shots;
 mod wires;
 
 use super::{Canvas, arrange, backdrop, canvas_ui, deleting, lined_up};
@@ -13,7 +12,7 @@ use egui::{Event, Modifiers, PointerButton, Pos2, Rect, Ui, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-/// Does what the canvas asks for, as the editor does.
+/// Performs the actions of the canvas as the editor does.
 struct Driver {
     state: State,
     canvas: Canvas,
@@ -118,7 +117,7 @@ fn press(harness: &Harness<'_, Driver>, at: Pos2, pressed: bool, button: Pointer
     harness.event_modifiers(Event::PointerButton { pos: at, button, pressed, modifiers }, modifiers);
 }
 
-/// Goes along a path with the button pressed.
+/// Moves the pointer along a path with the button pressed.
 fn stroke(harness: &mut Harness<'_, Driver>, path: &[Pos2], modifiers: Modifiers) {
     harness.hover_at(path[0]);
     press(harness, path[0], true, PointerButton::Primary, modifiers);
@@ -144,7 +143,7 @@ fn click(harness: &mut Harness<'_, Driver>, at: Pos2, button: PointerButton, mod
     harness.run_ok();
 }
 
-/// A place where nothing is.
+/// Returns a place on the empty canvas.
 fn nowhere(harness: &Harness<'_, Driver>) -> Pos2 {
     let (down, across) = (place(harness, "Node down, ScreenY"), place(harness, "Node across, ScreenX"));
     pos2((down.right() + across.left()) / 2.0, down.center().y - 30.0)

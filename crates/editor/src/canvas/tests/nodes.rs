@@ -46,7 +46,7 @@ fn a_node_that_is_nearly_aligned_snaps() {
     let mut harness = open(GRAPH);
     let from = place(&harness, "Node other, Invert").center();
     let zoom = harness.state().canvas.view.zoom;
-    // Nearly below "twice", and at another height than all.
+    // Nearly below "twice", but level with no node, so that only the horizontal position snaps.
     drag(&mut harness, from, from + vec2(-157.0 * zoom, -60.0 * zoom));
     assert_eq!(harness.state().at("other")[0], 260.0);
     harness.state_mut().state.session.undo();
@@ -56,7 +56,7 @@ fn a_node_that_is_nearly_aligned_snaps() {
 }
 
 #[test]
-fn a_backdrop_takes_along_what_stands_on_it() {
+fn a_backdrop_moves_the_nodes_on_it_and_its_text_can_be_edited() {
     let mut harness = open(GRAPH);
     harness.state_mut().state.selection = ["across".to_string(), "twice".into()].into();
     harness.state_mut().act(Action::Backdrop);
@@ -75,7 +75,6 @@ fn a_backdrop_takes_along_what_stands_on_it() {
     assert!(
         (extent(&harness)[0] - before[0] - 30.0).abs() < 1.1 && (extent(&harness)[1] - before[1] - 40.0).abs() < 1.1
     );
-    // Its text.
     let title = place(&harness, "Backdrop Backdrop").left_center() + vec2(12.0, 0.0);
     for _ in 0..2 {
         press(&harness, title, true, PointerButton::Primary, Modifiers::NONE);
@@ -97,7 +96,7 @@ fn a_backdrop_takes_along_what_stands_on_it() {
 fn a_new_backdrop_is_named_at_once_also_where_nodes_lie_below_the_field() {
     let mut harness = open(GRAPH);
     harness.state_mut().state.selection = ["down".to_string(), "across".into(), "sky".into()].into();
-    // So small that the field is larger than what is free above the nodes.
+    // So small that the field reaches over the nodes.
     harness.state_mut().canvas.view.zoom = 0.25;
     harness.run_ok();
     harness.state_mut().act(Action::Backdrop);
@@ -105,7 +104,7 @@ fn a_new_backdrop_is_named_at_once_also_where_nodes_lie_below_the_field() {
     let field = place(&harness, "Text of the backdrop");
     let node = place(&harness, "Node down, ScreenY");
     assert!(field.intersects(node), "{field:?} {node:?}");
-    // The field is what is clicked there.
+    // The click must reach the field and not the node below it.
     click(&mut harness, field.intersect(node).center(), PointerButton::Primary, Modifiers::NONE);
     harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::CTRL, Key::A);
     harness.get_by_label("Text of the backdrop").type_text("Far");
@@ -174,7 +173,7 @@ fn what_is_pasted_into_a_document_without_places_moves_nothing_else() {
         assert!((now[0] - node.at[0]).abs() < 1.0 && (now[1] - node.at[1]).abs() < 1.0, "{}", node.name);
     }
     assert_eq!(session.sheet().node("sky2").unwrap().at, [500.0, 10.0]);
-    // One that has a place among many that have none stands there.
+    // A node that has a place keeps it, even if no other node has one.
     let mut session = Session::new(text, None);
     session.edit(edit::moved(&[("down".into(), [-400.0, 0.0])])).unwrap();
     let now = placed(session.sheet());
@@ -216,13 +215,13 @@ fn a_part_that_is_arranged_stays_about_where_it_was() {
 }
 
 #[test]
-fn a_document_that_is_not_valid_is_drawn_and_tells_the_culprit() {
+fn a_document_that_is_not_valid_is_drawn_and_marks_the_faulty_node() {
     let text = GRAPH.replace("ScreenY", "ScreenZ").replace(r#""a": "across""#, r#""a": "twice""#);
     let mut harness = open(&text);
     assert!(harness.query_by_label("Node down, ScreenZ").is_some());
     assert!(harness.query_by_label("Error in down").is_some());
     assert!(harness.query_by_label("Error above sky").is_some());
-    // Also what has a cycle and no places.
+    // A graph with a cycle and without places is drawn, too.
     let cut = text.find("  \"ui\"").unwrap();
     let text = format!("{}\n}}\n", text[..cut].trim_end().trim_end_matches(','));
     *harness.state_mut() = Driver::new(&text);
@@ -234,7 +233,7 @@ fn a_document_that_is_not_valid_is_drawn_and_tells_the_culprit() {
 }
 
 #[test]
-fn a_click_on_the_sign_of_an_error_leads_to_the_culprit() {
+fn a_click_on_the_sign_of_an_error_leads_to_the_faulty_node() {
     let mut harness = open(&GRAPH.replace("ScreenY", "ScreenZ"));
     let sign = place(&harness, "Error above sky").center();
     click(&mut harness, sign, PointerButton::Primary, Modifiers::NONE);
@@ -246,7 +245,7 @@ fn a_click_on_the_sign_of_an_error_leads_to_the_culprit() {
 }
 
 #[test]
-fn what_is_left_stays_where_it_is_when_a_node_goes() {
+fn the_remaining_nodes_stay_where_they_are_when_others_are_deleted() {
     let text = &GRAPH[..GRAPH.find("  \"ui\"").unwrap()];
     let text = format!("{}\n}}\n", text.trim_end().trim_end_matches(','));
     let mut harness = open(&text);
@@ -260,10 +259,10 @@ fn what_is_left_stays_where_it_is_when_a_node_goes() {
         let now = place(&harness, name);
         assert!(now.center().distance(before.center()) < 1.5, "{name}: {before} {now}");
     }
-    assert_eq!(harness.state().text("/ui/positions").matches(':').count(), 3, "none of a node that is gone");
+    assert_eq!(harness.state().text("/ui/positions").matches(':').count(), 3, "no place of a deleted node");
     assert_eq!(harness.state_mut().state.session.undo().as_deref(), Some("Delete 2 nodes"));
     assert_eq!(harness.state().state.session.text(), text);
-    // Where all goes, there is no place to be written.
+    // If all nodes are deleted, no places are written.
     harness.state_mut().state.selection =
         harness.state().state.sheet().nodes.iter().map(|node| node.name.clone()).collect();
     harness.state_mut().act(Action::Delete);
@@ -364,7 +363,7 @@ impl Heights for Vec<[f32; 2]> {
 }
 
 #[test]
-fn a_large_graph_opens_where_one_looks_with_names_that_can_be_read() {
+fn a_large_graph_opens_at_the_viewed_node_with_readable_names() {
     let nodes: Vec<String> = (0..200).map(|index| format!(r#""down_{index}": {{ "type": "ScreenY" }}"#)).collect();
     let places: Vec<String> =
         (0..200).map(|index| format!(r#""down_{index}": [{}, {}]"#, 300 * (index % 20), 300 * (index / 20))).collect();
@@ -378,7 +377,7 @@ fn a_large_graph_opens_where_one_looks_with_names_that_can_be_read() {
     let looked = place(&harness, "Node down_199, ScreenY");
     assert!(looked.width() >= 55.0 && harness.state().canvas.view.rect.contains_rect(looked), "{looked:?}");
     assert!(harness.query_by_label("Node down_0, ScreenY").is_none());
-    // All of it is a key away.
+    // Framing shows all nodes.
     harness.state_mut().canvas.frame();
     harness.run_steps(3);
     place(&harness, "Node down_0, ScreenY");

@@ -15,8 +15,8 @@ fn a_wire_that_is_dropped_on_a_mark_leads_the_output_there() {
     let pin = place(&harness, "Output of twice").center();
     drag(&mut harness, pin, mark);
     assert_eq!(beauty(&harness), r#"{ "field": "twice", "file": "beauty.####.exr" }"#);
-    assert_eq!(harness.state().state.sheet().wires.len(), 2, "no wire was drawn besides");
-    // The mark went along; back by itself.
+    assert_eq!(harness.state().state.sheet().wires.len(), 2, "no wire was added");
+    // The mark now stands below the other node; dragging the mark moves the output back.
     let mark = place(&harness, "Output beauty").center();
     assert!(mark.y > place(&harness, "Node twice, FieldMath").bottom());
     let sky = place(&harness, "Node sky, Ramp").center();
@@ -53,7 +53,7 @@ fn a_mark_is_chosen_renamed_and_removed() {
     click(&mut harness, mark, PointerButton::Secondary, Modifiers::NONE);
     harness.get_by_label("Rename …").click();
     harness.run_ok();
-    // What is typed stands in place of the old name.
+    // Typing replaces the old name.
     harness.get_by_label("Name of the output").type_text("dawn");
     harness.run_ok();
     harness.key_press(Key::Enter);
@@ -117,7 +117,7 @@ fn a_very_fast_click_opens_a_chooser() {
     let entry: Pos2 = place(&harness, "Replace with …").center();
     harness.hover_at(entry);
     harness.run_ok();
-    // Both in one frame.
+    // Press and release arrive in one frame.
     for pressed in [true, false] {
         let button = PointerButton::Primary;
         let event = Event::PointerButton { pos: entry, button, pressed, modifiers: Modifiers::NONE };
@@ -125,7 +125,7 @@ fn a_very_fast_click_opens_a_chooser() {
     }
     harness.run_ok();
     harness.get_by_label("Node type");
-    // A click elsewhere closes it, one frame or two.
+    // A click elsewhere closes it, whether it takes one frame or two.
     let empty = place(&harness, "Node down, ScreenY").left_bottom() + egui::vec2(-15.0, 60.0);
     press(&harness, empty, true, PointerButton::Primary, Modifiers::NONE);
     press(&harness, empty, false, PointerButton::Primary, Modifiers::NONE);

@@ -13,7 +13,7 @@ fn a_wire_is_drawn_from_an_output_to_a_pin_and_back() {
     let (from, to) = (place(&harness, "Input b of twice"), place(&harness, "Output of down"));
     drag(&mut harness, from.center(), to.center());
     assert_eq!(harness.state().text("/nodes/twice/b"), "\"down\"");
-    // Each was a step of its own.
+    // Undo takes back only the last wire.
     harness.state_mut().state.session.undo();
     assert_eq!(harness.state().text("/nodes/twice/b"), "");
     assert_eq!(harness.state().text("/nodes/other/weight"), "\"down\"");
@@ -34,12 +34,12 @@ fn a_wire_is_taken_off_its_pin_and_plugged_elsewhere_or_nowhere() {
     let (from, to) = (place(&harness, "Input weight of sky"), place(&harness, "Input weight of other"));
     drag(&mut harness, from.center(), to.center());
     assert_eq!(harness.state().text("/nodes/other/weight"), "\"down\"");
-    // What needs something keeps a constant.
+    // A required input gets a constant instead.
     assert_eq!(harness.state().text("/nodes/sky/weight"), "0.5");
     let (from, to) = (place(&harness, "Input a of twice"), nowhere(&harness));
     drag(&mut harness, from.center(), to);
     assert_eq!(harness.state().text("/nodes/twice/a"), "");
-    assert!(harness.query_by_label_contains("Node type").is_none(), "an old wire asks for no node");
+    assert!(harness.query_by_label_contains("Node type").is_none(), "only a new wire opens the search");
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn tab_finds_a_node_and_puts_it_below_the_chosen_one() {
     harness.key_press(Key::Enter);
     harness.run_ok();
     assert_eq!(harness.state().text("/nodes/invert/weight"), "\"down\"");
-    assert_eq!(harness.state().text("/nodes/sky/weight"), "\"invert\"", "what took the node above takes the new one");
+    assert_eq!(harness.state().text("/nodes/sky/weight"), "\"invert\"", "sky, which read down, now reads the new node");
     assert_eq!(harness.state().chosen(), ["invert"]);
     harness.state_mut().state.session.undo();
     assert_eq!(harness.state().state.session.text(), GRAPH);
@@ -170,7 +170,7 @@ fn shaking_a_node_takes_it_out_of_its_wires() {
     stroke(&mut harness, &[from, right, left, right, left, right + vec2(0.0, 40.0)], Modifiers::NONE);
     assert_eq!(harness.state().text("/nodes/sky/weight"), "\"down\"");
     assert_eq!(harness.state().text("/nodes/other/weight"), "0.5");
-    assert!(harness.state().at("other")[0] > 440.0, "it stays in the hand: {:?}", harness.state().at("other"));
+    assert!(harness.state().at("other")[0] > 440.0, "it is still dragged: {:?}", harness.state().at("other"));
     harness.state_mut().state.session.undo();
     assert_eq!(harness.state().state.session.text(), text, "one step of undo");
 }

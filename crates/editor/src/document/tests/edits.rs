@@ -24,7 +24,7 @@ fn every_type_of_node_can_be_added_and_taken_back() {
         let (edit, name) = edit::added(session.sheet(), declaration, [10.0, 20.0]);
         session.edit(edit).unwrap();
         assert_eq!(session.sheet().node(&name).unwrap().at, [10.0, 20.0]);
-        // What can have a constant has one: errors are of connections, files and formulas alone.
+        // What can have a constant has one, so only connections, lists, files and formulas may be missing.
         for fault in session.meaning().errors().filter(|fault| fault.node.as_deref() == Some(name.as_str())) {
             let port = fault.port.clone().unwrap_or_default();
             let item = declaration.items.iter().find(|item| item.name() == port);
@@ -41,7 +41,7 @@ fn every_type_of_node_can_be_added_and_taken_back() {
 }
 
 #[test]
-fn deleting_leads_wires_past() {
+fn deleting_a_node_connects_its_input_to_its_readers() {
     let mut session = small();
     session.edit(edit::deleted(session.sheet(), &names(&["soft"]))).unwrap();
     valid(&session);
@@ -104,13 +104,13 @@ fn a_copy_pastes_into_a_chat_and_back() {
     session.edit(edit).unwrap();
     valid(&session);
     assert_eq!(pasted, ["sky2", "sea2"]);
-    assert_eq!(value(&session, "sea2", "b"), json!("sky2"), "within the copy wires follow");
-    assert_eq!(value(&session, "sea2", "weight"), json!("across"), "beyond it they stay");
+    assert_eq!(value(&session, "sea2", "b"), json!("sky2"), "wires within the copy follow");
+    assert_eq!(value(&session, "sea2", "weight"), json!("across"), "wires from outside stay");
     assert_eq!(session.sheet().node("sky2").unwrap().at, [100.0, 50.0]);
     let mut other = Session::new("{ \"trochoid\": 1, \"nodes\": {} }".into(), None);
     let (edit, _) = edit::pasted(other.sheet(), &text, [0.0, 0.0]).unwrap();
     other.edit(edit).unwrap();
-    assert_eq!(value(&other, "sea", "weight"), serde_json::Value::Null, "what is not there is not asked for");
+    assert_eq!(value(&other, "sea", "weight"), serde_json::Value::Null, "a wire from a missing node is left out");
     for junk in ["", "hello", "{}", "{\"a\": 1}", "{\"a\": {}}", "[1, 2]"] {
         assert!(edit::pasted(session.sheet(), junk, [0.0, 0.0]).is_none(), "{junk}");
     }
@@ -119,12 +119,22 @@ fn a_copy_pastes_into_a_chat_and_back() {
 #[test]
 fn another_type_keeps_what_both_know() {
     let mut session = small();
-    let screen = registry().get("Clamp").unwrap().declaration();
-    session.edit(edit::retyped(session.sheet(), "across", screen)).unwrap();
-    assert_eq!(value(&session, "across", "type"), json!("Clamp"));
-    let blend = registry().get("Patch").unwrap().declaration();
-    session.edit(edit::retyped(session.sheet(), "both", blend)).unwrap();
-    assert_eq!(value(&session, "both", "colors"), json!(["sky", "sea"]));
+    let retype = |session: &mut Session, name: &str, ty: &str| {
+        let declaration = registry().get(ty).unwrap().declaration();
+        session.edit(edit::retyped(session.sheet(), name, declaration)).unwrap();
+        session.sheet().get(&Path::node(name)).cloned().unwrap()
+    };
+    // Every node has notes and can be disabled; what only the new type knows gets a constant.
+    session.edit(Edit::set(Path::node("across").to("notes"), &json!("left to right"))).unwrap();
+    session.edit(edit::disabled(session.sheet(), &names(&["across"]))).unwrap();
+    let clamp = json!({ "type": "Clamp", "field": 0, "notes": "left to right", "disabled": true });
+    assert_eq!(retype(&mut session, "across", "Clamp"), clamp);
+    assert_eq!(value(&session, "sea", "weight"), json!("across"), "readers stay connected");
+    // What only the old type knew is dropped.
+    let patch = json!({ "type": "Patch", "u": 0.5, "v": 0.5, "colors": ["sky", "sea"] });
+    assert_eq!(retype(&mut session, "both", "Patch"), patch);
+    let strokes = retype(&mut session, "soft", "Strokes");
+    assert_eq!([&strokes["image"], &strokes["size"]], [&json!("both"), &json!(2)], "a wire and a knob");
 }
 
 #[test]
@@ -148,7 +158,7 @@ fn a_drag_is_one_step_and_typing_another() {
 }
 
 #[test]
-fn documents_with_faults_open_and_can_be_mended() {
+fn documents_with_faults_open_and_can_be_repaired() {
     let faulty = SMALL.replace("\"weight\": \"across\"", "\"weight\": \"nowhere\"").replace("Blur", "Blurr");
     let mut session = Session::new(faulty, None);
     assert!(session.meaning().graph.is_none());
@@ -161,7 +171,7 @@ fn documents_with_faults_open_and_can_be_mended() {
     assert!(!broken.meaning().readable);
     assert_eq!(broken.meaning().errors().count(), 1);
     assert_eq!(broken.sheet().nodes.len(), 0);
-    // What was there before the text was broken stays in sight.
+    // The nodes of the last valid text stay visible.
     session.replace("{ \"trochoid\": 1, ", "Type");
     assert!(!session.meaning().readable && session.meaning().graph.is_none());
     assert_eq!(session.sheet().nodes.len(), 6);

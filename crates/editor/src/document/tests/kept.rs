@@ -9,12 +9,12 @@ use std::time::{Duration, Instant};
 fn wait_for(what: impl Fn() -> bool) {
     let started = Instant::now();
     while !what() {
-        assert!(started.elapsed() < Duration::from_secs(20), "waited in vain");
+        assert!(started.elapsed() < Duration::from_secs(20), "the condition did not hold in time");
         std::thread::sleep(Duration::from_millis(5));
     }
 }
 
-/// Makes a file that was written so long ago.
+/// Creates a file that was last written so many seconds ago.
 fn old(path: &Path, seconds: u64) {
     let file = std::fs::File::create(path).unwrap();
     file.set_modified(std::time::SystemTime::now() - Duration::from_secs(seconds)).unwrap();
@@ -77,7 +77,7 @@ fn the_copy_of_an_editor_that_ended_is_found_once() {
 }
 
 #[test]
-fn a_copy_of_an_editor_of_the_same_number_is_not_written_over() {
+fn the_copy_of_an_editor_with_the_same_process_id_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let name = format!("{}-0", std::process::id());
     let [copy, lock] = ["json", "lock"].map(|end| folder.path().join(format!("{name}.{end}")));
@@ -97,7 +97,7 @@ fn a_copy_knows_its_document_from_wherever_the_editor_is_started() {
     let whole = std::env::current_dir().unwrap().join("storm.json");
     assert_eq!(session.file(), Some(whole.as_path()));
     assert_eq!(Some(session.folder().as_path()), whole.parent());
-    // Of another document of that name in another folder it must not be taken for.
+    // A relative path is ignored, because it may name another document in another folder.
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("9-0.json"), r#"{ "file": "storm.json", "text": "{ }" }"#).unwrap();
     assert_eq!(kept(folder.path())[0].file, None);
@@ -113,7 +113,7 @@ fn work_on_a_file_whose_name_is_no_unicode_is_kept() {
     wait_for(|| copies(folder.path()) == 1);
 }
 
-/// Runs only within the test below, until it is killed: edits, and says what it has done.
+/// The process that the test below starts and kills: it edits, and prints the number of each edit.
 #[test]
 #[ignore = "is killed by the test that starts it"]
 fn victim() {
@@ -127,7 +127,7 @@ fn victim() {
         println!("did {number}");
         std::io::stdout().flush().unwrap();
         number += 1;
-        // As a window that is drawn.
+        // Draws frames, as a window does.
         for _ in 0..4 {
             let mut output = context.run_ui(egui::RawInput::default(), |ui| editor.ui(ui));
             output.textures_delta.clear();

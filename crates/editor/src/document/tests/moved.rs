@@ -1,7 +1,8 @@
 use crate::document::Session;
 use std::path::{Path, PathBuf};
 
-/// A picture beside the document, one under it, one above it, a sequence, one by its whole path, and one in a list.
+/// Returns a document that reads a picture beside it, one below and one above its folder, a sequence, one by an
+/// absolute path, and one that is missing.
 fn text(whole: &Path) -> String {
     let whole = serde_json::json!(whole);
     format!(
@@ -56,7 +57,7 @@ impl Shot {
     }
 }
 
-/// What nodes read at the document's first frame, links and detours aside.
+/// Returns the canonical paths of the files that nodes read at the document's first frame.
 fn read(session: &Session) -> Vec<PathBuf> {
     let graph = session.meaning().graph.clone().unwrap();
     let files = graph.files(&vec![true; graph.nodes().len()], &graph.frame_context(3, u64::MAX));
@@ -90,7 +91,7 @@ fn paths_lead_to_the_same_files_from_another_folder() {
         assert_eq!(read(&session), before, "{target}");
         assert_eq!(path(&session, "beside"), beside);
         assert_eq!(path(&session, "under"), under);
-        assert_eq!(Path::new(&path(&session, "whole")), shot.at("whole.png"), "the whole path stays");
+        assert_eq!(Path::new(&path(&session, "whole")), shot.at("whole.png"), "the absolute path stays");
         assert_eq!(session.sheet().value["outputs"]["beauty"]["file"], output);
         assert!(!session.is_changed());
         let reopened = Session::open(&shot.at(target)).unwrap();
@@ -98,7 +99,7 @@ fn paths_lead_to_the_same_files_from_another_folder() {
         assert_eq!(std::fs::read_to_string(shot.at("shot/a.json")).unwrap(), text(&shot.at("whole.png")));
         assert_eq!(session.undo().as_deref(), Some("Rewrite 6 paths"));
         assert_eq!(session.text(), text(&shot.at("whole.png")));
-        assert!(session.is_changed(), "what is in the file is another text");
+        assert!(session.is_changed(), "the file has another text");
         session.redo();
         assert!(!session.is_changed());
     }
@@ -137,7 +138,7 @@ fn a_document_that_cannot_be_written_stays_where_it_is() {
 }
 
 #[test]
-fn of_a_document_never_saved_only_files_that_are_there_move() {
+fn in_a_document_never_saved_only_paths_of_existing_files_are_rewritten() {
     let folder = tempfile::tempdir().unwrap();
     // Tests run in the folder of their crate.
     let text = text(&folder.path().join("whole.png")).replace("../above.png", "src/lib.rs");

@@ -37,14 +37,14 @@ fn an_entry_is_added_as_its_neighbors_are() {
 }
 
 #[test]
-fn what_leads_there_is_made() {
+fn missing_parents_are_created() {
     let text = after("{}", Op::Set(at(&["ui", "positions", "a"]), "[1, 2]".into()));
     assert_eq!(text, "{\n  \"ui\": { \"positions\": { \"a\": [1, 2] } }\n}");
     assert!(splice("{}", &Op::Set(at(&["l", "3"]), "1".into())).is_err(), "a list has no holes");
 }
 
 #[test]
-fn entries_leave_nothing_behind() {
+fn removed_entries_leave_nothing_behind() {
     let text = "{\n  \"a\": 1,\n  \"b\": 2,\n  \"c\": 3\n}";
     assert_eq!(after(text, Op::Remove(at(&["a"]))), "{\n  \"b\": 2,\n  \"c\": 3\n}");
     assert_eq!(after(text, Op::Remove(at(&["b"]))), "{\n  \"a\": 1,\n  \"c\": 3\n}");
@@ -61,7 +61,7 @@ fn a_key_is_renamed_and_escaped() {
 }
 
 #[test]
-fn no_json_is_refused() {
+fn text_that_is_not_json_is_refused() {
     assert!(splice("{ \"a\": ", &Op::Remove(at(&["a"]))).is_err());
     assert!(splice("", &Op::Remove(at(&["a"]))).is_err());
     assert!(splice("{ // note\n }", &Op::Set(at(&["a"]), "1".into())).is_err(), "comments are no JSON");

@@ -9,7 +9,7 @@ use rand_pcg::Pcg64Mcg;
 use serde_json::json;
 use trochoid::registry;
 
-/// Anything that a hand could do.
+/// Returns a random command, as a user could give it.
 fn any(session: &Session, random: &mut Pcg64Mcg) -> Option<Edit> {
     let sheet = session.sheet();
     let types: Vec<&str> = registry().names().collect();
@@ -62,41 +62,89 @@ fn random_commands_are_undone_and_redone_byte_by_byte() {
 }
 
 #[test]
-#[ignore = "takes minutes; run with --ignored ten_thousand"]
+#[ignore = "takes half a minute; run with --ignored ten_thousand"]
 fn ten_thousand_random_commands_are_undone_and_redone_byte_by_byte() {
     undone_and_redone(10_000);
+}
+
+/// What the history of a session should be, by whole texts.
+struct Expected {
+    /// The text before the first step, and after each one.
+    texts: Vec<String>,
+    /// Number of steps that are done.
+    done: usize,
+    /// The key of the newest step, while it still merges with others of this key.
+    open: Option<String>,
+}
+
+impl Expected {
+    /// Records a command that changed the text. No random command takes back the one that it merges with, which would
+    /// leave no step.
+    fn push(&mut self, text: &str, merge: Option<String>) {
+        let merges = merge.is_some() && merge == self.open;
+        // What was undone is lost.
+        self.texts.truncate(self.done + usize::from(!merges));
+        self.texts.push(text.into());
+        self.done = self.texts.len() - 1;
+        self.open = merge;
+    }
+
+    /// Undoes some steps, or redoes some if the number is negative, and compares the text after each; returns whether
+    /// there were as many.
+    fn walk(&mut self, session: &mut Session, steps: i32) -> bool {
+        self.open = None;
+        for _ in 0..steps.unsigned_abs() {
+            let (next, label) = match steps > 0 {
+                true => (self.done.checked_sub(1), session.undo()),
+                false => (Some(self.done + 1).filter(|next| *next < self.texts.len()), session.redo()),
+            };
+            assert_eq!(next.is_some(), label.is_some(), "at step {} of {}", self.done, self.texts.len() - 1);
+            let Some(next) = next else { return false };
+            self.done = next;
+            assert!(session.text() == self.texts[next], "{label:?} leads to step {next}: {}", session.text());
+        }
+        true
+    }
 }
 
 fn undone_and_redone(count: usize) {
     let mut random = Pcg64Mcg::seed_from_u64(7);
     let mut session = small();
-    let mut states = vec![SMALL.to_string()];
-    let mut made = 0;
-    while made < count {
-        // Documents that have grown wild are put aside, so that each command is of a graph that hands could make.
+    let mut expected = Expected { texts: vec![SMALL.into()], done: 0, open: None };
+    let (mut tried, mut made) = (0, 0);
+    while tried < count {
+        // A document that has grown large is replaced, so that commands act on graphs as users make them.
         if session.sheet().nodes.len() > 60 {
             session.replace(SMALL, "Start again");
-            states.push(session.text().to_string());
+            expected.push(session.text(), None);
         }
         let Some(edit) = any(&session, &mut random) else { continue };
-        made += 1;
+        tried += 1;
         let before = session.text().to_string();
+        let merge = edit.merge.clone();
         if session.edit(edit).is_err() {
             assert_eq!(session.text(), before, "a refused command changes nothing");
             continue;
         }
+        made += 1;
         let _: serde_json::Value = serde_json::from_str(session.text()).unwrap();
+        if session.text() != before {
+            expected.push(session.text(), merge);
+        }
         if random.random_bool(0.3) {
             session.seal();
+            expected.open = None;
         }
-        states.push(session.text().to_string());
+        if random.random_bool(0.03) {
+            expected.walk(&mut session, random.random_range(1..6));
+            expected.walk(&mut session, -random.random_range(1..6));
+        }
     }
-    let last = session.text().to_string();
-    while session.undo().is_some() {}
+    assert!(made > count / 2, "most commands can be made");
+    while expected.walk(&mut session, 1) {}
     assert_eq!(session.text(), SMALL);
-    while session.redo().is_some() {}
-    assert_eq!(session.text(), last);
-    assert!(states.len() > count / 2, "most commands can be made");
+    while expected.walk(&mut session, -1) {}
+    assert!(expected.texts.len() > count / 4, "most commands are a step of their own");
 }
 
 #[test]

@@ -94,7 +94,7 @@ fn a_coarse_picture_comes_first_and_the_last_is_whole() {
 }
 
 #[test]
-fn only_the_newest_wish_counts_in_the_end() {
+fn the_newest_request_is_answered_in_the_end() {
     let sheet = sheet();
     let worker = Worker::new(|| ()).unwrap();
     for generation in 1..=30 {
@@ -135,7 +135,7 @@ fn a_part_of_the_picture_is_that_part() {
 }
 
 #[test]
-fn pictures_of_nodes_come_all_at_once() {
+fn thumbnails_of_all_nodes_come_at_once() {
     let valid = SCENE.replace("\"nothing\"", "\"#ffffff\"");
     let sheet = Session::new(valid, None).sheet().clone();
     let worker = Worker::new(|| ()).unwrap();
@@ -170,7 +170,7 @@ fn a_picture_is_shown_as_asked() {
     let brighter = at(&Display { exposure: 1.0, ..Display::default() }, 5);
     assert!(brighter.iter().zip(plain).all(|(b, a)| *b >= a) && brighter != plain);
     let fixed = Display { range: Some([0.0, 2.0]), ..Display::default() };
-    assert_eq!(range(&result.picture, &fixed), [0.0, 1.0], "a color is light");
+    assert_eq!(range(&result.picture, &fixed), [0.0, 1.0], "colors ignore the range");
     assert!(turbo(0.0)[2] > turbo(0.0)[1] && turbo(1.0)[0] > turbo(1.0)[2], "from blue to red");
 }
 

@@ -51,7 +51,7 @@ struct Writer {
     mixes: usize,
 }
 
-/// The C of a graph.
+/// Returns the C of a graph.
 pub(crate) fn code(graph: &Graph) -> Code {
     let mut writer = Writer::default();
     let result = writer.nodes(graph);
@@ -100,7 +100,7 @@ fn lines(text: &mut String, indent: &str, lines: &[String]) {
     }
 }
 
-/// A number in C.
+/// Returns a number in C.
 fn number(value: f32) -> String {
     format!("{value:?}f")
 }
@@ -110,7 +110,7 @@ impl Writer {
         if rate == Rate::Column { self.columns.push(line) } else { self.pixels.push(line) }
     }
 
-    /// A variable for use at a rate; what pixels read of columns gets a table.
+    /// Returns a variable for use at a rate; a variable of columns that pixels read gets a table.
     fn read(&mut self, name: &str, from: Rate, at: Rate) -> String {
         if from < at && !self.tables.iter().any(|table| table == name) {
             self.tables.push(name.into());
@@ -129,7 +129,7 @@ impl Writer {
         }
     }
 
-    /// A new variable; the operation is written once its operands are.
+    /// Writes a new variable, after its operands.
     fn define(&mut self, name: String, of: &[&Scalar], text: impl Fn(&[String]) -> String) -> Scalar {
         let rate = if of.iter().any(|scalar| scalar.rate == Rate::Pixel) { Rate::Pixel } else { Rate::Column };
         let operands: Vec<String> = of.iter().map(|scalar| self.scalar(scalar, rate)).collect();
@@ -174,7 +174,7 @@ impl Writer {
         Color::Variables(name, rate)
     }
 
-    /// Colors one after the other, along masks each of which rises once the one before has reached 1.
+    /// Mixes colors one after the other, by masks each of which rises only when the one before has reached 1.
     fn stairs(&mut self, name: &str, colors: &[Color], masks: &[Scalar]) -> Color {
         let constants: Vec<[f32; 3]> =
             colors.iter().filter_map(|color| if let Color::Constant(c) = color { Some(*c) } else { None }).collect();
@@ -201,7 +201,7 @@ impl Writer {
         Color::Variables(name.into(), rate)
     }
 
-    /// All nodes; the color of the last.
+    /// Writes all nodes; returns the color of the last.
     fn nodes(&mut self, graph: &Graph) -> Color {
         let mut scalars: Vec<Option<Scalar>> = Vec::new();
         let mut colors: Vec<Color> = Vec::new();

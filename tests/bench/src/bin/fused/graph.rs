@@ -6,11 +6,11 @@ use std::fmt::Write as _;
 pub(crate) const WIDTH: usize = 1920;
 /// Size of the picture.
 pub(crate) const HEIGHT: usize = 1080;
-/// The nodes that buffers stand for: four masks and a field. They come first in every graph.
+/// Nodes that buffers replace: four masks and a field. They come first in every graph.
 pub(crate) const PASSES: [&str; 5] = ["c", "s", "f", "a", "z"];
-/// Where the field is among them.
+/// Index of the field among them.
 const FIELD: usize = 4;
-/// Nodes over the passes, before what is unread at the end is mixed in.
+/// Number of nodes after the passes, before the remaining unread nodes are mixed in.
 const COUNT: usize = 60;
 
 /// A small generator of random numbers.
@@ -33,12 +33,12 @@ impl Draw {
         self.next() as usize % bound
     }
 
-    /// 0 to 1, all bits of an f32.
+    /// Draws a number from 0 to 1 with all bits of an f32.
     pub(crate) fn unit(&mut self) -> f32 {
         (self.next() >> 7) as f32 / 16_777_215.0
     }
 
-    /// A number of two digits after the point, so that documents can be read.
+    /// Draws a number with two decimals, so that documents are readable.
     fn between(&mut self, low: f64, high: f64) -> f64 {
         let steps = ((high - low) * 100.0).round() as usize;
         ((low * 100.0).round() + self.below(steps + 1) as f64) / 100.0
@@ -72,7 +72,7 @@ pub(crate) struct Graph {
     pub(crate) nodes: Vec<Node>,
 }
 
-/// Nodes of one kind; those that nothing reads yet also stand in `unread`.
+/// Nodes of one kind; those that nothing reads yet are also in `unread`.
 #[derive(Default)]
 struct Pool {
     all: Vec<usize>,
@@ -85,7 +85,7 @@ impl Pool {
         self.unread.push(node);
     }
 
-    /// One that nothing reads yet, at every second draw, so that the graph hangs together.
+    /// Draws a node; at every second draw one that nothing reads yet, so that most nodes are used.
     fn draw(&mut self, draw: &mut Draw) -> Option<usize> {
         if draw.below(2) == 0
             && let Some(node) = self.unread.pop()
@@ -101,7 +101,7 @@ impl Pool {
     }
 }
 
-/// What a graph is made with.
+/// State of a graph that is being made.
 struct Maker {
     draw: Draw,
     nodes: Vec<Node>,
@@ -115,7 +115,7 @@ impl Maker {
         self.masks.draw(&mut self.draw).unwrap_or(0)
     }
 
-    /// Two masks, not the same.
+    /// Draws two different masks.
     fn pair(&mut self) -> (usize, usize) {
         let first = self.mask();
         loop {
@@ -130,13 +130,13 @@ impl Maker {
         Paint::Constant([(); 3].map(|()| self.draw.between(0.0, 1.0)))
     }
 
-    /// Every third is a constant, as are those before the first node that makes a color.
+    /// Draws a color; every third is a constant, as are those before the first node that makes a color.
     fn paint(&mut self) -> Paint {
         let drawn = if self.draw.below(3) == 0 { None } else { self.colors.draw(&mut self.draw) };
         drawn.map_or_else(|| self.constant(), Paint::Node)
     }
 
-    /// Colors for one node, all different: equal ones would be no work to whoever sees it.
+    /// Draws colors for one node, all different, because equal ones could be optimized away.
     fn paints<const N: usize>(&mut self) -> [Paint; N] {
         let mut paints: Vec<Paint> = Vec::new();
         [(); N].map(|()| {
@@ -160,7 +160,7 @@ impl Maker {
         self.nodes.push(node);
     }
 
-    /// One more node (with Bands, the Blend that reads them). Slopes are small, so that rounding does not grow much.
+    /// Adds a node; after Bands, also the Blend that reads them. Slopes are small, so rounding grows little.
     fn grow(&mut self) {
         let of_field = self.draw.below(2) == 0;
         match self.draw.below(100) {
@@ -210,7 +210,7 @@ impl Maker {
 }
 
 impl Graph {
-    /// The graph of a seed.
+    /// Makes the graph of a seed.
     pub(crate) fn random(seed: u64) -> Self {
         let mut maker =
             Maker { draw: Draw::new(seed), nodes: Vec::new(), masks: Pool::default(), colors: Pool::default() };
@@ -220,13 +220,13 @@ impl Graph {
                 maker.masks.add(pass);
             }
         }
-        // The field is read whatever is drawn.
+        // The field is read in any case.
         maker.add_mask(Node::ScreenX);
         maker.add_mask(Node::Clamp { of: FIELD, min: 20.0, max: 800.0 });
         while maker.nodes.len() + maker.colors.unread.len().max(maker.masks.unread.len()) < PASSES.len() + COUNT {
             maker.grow();
         }
-        // What nothing reads yet is mixed in, so that every node counts.
+        // Unread nodes are mixed in, so that every node affects the picture.
         while maker.colors.unread.len() != 1 || !maker.masks.unread.is_empty() {
             let paint = |maker: &mut Maker| match maker.colors.unread.pop() {
                 Some(node) => Paint::Node(node),
@@ -239,7 +239,7 @@ impl Graph {
         Self { nodes: maker.nodes }
     }
 
-    /// A node's name in the document, and in C.
+    /// Returns a node's name in the document and in C.
     pub(crate) fn name(&self, node: usize) -> String {
         match PASSES.get(node) {
             Some(name) => (*name).into(),
@@ -248,13 +248,13 @@ impl Graph {
         }
     }
 
-    /// The document.
+    /// Returns the document.
     pub(crate) fn json(&self) -> String {
         let nodes: Vec<String> = (0..self.nodes.len())
             .map(|node| {
                 let name = format!("\"{}\":", self.name(node));
                 let items = self.items(node);
-                // Lists of nodes with many colors go on lines of their own, one a stop.
+                // Long lists of colors go on lines of their own, with one line per stop.
                 if name.len().max(9) + items.len() > 110 {
                     let items = items.replacen(": [", ":\n      [", 1).replace("}, {", "},\n       {");
                     format!("    {name:<9} {{ {items} }}")
@@ -275,7 +275,7 @@ impl Graph {
         text
     }
 
-    /// What stands between a node's braces.
+    /// Returns the text between a node's braces.
     fn items(&self, node: usize) -> String {
         let name = |node: usize| format!("\"{}\"", self.name(node));
         let paint = |paint: &Paint| match paint {

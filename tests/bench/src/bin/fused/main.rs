@@ -27,7 +27,7 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 const FLAGS: [&str; 5] = ["-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math"];
 /// Number of blocks of each program, which run in turn.
 const BLOCKS: usize = 9;
-/// Runs in a block; the first is not counted, as it finds the other program's data in the cache.
+/// Runs in a block; the first is not counted, because it finds the other program's data in the cache.
 const RUNS: usize = 8;
 /// Rounding of both programs, through up to 60 nodes.
 const TOLERANCE: f32 = 2e-6;
@@ -107,7 +107,7 @@ fn arguments() -> Result<(RangeInclusive<u64>, Option<PathBuf>)> {
     Ok((seeds, keep))
 }
 
-/// Four masks and a field of 0 to 1000, all noise.
+/// Makes four masks and a field of 0 to 1000, all noise.
 fn passes() -> Result<Vec<Plane>> {
     let mut draw = Draw::new(0);
     let mut planes = Vec::new();
@@ -132,7 +132,7 @@ fn compare(document: &str, passes: &[Plane], peer: &mut Peer, result: &Path) -> 
     let loaded = trochoid::parse("random.json", document, Path::new("."), &[])?;
     let mut settings = Settings::default();
     settings.threads = 1;
-    // The C judges nothing; all weights and the palette's box are held at every pixel nevertheless.
+    // The C checks nothing. The engine still checks all weights and the palette's box at every pixel.
     settings.judge = Judging::Sampled;
     let plan = Plan::new(&loaded.graph, &["out"], 1, &PASSES, &settings)?;
     let mut buffers = Buffers::new();
@@ -148,7 +148,7 @@ fn compare(document: &str, passes: &[Plane], peer: &mut Peer, result: &Path) -> 
     let mut difference = 0.0_f32;
     for (found, expected) in planes.iter().flat_map(Plane::samples).zip(&expected) {
         let off = (found - expected).abs();
-        // NaN must count.
+        // NaN counts as a difference.
         difference = if off <= difference { difference } else { off };
     }
     let mut found = Found { engine: Vec::new(), fused: Vec::new(), difference };
@@ -167,13 +167,13 @@ fn compare(document: &str, passes: &[Plane], peer: &mut Peer, result: &Path) -> 
     Ok(found)
 }
 
-/// The middle one; of an even number, the mean of both in the middle.
+/// Returns the median; of an even number, the mean of both in the middle.
 fn median(sorted: &[f64]) -> f64 {
     let middle = sorted.len() / 2;
     if sorted.len() % 2 == 1 { sorted[middle] } else { (sorted[middle - 1] + sorted[middle]) / 2.0 }
 }
 
-/// The median of all blocks' medians, and the least time; ns a pixel.
+/// Returns the median of all blocks' medians, and the shortest time, in ns per pixel.
 fn summary(blocks: &[Vec<f64>]) -> (f64, f64) {
     let sorted = |values: &[f64]| {
         let mut values = values.to_vec();
@@ -225,14 +225,14 @@ impl Peer {
         Ok(answer)
     }
 
-    /// Seconds of so many runs.
+    /// Returns the seconds of each of `count` runs.
     fn run(&mut self, count: usize) -> Result<Vec<f64>> {
         let answer = self.ask(&format!("run {count}"))?;
         let times: Vec<f64> = answer.split_whitespace().map(str::parse).collect::<std::result::Result<_, _>>()?;
         if times.len() == count { Ok(times) } else { Err("the C program gave too few times".into()) }
     }
 
-    /// All values of the result, channel by channel.
+    /// Returns all values of the result, channel by channel.
     fn result(&mut self, file: &Path) -> Result<Vec<f32>> {
         self.ask(&format!("write {}", file.display()))?;
         let bytes = std::fs::read(file)?;
@@ -245,7 +245,7 @@ impl Peer {
 
 impl Drop for Peer {
     fn drop(&mut self) {
-        // It ends at the end of its input, or here; both failures mean that it is gone already.
+        // The program ends when its input ends, or here; an error means that it has ended already.
         let _ = self.process.kill();
         let _ = self.process.wait();
     }

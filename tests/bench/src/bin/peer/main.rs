@@ -3,8 +3,8 @@
 //! `peer CASE` prepares itself, does the work once, prints one line of JSON with the error of its result (null where it
 //! only reads), and then, for each line `run N` on stdin, does the work N times and prints how long each took; `quit`
 //! ends it. Cases: `W1:uhd` and `W1:hd` evaluate a graph of nine mixes on five passes in memory; `io:uhd:half:zip` and
-//! the like read or write an EXR file; `W2` and `W2:1e-6` sum waves on a grid, to 5e-4 or what is named; `W3:100` and
-//! `W3:10000` take steps of a toon sea with so many bursts. Inputs lie in the folder `PEER_WORK`; `PEER_THREADS`
+//! the like read or write an EXR file; `W2` and `W2:1e-6` sum waves on a grid, to 5e-4 or the given error; `W3:100`
+//! and `W3:10000` take steps of a toon sea with so many bursts. Inputs lie in the folder `PEER_WORK`; `PEER_THREADS`
 //! (default: all cores), `PEER_INSTRUCTIONS` (`avx2`, `baseline`) and `PEER_MACHINE_CODE` (`never`) choose what is
 //! used.
 
@@ -72,12 +72,12 @@ fn settings() -> Result<Settings> {
         _ => Instructions::Best,
     };
     settings.switches.compile = std::env::var("PEER_MACHINE_CODE").as_deref() != Ok("never");
-    // The others judge nothing; all weights and the palette's box are held at every pixel nevertheless.
+    // The other programs check nothing. The engine still checks all weights and the palette's box at every pixel.
     settings.judge = Judging::Sampled;
     Ok(settings)
 }
 
-/// The numbers of a NumPy file.
+/// Returns the f32 numbers of a NumPy file.
 fn numbers(path: &Path) -> Result<Vec<f32>> {
     let mut bytes = Vec::new();
     std::fs::File::open(path).map_err(|error| format!("{}: {error}", path.display()))?.read_to_end(&mut bytes)?;
@@ -113,7 +113,7 @@ fn w1(work: &Path, size: &str) -> Result<()> {
     for (channel, plane) in frame.pictures[0].planes.iter().enumerate() {
         for (found, expected) in plane.samples().iter().zip(expected[channel..].iter().step_by(3)) {
             let off = f64::from((found - expected).abs());
-            // NaN must count.
+            // NaN counts as an error.
             error = if off <= error { error } else { off };
         }
     }
@@ -137,7 +137,7 @@ fn reading(work: &Path, file: &str) -> Result<()> {
     serve(None, "five channels to f32 planes", once)
 }
 
-/// Writes RGB as half, ZIP.
+/// Writes RGB as half or float, with ZIP.
 fn write(work: &Path, size: &str, kind: &str) -> Result<()> {
     let (width, height) = if size == "hd" { (1920, 1080) } else { (3840, 2160) };
     let window = Window::sized(width, height);

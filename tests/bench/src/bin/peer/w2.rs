@@ -1,4 +1,4 @@
-//! W2: displacement by 1000 trochoidal waves of the thesis on 1024 × 1024 points, a frame at a time.
+//! W2: displacement by 1000 trochoidal waves of the thesis on 1024 × 1024 points, one frame at a time.
 
 use super::{Result, serve};
 use std::f64::consts::TAU;
@@ -20,7 +20,8 @@ fn wave(n: u32) -> Wave {
     let normal = |seed: u32| (-2.0 * unit(0, seed).ln()).sqrt() * (TAU * unit(1, seed)).cos();
     let wavelength = (20f64.ln() - 0.125 + 0.5 * normal(101)).exp();
     let azimuth = 30f64.to_radians() * normal(102);
-    // Sharpness 0.7 and weight 1/1000 scale both displacements, and the printed signs move against the settled ones.
+    // Sharpness 0.7 and weight 1/1000 scale both displacements. The signs printed in the thesis make the horizontal one
+    // negative.
     let amplitude = 0.7 * wavelength / 40.0 / 1000.0;
     let period = (TAU * wavelength / 9.81).sqrt();
     Wave {
@@ -33,7 +34,7 @@ fn wave(n: u32) -> Wave {
     }
 }
 
-/// The f64 numbers of a NumPy file.
+/// Returns the f64 numbers of a NumPy file.
 pub(crate) fn numbers(path: &Path) -> Result<Vec<f64>> {
     let bytes = std::fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
     let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
@@ -55,7 +56,7 @@ pub(crate) fn run(work: &Path, tolerance: &str) -> Result<()> {
     for (axis, found) in fields.displacement.iter().enumerate() {
         for (&found, &expected) in found.iter().zip(expected[axis..].iter().step_by(3)) {
             let off = (f64::from(found) - expected).abs();
-            // NaN must count.
+            // NaN counts as an error.
             error = if off <= error { error } else { off };
             squares += expected * expected;
         }

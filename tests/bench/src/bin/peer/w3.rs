@@ -1,4 +1,4 @@
-//! W3: steps of a toon sea on 512 × 512 cells, with 100 or 10,000 bursts. After 32 steps the sea begins anew.
+//! W3: steps of a toon sea on 512 × 512 cells, with 100 or 10,000 bursts. After 32 steps the sea starts again at rest.
 
 use super::w2::numbers;
 use super::{Result, serve};
@@ -8,7 +8,7 @@ use trochoid_sea::toon::{Basin, Behavior, Boundary, Burst, Combine, Field, Mixin
 const SIDE: usize = 512;
 const STEPS: usize = 32;
 
-/// Steps and what they leave.
+/// State of the sea between steps.
 struct Run {
     sea: ToonSea,
     mixing: Mixing,
@@ -29,7 +29,7 @@ impl Run {
         Ok(Self { sea, mixing, field, rift: vec![0.0; SIDE * SIDE], scratch: Scratch::default(), step: 0 })
     }
 
-    /// Bursts, then the recurrence. Paths are timed in steps.
+    /// Applies the bursts, then the recurrence. Time on paths is in steps.
     fn step(&mut self) {
         if self.step == STEPS {
             self.field.height.fill(0.0);
@@ -64,7 +64,7 @@ fn burst(n: u32) -> Burst {
     }
 }
 
-/// Greatest error of heights and rift over the greatest value.
+/// Returns the greatest error of heights and rift, each relative to its greatest value.
 fn error(run: &Run, expected: &[f64]) -> f64 {
     let mut worst = 0.0f64;
     for (channel, found) in [&run.field.height, &run.rift].into_iter().enumerate() {
@@ -72,7 +72,7 @@ fn error(run: &Run, expected: &[f64]) -> f64 {
         let size = expected().fold(0.0, |size: f64, value| size.max(value.abs()));
         for (&found, expected) in found.iter().zip(expected()) {
             let off = (f64::from(found) - expected).abs() / size;
-            // NaN must count.
+            // NaN counts as an error.
             worst = if off <= worst { worst } else { off };
         }
     }

@@ -1,0 +1,114 @@
+//! How far a sea may lie from the polynomial through some of its points.
+
+use super::bernstein::{DEGREE, ROUNDING, SIDE};
+use super::footprints::Footprints;
+use trochoid_sea::FramedSea;
+
+/// Bounds of the distance between the sea and its polynomial within a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Remainder {
+    /// Of the points along u, up, and along v, in meters.
+    pub(super) off: [f64; 3],
+    /// Of the derivatives by either side of the cell, −1…1, in any direction.
+    pub(super) turn: f64,
+    /// Number of waves, by falling wavelength, that the polynomial must contain.
+    pub(super) waves: usize,
+}
+
+/// Sizes ρ of the ellipses around a cell within which waves are bounded.
+const ELLIPSES: [f64; 15] = [1.3, 1.7, 2.2, 3.0, 4.0, 5.5, 7.5, 10.0, 14.0, 20.0, 30.0, 50.0, 90.0, 200.0, 1000.0];
+/// Exponent from which a wave counts as lost: e⁻¹⁴, a millionth, of it is left at most.
+const LOST: f64 = 14.0;
+/// Rounding error of a wave in a sum, relative to its size, apart from that of its phase.
+const SUM: f64 = 1e-13;
+/// Lebesgue constant of interpolation in the [`nodes`](super::bernstein::nodes): 2/π·ln n + 1 for n nodes.
+const LEBESGUE: f64 = 2.4;
+
+/// ln of 4z·ρ⁻ⁿ, and the same with the factor for derivatives, for each ellipse; z = 1/(1 − 1/ρ), n nodes.
+struct Ellipse {
+    /// Largest distance from the middle, relative to half a side.
+    reach: f64,
+    value: f64,
+    slope: f64,
+}
+
+/// Bounds the remainder of the cell of half side `half` around `middle` ahead of the camera. The cell must not contain
+/// a kink of the footprints.
+///
+/// A wave is the real part of A·e^(iθ), θ = k_u·u + k_v·v + φ, with A falling as e^(−b), b = k²f²/8. Interpolation at
+/// the n Chebyshev points errs along one side by at most 2·Σ|cₘ|, m ≥ n, and its derivative by 2·Σm²|cₘ|, since aliases
+/// have smaller m; |cₘ| ≤ 2Mρ⁻ᵐ if the function stays below M within the ellipse of size ρ (Trefethen, *Approximation
+/// Theory and Approximation Practice*, theorems 8.1 and 8.2). In the ellipse, |s| ≤ r = (ρ + 1/ρ)/2, and the power
+/// series of b is bounded by that of b·m (see [`Growth`](super::footprints::Growth)), so that with the linear terms taken together
+///
+/// ```text
+/// M = A·e^(−b)·exp(|i·k_u − b·m₁|·r·H + b·(m(r·H) − 1 − m₁·r·H))
+/// ```
+///
+/// Along both sides, f − I_u·I_v·f = (f − I_u·f) + I_u·(f − I_v·f), and I_u enlarges by the Lebesgue constant at most.
+pub(super) fn remainder(sea: &FramedSea, footprints: &Footprints, middle: f64, half: f64, away: f64) -> Remainder {
+    let (square, growth) = (footprints.square(middle), footprints.growth(middle));
+    let count = SIDE as f64;
+    let ellipses = ELLIPSES.map(|rho| {
+        let z = 1.0 / (1.0 - 1.0 / rho);
+        let value = libm::log(4.0 * z) - count * libm::log(rho);
+        let slope = value + libm::log(count * count * (1.0 + 2.0 * z / count + 2.0 * z * z / (count * count)));
+        Ellipse { reach: (rho + 1.0 / rho) / 2.0, value, slope }
+    });
+    let reaches = ellipses.each_ref().map(|ellipse| growth.at(ellipse.reach * half) - 1.0);
+    let (linear, whole) = (growth.linear() * half, growth.at(half) - 1.0);
+    // Markov's inequality: a polynomial's derivative is at most the square of its degree times its size.
+    let (lebesgue, steep) = (LEBESGUE, LEBESGUE * (DEGREE * DEGREE) as f64);
+    let mut remainder = Remainder::default();
+    for (index, wave) in sea.waves().iter().enumerate() {
+        let b = wave.number * wave.number * square / 8.0;
+        let most = b * whole - b;
+        let [along, up, across] = wave.amplitudes.map(f64::abs);
+        let size = libm::sqrt(along * along + up * up + across * across);
+        let ku = wave.numbers[0].abs() * half;
+        let kv = wave.numbers[1].abs() * half;
+        let (off, turn) = if most < -LOST {
+            // The polynomial may contain the wave or not: this bounds it, and what interpolation makes of it.
+            let left = libm::exp(most);
+            let growth = 2.0 * b * linear * (1.0 + whole);
+            (left * (1.0 + lebesgue * lebesgue), left * (lebesgue * steep + ku + kv + growth))
+        } else {
+            remainder.waves = index + 1;
+            let x = libm::hypot(ku, b * linear);
+            let rest = |index: usize, reach: f64| x * reach + b * (reaches[index] - linear * reach).max(0.0);
+            let [u, u_slope] = least(&ellipses, rest);
+            let [v, v_slope] = least(&ellipses, |_, reach| kv * reach);
+            let big = libm::exp(b * whole);
+            let share = libm::exp(-b);
+            let turn = (u_slope + steep * v * big).max(v_slope * big + steep * u);
+            (share * (u + lebesgue * v * big), share * turn)
+        };
+        let rounding = libm::exp(most.min(0.0)).min(1.0) * (SUM + wave.phase_error(away)) * lebesgue * lebesgue;
+        for (total, amplitude) in remainder.off.iter_mut().zip([along, up, across]) {
+            *total += amplitude * (off + rounding);
+        }
+        remainder.turn += size * (turn + rounding * steep);
+    }
+    let slack = (ROUNDING * lebesgue * lebesgue)
+        * (half
+            + sea
+                .waves()
+                .iter()
+                .map(|wave| wave.amplitudes.iter().fold(0.0_f64, |most, part| most.max(part.abs())))
+                .sum::<f64>());
+    for total in &mut remainder.off {
+        *total += slack + 8.0 * f64::EPSILON * away;
+    }
+    remainder.turn += slack * (DEGREE * DEGREE) as f64;
+    remainder
+}
+
+/// Returns the least bound of the values over all ellipses, and that of the slopes.
+fn least(ellipses: &[Ellipse], exponent: impl Fn(usize, f64) -> f64) -> [f64; 2] {
+    let mut best = [f64::INFINITY; 2];
+    for (index, ellipse) in ellipses.iter().enumerate() {
+        let exponent = exponent(index, ellipse.reach);
+        best = [best[0].min(exponent + ellipse.value), best[1].min(exponent + ellipse.slope)];
+    }
+    best.map(libm::exp)
+}

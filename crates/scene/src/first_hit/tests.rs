@@ -1,0 +1,138 @@
+use super::bernstein::evaluate;
+use super::cells::SeaCells;
+use super::search::{First, Thoroughness};
+use crate::first_point::first_point;
+use crate::{Camera, DVec3, Projection, Projector, Ray, SeaSurface};
+use std::f64::consts::TAU;
+use trochoid_image::Format;
+use trochoid_sea::{ExplicitWave, GerstnerSpectrum, Sea, Wave};
+
+fn part(case: u32, by: f64) -> f64 {
+    (f64::from(case) * by + 0.137).fract()
+}
+
+/// Seas of many kinds: calm, steep, folded, far from the origin, late, of one wave and of many.
+fn seas() -> Vec<SeaSurface> {
+    let spectrum = |count: usize, height: f64, sharpness: f64, time: f64| {
+        let options = GerstnerSpectrum {
+            count,
+            height,
+            sharpness,
+            wavelength: 5.0,
+            spread: 0.8,
+            direction_spread: 0.6,
+            ..GerstnerSpectrum::default()
+        };
+        SeaSurface::new(&Sea::new(options.waves().expect("waves")), time, 0.4)
+    };
+    let fold =
+        ExplicitWave { wavelength: 8.0, amplitude: 1.0, direction: 0.3, sharpness: 1.7, phase: 0.5, speed: None };
+    let fold = SeaSurface::new(&Sea::new(vec![Wave::try_from(fold).expect("valid")]), 2.0, 0.4);
+    vec![
+        spectrum(12, 0.5, 0.7, 1.0),
+        spectrum(40, 2.5, 1.0, 40.0),
+        spectrum(9, 3.0, 1.6, 1e5),
+        fold,
+        SeaSurface::new(&Sea::new(Vec::new()), 0.0, 0.4),
+    ]
+}
+
+fn projector(case: u32, middle: [f64; 2]) -> Projector {
+    let height = [5.0, 1.5, 40.0, 0.8][case as usize % 4];
+    let position = DVec3::new(middle[0] + 7.0 * part(case, 0.618), 0.4 + height, middle[1]);
+    let (sin, cos) = libm::sincos(TAU * part(case, 0.31));
+    let down = [0.15, 0.02, 1.2, 0.0][(case as usize / 2) % 4];
+    let projection = match case % 7 {
+        5 => Projection::Orthographic { height: 12.0 },
+        _ => Projection::Perspective { fov: 0.2 + 1.2 * part(case, 0.41) },
+    };
+    let target = position + DVec3::new(cos, -down, sin);
+    let camera = Camera { position, target, roll: 0.4 * part(case, 0.77), projection };
+    camera.projector(Format::new(48, 27, 1).expect("valid"))
+}
+
+/// Returns the stretch of a ray within the slab of heights that a sea reaches, if it is not too long to search.
+fn stretch(sea: &SeaSurface, ray: &Ray) -> Option<[f64; 2]> {
+    let (height, slope) = (ray.origin.y - sea.level, ray.direction.y);
+    let (a, b) = ((-sea.summit - height) / slope, (sea.summit - height) / slope);
+    let (start, end) = (a.min(b).max(0.0), a.max(b));
+    (start <= end && end < 300.0).then_some([start, end])
+}
+
+#[test]
+fn cells_are_as_close_to_the_sea_as_they_say() {
+    let (mut worst, mut looked_at, mut close) = (0.0_f64, 0, 0);
+    for (index, sea) in seas().iter().enumerate() {
+        for case in 0..6 {
+            let projector = projector(case + 3 * index as u32, [[0.0, 0.0], [1e6, -3e5]][case as usize % 2]);
+            let Ok(cells) = SeaCells::new(sea, &projector, &|| false) else { continue };
+            for pick in 0..200 {
+                let cell = &cells.cells[(part(pick, 0.618) * cells.cells.len() as f64) as usize];
+                let at = [part(pick, 0.414), part(pick, 0.732)];
+                let nets = cell.seen_along(DVec3::ZERO, [DVec3::X, DVec3::Y, DVec3::Z]);
+                let rest = cells.axes.rest(cell.rest(at));
+                let truth = cells.axes.point(sea.carried(&projector, rest).point);
+                for axis in 0..3 {
+                    let (value, slopes) = evaluate(&nets[axis], at);
+                    let off = (value - truth[axis]).abs();
+                    let bound = cell.remainder.off[axis];
+                    assert!(off <= bound, "sea {index}, camera {case}, axis {axis}: {off:e} above {bound:e}");
+                    worst = worst.max(off / bound);
+                    let step = 1e-5;
+                    let there = |by: [f64; 2]| {
+                        let rest = cells.axes.rest(cell.rest([at[0] + by[0], at[1] + by[1]]));
+                        cells.axes.point(sea.carried(&projector, rest).point)[axis]
+                    };
+                    for (side, own) in slopes.iter().enumerate() {
+                        let by = [0, 1].map(|other| if side == other { step } else { 0.0 });
+                        let slope = (there(by) - there(by.map(|by| -by))) / (2.0 * step);
+                        // By −1…1, half as much as by 0…1. The difference quotient loses digits.
+                        let loss = 1e-9 * (1.0 + truth.abs().max_element()) + 1e-4 * cell.half * cell.half;
+                        let off = 0.5 * (own - slope).abs();
+                        assert!(off <= cell.remainder.turn + loss, "sea {index}, camera {case}: {off:e}");
+                    }
+                    looked_at += 1;
+                    close += usize::from(off > 1e-3 * bound);
+                }
+            }
+        }
+    }
+    assert!(looked_at > 5000 && close > 500, "{looked_at} looked at, {close} of them near their bounds");
+    assert!(worst < 1.0);
+}
+
+#[test]
+fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
+    let (mut met, mut missed, mut unknown, mut overhung) = (0, 0, 0, 0);
+    for (index, sea) in seas().iter().enumerate() {
+        for case in 0..6 {
+            let projector = projector(case + 5 * index as u32, [[0.0, 0.0], [2e3, -1e3]][case as usize % 2]);
+            let Ok(cells) = SeaCells::new(sea, &projector, &|| false) else { continue };
+            for pick in 0..40 {
+                let ray = projector.ray(48.0 * part(pick, 0.618), 27.0 * part(pick, 0.414));
+                let Some([start, end]) = stretch(sea, &ray) else { continue };
+                let expected = first_point(sea, &projector, &ray, [start, end]);
+                let found = cells.first(sea, &projector, &ray, [start, end], Thoroughness::Thorough);
+                match (found, expected) {
+                    (First::At(distance, rest, _), Some((truth, _))) => {
+                        let apart = (distance - truth).abs();
+                        assert!(
+                            apart <= 1e-9 * (1.0 + truth),
+                            "sea {index}, camera {case}, ray {pick}: {distance} {truth}"
+                        );
+                        overhung += usize::from(sea.carried(&projector, rest).precise.sample.jacobian() < 0.0);
+                        met += 1;
+                    }
+                    (First::Nothing, None) => missed += 1,
+                    (First::Unknown, _) => unknown += 1,
+                    other => panic!("sea {index}, camera {case}, ray {pick}: {other:?}"),
+                }
+                if let First::At(distance, ..) = cells.first(sea, &projector, &ray, [start, end], Thoroughness::Quick) {
+                    assert!(matches!(found, First::At(also, ..) if also == distance), "{found:?}");
+                }
+            }
+        }
+    }
+    assert!(met > 300 && missed > 10 && overhung > 0, "{met} meet it, {missed} miss it, {overhung} meet an overhang");
+    assert!(50 * unknown < met, "{unknown} unknown");
+}

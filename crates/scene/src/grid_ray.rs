@@ -1,0 +1,237 @@
+//! The first point of a height field on a ray, in f64.
+//!
+//! Within a cell the field is a bicubic polynomial, so along a ray its distance from the ray is one of degree 6, whose
+//! roots are isolated by its Bézier coefficients.
+
+use glam::DVec3;
+
+use crate::{GridSurface, Ray};
+
+/// Degree of a bicubic polynomial along a line.
+const DEGREE: usize = 6;
+/// Most halvings of an interval: the rest is below the rounding of its ends.
+const HALVINGS: u32 = 52;
+
+/// Coefficients of 1, t, t², t³ in the Catmull–Rom weights of the four neighbors.
+const WEIGHTS: [[f64; 4]; 4] =
+    [[0.0, -0.5, 1.0, -0.5], [1.0, 0.0, -2.5, 1.5], [0.0, 0.5, 2.0, -1.5], [0.0, 0.0, -0.5, 0.5]];
+
+/// Returns the distance at which a ray first crosses a height field between two distances.
+pub(crate) fn first_of_grid(grid: &GridSurface, ray: &Ray, [start, end]: [f64; 2]) -> Option<f64> {
+    let ([columns, rows], spacing, origin) = (grid.size(), grid.spacing(), grid.origin());
+    // Positions in cells.
+    let from = [(ray.origin.x - origin[0]) / spacing, (ray.origin.z - origin[1]) / spacing];
+    let way = [ray.direction.x / spacing, ray.direction.z / spacing];
+    let count = [columns - 1, rows - 1];
+    let (mut near, mut far) = (start, end);
+    for axis in 0..2 {
+        if way[axis] == 0.0 {
+            if !(0.0..=count[axis] as f64).contains(&from[axis]) {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = (-from[axis] / way[axis], (count[axis] as f64 - from[axis]) / way[axis]);
+        (near, far) = (near.max(a.min(b)), far.min(a.max(b)));
+    }
+    let mut at = near;
+    while at < far {
+        // The cell just beyond this distance, and where the ray leaves it. Rounding may name a neighbor, whose
+        // polynomial continues this one's.
+        let cell = [0, 1].map(|axis| {
+            let place = from[axis] + way[axis] * at;
+            let nearest = (place.round() - place).abs() <= 1e-12 * (1.0 + place.abs());
+            let below = match (nearest, way[axis] < 0.0) {
+                (true, true) => place.round() - 1.0,
+                (true, false) => place.round(),
+                (false, _) => place.floor(),
+            };
+            below.clamp(0.0, (count[axis] - 1) as f64)
+        });
+        let mut leave = far;
+        for axis in 0..2 {
+            let side = cell[axis] + f64::from(u8::from(way[axis] > 0.0));
+            if way[axis] != 0.0 {
+                let there = (side - from[axis]) / way[axis];
+                if there > at {
+                    leave = leave.min(there);
+                }
+            }
+        }
+        // Progress is certain even where rounding hides it.
+        let leave = leave.max(at.next_up()).min(far);
+        let local = |distance: f64| [0, 1].map(|axis| from[axis] + way[axis] * distance - cell[axis]);
+        let heights = grid.neighbors(cell.map(|index| index as usize));
+        let [rise, fall] = [at, leave].map(|distance| ray.origin.y - grid.level() + ray.direction.y * distance);
+        let gap = along(&heights, local(at), local(leave), [rise, fall]);
+        if let Some(part) = first_root(&gap, 0.0, 1.0, HALVINGS) {
+            return Some(at + part * (leave - at));
+        }
+        at = leave;
+    }
+    None
+}
+
+/// Returns the Bézier coefficients of a ray's height above a cell's polynomial between two positions in the cell, given
+/// the heights of the ray there.
+fn along(heights: &[[f64; 4]; 4], from: [f64; 2], to: [f64; 2], [rise, fall]: [f64; 2]) -> [f64; DEGREE + 1] {
+    // By powers of u, then of v.
+    let mut powers = [[0.0; 4]; 4];
+    for (m, row) in heights.iter().enumerate() {
+        for (n, height) in row.iter().enumerate() {
+            for i in 0..4 {
+                for j in 0..4 {
+                    // Rows run along v.
+                    powers[i][j] += WEIGHTS[n][i] * WEIGHTS[m][j] * height;
+                }
+            }
+        }
+    }
+    let line = [0, 1].map(|axis| [from[axis], to[axis] - from[axis]]);
+    let mut sum = [0.0; DEGREE + 1];
+    let mut u_power = vec![1.0];
+    for by_v in powers {
+        let mut inner = [0.0; 4];
+        let mut v_power = vec![1.0];
+        for factor in by_v {
+            v_power.iter().enumerate().for_each(|(index, value)| inner[index] += factor * value);
+            v_power = times(&v_power, line[1]);
+        }
+        for (i, a) in u_power.iter().enumerate() {
+            for (j, b) in inner.iter().enumerate() {
+                sum[i + j] += a * b;
+            }
+        }
+        u_power = times(&u_power, line[0]);
+    }
+    // Powers to Bézier coefficients: b_k = Σ C(k, i)/C(6, i)·a_i.
+    const CHOOSE: [f64; DEGREE + 1] = [1.0, 6.0, 15.0, 20.0, 15.0, 6.0, 1.0];
+    std::array::from_fn(|k| {
+        let mut choose = 1.0;
+        let mut value = 0.0;
+        for i in 0..=k {
+            value += choose / CHOOSE[i] * sum[i];
+            choose = choose * (k - i) as f64 / (i + 1) as f64;
+        }
+        rise + (fall - rise) * k as f64 / DEGREE as f64 - value
+    })
+}
+
+/// Multiplies a polynomial by a + b·t.
+fn times(polynomial: &[f64], [a, b]: [f64; 2]) -> Vec<f64> {
+    let mut product = vec![0.0; polynomial.len() + 1];
+    for (index, value) in polynomial.iter().enumerate() {
+        product[index] += a * value;
+        product[index + 1] += b * value;
+    }
+    product
+}
+
+/// Returns the first root of a polynomial in Bézier form between two places.
+///
+/// It has no more roots than its coefficients change their sign, and as many with the same parity (Descartes).
+fn first_root(coefficients: &[f64; DEGREE + 1], low: f64, high: f64, halvings: u32) -> Option<f64> {
+    let signs = coefficients.map(|value| value > 0.0);
+    let changes = signs.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    if changes == 0 {
+        return None;
+    }
+    if halvings == 0 {
+        return Some(0.5 * (low + high));
+    }
+    let [first, second] = halves(coefficients);
+    let middle = 0.5 * (low + high);
+    first_root(&first, low, middle, halvings - 1).or_else(|| first_root(&second, middle, high, halvings - 1))
+}
+
+/// Returns both halves, by de Casteljau's algorithm.
+fn halves(coefficients: &[f64; DEGREE + 1]) -> [[f64; DEGREE + 1]; 2] {
+    let (mut left, mut low, mut high) = (*coefficients, [0.0; DEGREE + 1], [0.0; DEGREE + 1]);
+    for step in 0..=DEGREE {
+        low[step] = left[0];
+        high[DEGREE - step] = left[DEGREE - step];
+        for index in 0..DEGREE - step {
+            left[index] = 0.5 * (left[index] + left[index + 1]);
+        }
+    }
+    [low, high]
+}
+
+impl GridSurface {
+    /// Returns the range of distances in which a ray may meet the surface; `None` if it cannot.
+    pub(crate) fn within_slab(&self, ray: &Ray) -> Option<[f64; 2]> {
+        let [low, high] = self.bounds().map(|height| self.level() + height);
+        let (height, slope) = (ray.origin.y, ray.direction.y);
+        if slope == 0.0 {
+            return (low..=high).contains(&height).then_some([0.0, f64::INFINITY]);
+        }
+        let (a, b) = ((low - height) / slope, (high - height) / slope);
+        let range = [a.min(b).max(0.0), a.max(b)];
+        (range[0] <= range[1]).then_some(range)
+    }
+
+    /// Returns the position on the grid nearest to a point.
+    pub(crate) fn place_of(&self, point: DVec3) -> [f64; 2] {
+        self.within_reach([point.x, point.z])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid() -> GridSurface {
+        let heights = (0..7 * 9).map(|cell| 0.8 * (f64::from(cell) * 0.618).fract() as f32 - 0.4).collect();
+        GridSurface::new(heights, 7, 0.5, [-1.0, 2.0], 0.3)
+    }
+
+    #[test]
+    fn rays_cross_where_tiny_steps_first_find_them_below() {
+        let grid = grid();
+        let (mut met, mut missed) = (0, 0);
+        for case in 0..600 {
+            let part = |by: f64| (f64::from(case) * by + 0.21).fract();
+            let origin = DVec3::new(4.0 * part(0.618) - 1.5, 0.3 + 2.0 * part(0.414), 5.0 * part(0.732) + 1.5);
+            let target = DVec3::new(3.0 * part(0.29) - 1.0, 0.6 * part(0.53) - 0.1, 4.0 * part(0.87) + 2.0);
+            let direction = match case % 10 {
+                0 => DVec3::NEG_Y,
+                1 => DVec3::new(target.x - origin.x, target.y - origin.y, 0.0).normalize(),
+                _ => (target - origin).normalize(),
+            };
+            let ray = Ray { origin, direction };
+            let gap = |distance: f64| {
+                let point = ray.at(distance);
+                grid.height(point.x, point.z).map(|[height, ..]| point.y - 0.3 - height)
+            };
+            let (mut expected, mut last) = (None, None::<f64>);
+            for step in 0..40_000 {
+                let distance = f64::from(step) * 2e-4;
+                let here = gap(distance);
+                if let (Some(before), Some(here)) = (last, here)
+                    && (before > 0.0) != (here > 0.0)
+                {
+                    expected = Some(distance);
+                    break;
+                }
+                last = here;
+            }
+            let found =
+                grid.within_slab(&ray).and_then(|range| first_of_grid(&grid, &ray, [range[0], range[1].min(7.9998)]));
+            match (found, expected) {
+                (Some(found), Some(expected)) => {
+                    assert!((found - expected).abs() < 3e-4, "ray {case}: {found} should be {expected}");
+                    let left = gap(found).unwrap_or(0.0).abs();
+                    assert!(left < 1e-12, "ray {case}: {left:e} off");
+                    met += 1;
+                }
+                (None, None) => missed += 1,
+                // Steps miss what is thinner than they are long.
+                (Some(found), None) => {
+                    assert!(gap(found).is_none_or(|gap| gap.abs() < 1e-12), "ray {case}: {found}");
+                }
+                (None, Some(expected)) => panic!("ray {case}: missed at {expected}"),
+            }
+        }
+        assert!(met > 200 && missed > 50, "{met} met, {missed} missed");
+    }
+}

@@ -1,0 +1,251 @@
+//! Sums of waves in f64 over squares of points in the axes of a frame, whose rows lie under one footprint each.
+
+use crate::frame::SeaFrame;
+use crate::precise::{MOST, ROUNDER, exp_neg, sincos};
+use fearless_simd::{Level, Simd, dispatch};
+use std::f64::consts::TAU;
+
+/// Number of points that are summed side by side in registers, and of waves that are added one after another to them: their
+/// factors fit in the nearest cache.
+const BLOCK: usize = 8;
+const TOGETHER: usize = 64;
+/// Most squares that are summed together.
+const SQUARES: usize = 8;
+/// Rounding errors of a phase, relative to the turns of its parts: each is a product of rounded factors, and they are
+/// added twice, once in the world's axes and once in the frame's.
+const TURN_ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// A sea at one time in the axes of a frame: u along a horizontal heading, v across it, both in meters from an origin.
+///
+/// Footprints depend on u alone, as those of a camera do. A wave is then the product of a factor of u and a factor of v,
+/// which replaces a sine, a cosine and an exponential for each point by one complex product.
+///
+/// ```
+/// use trochoid_sea::{FramedSea, GerstnerSpectrum, Sea};
+///
+/// let frame = Sea::new(GerstnerSpectrum { count: 50, ..GerstnerSpectrum::default() }.waves()?).at(2.0);
+/// let (origin, heading) = ([3.0, -4.0], [0.6, 0.8]);
+/// let sea = FramedSea::new(&frame, origin, heading);
+/// let (u, v, footprint) = (7.0, -2.0, 0.4);
+/// let mut points = vec![[0.0; 3]];
+/// sea.squares(&sea.rows(&[(u, footprint)], sea.waves().len()), &sea.columns(&[0.0]), &[v], &mut points);
+/// let place = [origin[0] + 0.6 * u - 0.8 * v, origin[1] + 0.8 * u + 0.6 * v];
+/// let [x, y, z] = frame.evaluate(place, footprint).displacement;
+/// let [along, up, across] = points[0];
+/// assert!((along - (0.6 * x + 0.8 * z)).abs() < 1e-12 && (up - y).abs() < 1e-12);
+/// assert!((across - (0.6 * z - 0.8 * x)).abs() < 1e-12);
+/// # Ok::<(), trochoid_sea::SpectrumError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FramedSea {
+    /// By falling wavelength.
+    waves: Vec<FramedWave>,
+    level: Level,
+}
+
+/// A wave in the axes of a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct FramedWave {
+    /// Wave number k, in rad/m.
+    pub number: f64,
+    /// Its parts along u and v, in rad/m.
+    pub numbers: [f64; 2],
+    /// Amplitudes along u, up, and along v, in meters.
+    pub amplitudes: [f64; 3],
+    /// Turns per meter along u and v, and turns at the origin.
+    turns: [f64; 2],
+    origin: f64,
+    /// Turns per meter along the world's axes, by their sizes, and those that the origin takes.
+    sizes: [f64; 2],
+}
+
+impl FramedWave {
+    /// Returns a bound of the difference, in radians, between its phases here and in [`SeaFrame::evaluate`] at places
+    /// up to some meters from the frame's origin.
+    pub fn phase_error(&self, away: f64) -> f64 {
+        TAU * TURN_ROUNDING * (self.sizes[0] * away + self.sizes[1] + 1.0)
+    }
+}
+
+/// Factors of waves for rows.
+#[derive(Clone, Debug)]
+pub struct RowFactors {
+    /// Number of waves.
+    left: usize,
+    /// By row and wave: factors of cos and sin of the column's phase for each component.
+    factors: Vec<[f64; 6]>,
+    rows: usize,
+}
+
+/// Factors of waves for columns at offsets from a middle.
+#[derive(Clone, Debug)]
+pub struct ColumnFactors {
+    /// By wave and column: cos and sin of the phase.
+    factors: Vec<[f64; 2]>,
+    columns: usize,
+}
+
+impl FramedSea {
+    /// Returns the sea in the axes of a frame; `heading` is a horizontal unit vector x, z.
+    pub fn new(frame: &SeaFrame, origin: [f64; 2], heading: [f64; 2]) -> Self {
+        let [x, z] = heading;
+        let turned = |[a, b]: [f64; 2]| [a * x + b * z, b * x - a * z];
+        let wave = |index: usize| {
+            let (wave, turns) = (&frame.sorted[index], frame.phases.turns(index));
+            let [along, across] = turned(wave.direction);
+            let reached = turns[0].abs() * origin[0].abs() + turns[1].abs() * origin[1].abs();
+            FramedWave {
+                number: wave.wave_number(),
+                numbers: turned(turns).map(|turns| TAU * turns),
+                amplitudes: [wave.horizontal * along, wave.amplitude, wave.horizontal * across],
+                turns: turned(turns),
+                origin: frame.phases.of(index, origin),
+                sizes: [turns[0].abs() + turns[1].abs(), reached],
+            }
+        };
+        Self { waves: (0..frame.len()).map(wave).collect(), level: Level::new() }
+    }
+
+    /// Returns the waves by falling wavelength.
+    pub fn waves(&self) -> &[FramedWave] {
+        &self.waves
+    }
+
+    /// Returns the factors of the first waves for rows, given their u and footprint in meters.
+    pub fn rows(&self, rows: &[(f64, f64)], left: usize) -> RowFactors {
+        let mut factors = vec![[0.0; 6]; rows.len() * left];
+        for ((u, footprint), factors) in rows.iter().zip(factors.chunks_exact_mut(left.max(1))) {
+            let filter = footprint * footprint / 8.0;
+            let waves = &self.waves[..left];
+            dispatch!(self.level, simd => simd.vectorize(
+                #[inline(always)]
+                || row(waves, *u, filter, factors)
+            ));
+        }
+        RowFactors { left, factors, rows: rows.len() }
+    }
+
+    /// Returns the factors of columns at offsets in meters from the middles that [`FramedSea::squares`] is given.
+    pub fn columns(&self, offsets: &[f64]) -> ColumnFactors {
+        let columns = offsets.len();
+        let mut factors = vec![[0.0; 2]; self.waves.len() * columns];
+        dispatch!(self.level, simd => simd.vectorize(
+            #[inline(always)]
+            || {
+                for (wave, factors) in self.waves.iter().zip(factors.chunks_exact_mut(columns.max(1))) {
+                    for (factor, offset) in factors.iter_mut().zip(offsets) {
+                        let (sin, cos) = sincos(reduced(wave.turns[1] * offset));
+                        *factor = [cos, sin];
+                    }
+                }
+            }
+        ));
+        ColumnFactors { factors, columns }
+    }
+
+    /// Writes the displacements along u, up and along v at the points of squares, square by square and row by row: the
+    /// columns of each stand at their offsets from its middle.
+    ///
+    /// # Panics
+    /// `out` does not have one entry for each point.
+    pub fn squares(&self, rows: &RowFactors, columns: &ColumnFactors, middles: &[f64], out: &mut [[f64; 3]]) {
+        let points = rows.rows * columns.columns;
+        assert_eq!(out.len(), points * middles.len(), "one entry for each point");
+        for (middles, out) in middles.chunks(SQUARES).zip(out.chunks_mut((points * SQUARES).max(1))) {
+            let width = (middles.len() * columns.columns).next_multiple_of(BLOCK);
+            let mut sums = vec![0.0; rows.rows * 3 * width];
+            let mut phases = vec![0.0; 2 * TOGETHER * width];
+            dispatch!(self.level, simd => simd.vectorize(
+                #[inline(always)]
+                || {
+                    for first in (0..rows.left).step_by(TOGETHER) {
+                        let waves = first..(first + TOGETHER).min(rows.left);
+                        turn(&self.waves[waves.clone()], columns, first, middles, width, &mut phases);
+                        add(rows, waves, width, &phases, &mut sums);
+                    }
+                }
+            ));
+            for (square, out) in out.chunks_exact_mut(points).enumerate() {
+                for (index, out) in out.iter_mut().enumerate() {
+                    let (row, column) = (index / columns.columns, index % columns.columns);
+                    let at = |axis: usize| sums[(3 * row + axis) * width + square * columns.columns + column];
+                    *out = [at(0), at(1), at(2)];
+                }
+            }
+        }
+    }
+}
+
+/// Returns turns reduced to −½…½, for |turns| < 2⁵¹, without a function call, which would not be vectorized.
+#[inline(always)]
+fn reduced(turns: f64) -> f64 {
+    turns - ((turns + ROUNDER) - ROUNDER)
+}
+
+/// Computes the factors of one row.
+#[inline(always)]
+fn row(waves: &[FramedWave], u: f64, filter: f64, factors: &mut [[f64; 6]]) {
+    for (wave, factors) in waves.iter().zip(factors) {
+        let turns = wave.turns[0] * u + wave.origin;
+        let (sin, cos) = sincos(reduced(turns));
+        let share = exp_neg((wave.number * wave.number * filter).min(MOST));
+        let (sin, cos) = (sin * share, cos * share);
+        let [along, up, across] = wave.amplitudes;
+        *factors = [-along * sin, -along * cos, up * cos, -up * sin, -across * sin, -across * cos];
+    }
+}
+
+/// Computes cos, then sin, of the phases of some waves along all columns of some squares, wave by wave.
+#[inline(always)]
+fn turn(
+    waves: &[FramedWave],
+    columns: &ColumnFactors,
+    first: usize,
+    middles: &[f64],
+    width: usize,
+    phases: &mut [f64],
+) {
+    let mut at = [0.0; SQUARES];
+    at[..middles.len()].copy_from_slice(middles);
+    for (index, wave) in waves.iter().enumerate() {
+        let (mut sines, mut cosines) = ([0.0; SQUARES], [0.0; SQUARES]);
+        for square in 0..SQUARES {
+            (sines[square], cosines[square]) = sincos(reduced(wave.turns[1] * at[square]));
+        }
+        let own = &columns.factors[(first + index) * columns.columns..][..columns.columns];
+        let (cos, sin) = phases[2 * index * width..][..2 * width].split_at_mut(width);
+        for square in 0..middles.len() {
+            let start = square * columns.columns;
+            for (column, [c, s]) in own.iter().enumerate() {
+                cos[start + column] = c * cosines[square] - s * sines[square];
+                sin[start + column] = s * cosines[square] + c * sines[square];
+            }
+        }
+    }
+}
+
+/// Adds some waves at all points.
+#[inline(always)]
+fn add(rows: &RowFactors, waves: std::ops::Range<usize>, width: usize, phases: &[f64], sums: &mut [f64]) {
+    for row in 0..rows.rows {
+        let factors = &rows.factors[row * rows.left..][waves.clone()];
+        for start in (0..width).step_by(BLOCK) {
+            let mut total = [[0.0; BLOCK]; 3];
+            for (axis, total) in total.iter_mut().enumerate() {
+                total.copy_from_slice(&sums[(3 * row + axis) * width + start..][..BLOCK]);
+            }
+            for (index, factors) in factors.iter().enumerate() {
+                let cos = &phases[2 * index * width + start..][..BLOCK];
+                let sin = &phases[(2 * index + 1) * width + start..][..BLOCK];
+                for axis in 0..3 {
+                    for lane in 0..BLOCK {
+                        total[axis][lane] += factors[2 * axis] * cos[lane] + factors[2 * axis + 1] * sin[lane];
+                    }
+                }
+            }
+            for (axis, total) in total.iter().enumerate() {
+                sums[(3 * row + axis) * width + start..][..BLOCK].copy_from_slice(total);
+            }
+        }
+    }
+}
