@@ -17,22 +17,17 @@ fn faults(graph: &CheckedGraph, frame: i64) -> Vec<String> {
         let file = OutputFile { path: folder.path().join(format!("{}.{ending}", output.name)), outputs: vec![index] };
         write_output(graph, &picture, &file, &[]).unwrap();
         let settings = settings(|_| ());
-        let made = CertificateInputs {
-            graph,
-            file: &file,
-            frame: &picture,
-            certified: &certified,
-            settings: &settings,
-            required: None,
-        };
+        let made = CertificateInputs { graph, file: &file, frame, certified: &certified, settings: &settings };
         let path = folder.path().join(format!("{}.json", output.name));
         let certificate = certificate::certify(&made, &path).unwrap();
         assert_eq!(certificate.outputs[0].controls.is_some(), output.kind == Kind::Color);
-        certificate.write(&path).unwrap();
+        certificate.write(&path, None).unwrap();
         let request = Request {
             certificate: &path,
             image: &file.path,
             choice: Choice::All,
+            seed: 1,
+            key: None,
             document: Some(graph),
             access: Some(graph.access()),
         };

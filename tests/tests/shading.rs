@@ -1,7 +1,7 @@
 //! Shading per pixel: values that samples share, and values that they must not share.
 
-use crate::support::{bits, evaluate, graph, sample, settings, under_all_settings};
-use trochoid::{Buffers, CheckedGraph, ReferenceFrame};
+use crate::support::{bits, evaluate, graph, pixels_are_as_the_whole, sample, settings, under_all_settings};
+use trochoid::{Buffers, Cache, Certifier, CheckedGraph, ReferenceFrame, Silent};
 
 /// A sea and a sail before the sky, with passes that samples share and passes that they do not.
 fn scene(format: &str) -> CheckedGraph {
@@ -59,6 +59,9 @@ fn shading_by_the_pixel_keeps_its_bits_and_its_reference() {
     // At an edge, rounding decides what a sample sees, and so which value it shares.
     let missed = missed.count();
     assert!(10 * missed < some.len(), "{missed} of {} pixels miss the reference", some.len());
+    let certifier = Certifier::new(&graph, &[], 7, &[], &settings(|_| ())).unwrap();
+    let certified = certifier.certify(&Buffers::new(), &mut Cache::new(), &Silent).unwrap();
+    pixels_are_as_the_whole(&graph, 7, &frame, &certified, "shading by the pixel");
     // A field is taken at the center, whatever the shading.
     assert_eq!(bits(&frame.pictures[1]), bits(&each.pictures[1]));
 }

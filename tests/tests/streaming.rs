@@ -154,7 +154,7 @@ fn a_cache_obeys_its_limit() {
     let image = 3 * 4 * (width * height) as usize;
     for (limit, kept, runs) in [
         // The older of the two is dropped each time.
-        (image * 3 / 2, image, [[false, false], [true, false], [false, true]]),
+        (image * 3 / 2, image, [[false, false], [false, true], [true, false]]),
         (image * 2, image * 2, [[false, false], [true, true], [true, true]]),
         // One picture alone exceeds the limit.
         (image - 1, 0, [[false, false]; 3]),

@@ -3,7 +3,7 @@
 use crate::remedies;
 use std::fmt;
 use trochoid::accuracy::PlanFileError;
-use trochoid::certificate::CertificateError;
+use trochoid::certificate::{CertificateError, KeyError};
 use trochoid::{Diagnostic, EvalError, LoadError, OutputError, ReferenceError, RunStatus, Severity, in_bytes};
 use trochoid_terminal::enough_memory;
 pub(crate) use trochoid_terminal::{FAILED, INVALID};
@@ -168,6 +168,13 @@ impl From<PlanFileError> for Failure {
                 Self::usage(error, "make one: trochoid plan GRAPH --tolerance 1/64 --out FILE")
             }
         }
+    }
+}
+
+impl From<KeyError> for Failure {
+    fn from(error: KeyError) -> Self {
+        let code = if matches!(error, KeyError::Read(_)) { FAILED } else { INVALID };
+        Self::new(code, error)
     }
 }
 

@@ -25,7 +25,7 @@ pub use planning::plan::{BindingFault, Plan, PlanError};
 pub use rules::interval::Interval;
 pub use running::buffer_fault::BufferFault;
 pub use running::buffers::Buffers;
-pub use running::certify::{AccuracyLimit, Certified, Certifier, Distribution};
+pub use running::certify::{AccuracyLimit, Certified, CertifiedPixels, Certifier, Distribution};
 pub use running::foreign::ForeignError;
 pub use running::frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
 pub use running::inspect::{Blame, InspectedPixel, Inspection};

@@ -245,7 +245,8 @@ impl CheckedGraph {
         &self.outputs
     }
 
-    /// Returns all nodes in topological order: inputs before the nodes that use them.
+    /// Returns all nodes, inputs before the nodes that use them. The order depends on the connections and the names of
+    /// outputs, not on the names of nodes or their places in the document.
     pub fn order(&self) -> &[NodeId] {
         &self.order
     }

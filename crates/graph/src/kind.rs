@@ -42,6 +42,11 @@ impl Kind {
             Self::Surface | Self::Camera | Self::Light => 0,
         }
     }
+
+    /// Returns whether all values of the kind are finite.
+    pub fn is_finite(self) -> bool {
+        matches!(self, Self::Color | Self::Weights(_))
+    }
 }
 
 impl fmt::Display for Kind {

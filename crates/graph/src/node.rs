@@ -320,6 +320,12 @@ pub trait Prepared: Send + Sync {
         0
     }
 
+    /// Returns the connections, as ports and indices within them, of which nothing is in the picture: surfaces that a
+    /// view lists in vain, which their author should know.
+    fn unseen(&self) -> Vec<(PortId, usize)> {
+        Vec::new()
+    }
+
     /// Returns the work that the node skips because it makes no difference at this frame: waves that no pixel resolves,
     /// drops outside of the picture. May take a while; called only on request.
     fn left_out(&self) -> Vec<Omission> {

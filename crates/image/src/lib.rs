@@ -16,7 +16,7 @@ pub use channel::{Channel, ChannelSet};
 pub use color::{HexError, parse_hex};
 pub use format::{Format, FormatError, MAX_PIXELS, MAX_SIDE, Shading};
 pub use plane::{Plane, PlaneError};
-pub use space::{Chromaticities, WorkingSpace, srgb_decode, srgb_encode};
+pub use space::{Chromaticities, WorkingSpace, srgb_decode, srgb_encode, srgb_fall};
 pub use spread::spread;
 pub use window::{Tiles, Window};
 

@@ -169,10 +169,21 @@ impl std::fmt::Display for WorkingSpace {
     }
 }
 
+/// Linear light above which the sRGB encoding is a power, and a limit of how far it falls there.
+const BREAK: f64 = 0.003_130_8;
+const FALL: f64 = 2.9e-8;
+
+/// Returns how far [`srgb_encode`] may fall within a range of linear light: its two pieces do not meet exactly. Elsewhere
+/// it increases.
+pub fn srgb_fall(low: f64, high: f64) -> f64 {
+    let holds = |at: f64| low <= at && at <= high;
+    if holds(BREAK) || holds(-BREAK) { FALL } else { 0.0 }
+}
+
 /// Encodes linear light for display (IEC 61966-2-1). The function is odd, and not limited to 1.
 pub fn srgb_encode(linear: f64) -> f64 {
     let v = linear.abs();
-    let encoded = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 };
+    let encoded = if v <= BREAK { 12.92 * v } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 };
     encoded.copysign(linear)
 }
 
@@ -222,6 +233,13 @@ mod tests {
             }
             assert_eq!(WorkingSpace::from_name(space.name()), Some(space));
         }
+    }
+
+    #[test]
+    fn the_encoding_falls_no_further_than_allowed_for() {
+        let fall = srgb_encode(BREAK) - srgb_encode(BREAK.next_up());
+        assert!(0.9 * FALL < fall && fall < FALL, "{fall}");
+        assert_eq!((srgb_fall(0.0, 1.0), srgb_fall(-1.0, 0.0), srgb_fall(0.1, 1.0)), (FALL, FALL, 0.0));
     }
 
     const AP0: Chromaticities =

@@ -124,6 +124,13 @@ impl Visible {
         &self.projector
     }
 
+    /// Returns the indices of the surfaces of which nothing is in the picture.
+    pub fn unseen(&self) -> Vec<usize> {
+        let mut seen = vec![false; self.layers.len()];
+        self.binned.iter().for_each(|primitive| seen[self.layer(*primitive)] = true);
+        (0..seen.len()).filter(|surface| !seen[*surface]).collect()
+    }
+
     /// Returns the size of this view.
     pub fn stats(&self) -> Stats {
         let bytes = |layer: &Layer| {

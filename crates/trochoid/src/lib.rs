@@ -104,10 +104,11 @@ pub use stability::{stability, stability_of};
 #[cfg(feature = "io")]
 pub use stream::FileSink;
 pub use trochoid_engine::{
-    Account, AccuracyLimit, Audit, BindingFault, Blame, BufferFault, Buffers, Cache, Certified, Certifier, Channels,
-    Distribution, EvalError, Evidence, Fate, ForeignError, Frame, Hull, InspectedPixel, Instructions, Interval,
-    Judging, LeftOut, MemoryAccount, MemoryConsumer, Monitor, NodeReport, Phases, Picture, Pictures, Plan, PlanError,
-    ProofStep, ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan, Silent, Sink, State, Switches,
+    Account, AccuracyLimit, Audit, BindingFault, Blame, BufferFault, Buffers, Cache, Certified, CertifiedPixels,
+    Certifier, Channels, Distribution, EvalError, Evidence, Fate, ForeignError, Frame, Hull, InspectedPixel,
+    Instructions, Interval, Judging, LeftOut, MemoryAccount, MemoryConsumer, Monitor, NodeReport, Phases, Picture,
+    Pictures, Plan, PlanError, ProofStep, ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan,
+    Silent, Sink, State, Switches,
 };
 pub use trochoid_graph::{
     Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, DataPlace,

@@ -100,6 +100,7 @@ pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> 
                 "pixels": node.pixels,
                 "bytes": node.bytes,
                 "repaired": node.repaired,
+                "unseen": node.unseen,
             });
             (node.name.clone(), value)
         })

@@ -9,7 +9,7 @@ use trochoid_graph::{CheckedGraph, ContentKey, Guarantee, KeyHasher, NodeId};
 /// Metadata key of the fingerprint.
 pub(crate) const KEY: &str = "trochoid:fingerprint";
 /// Version of the fingerprint's definition. Files with another version are rendered again.
-const RECIPE: u32 = 2;
+const RECIPE: u32 = 3;
 /// Metadata key for the names of the outputs in a file.
 pub(crate) const OUTPUTS: &str = "trochoid:outputs";
 /// Metadata key of the weakest guarantee that was found to hold on a color of the file.
@@ -51,7 +51,8 @@ impl Fingerprints {
         let roots = file.outputs.iter().map(|index| graph.outputs()[*index].node);
         let reached = graph.dependencies(roots, frame);
         let mut hasher = KeyHasher::new();
-        (RECIPE, VERSION, graph.document_hash(), frame, &file.outputs).feed(&mut hasher);
+        let names: Vec<&str> = file.outputs.iter().map(|index| graph.outputs()[*index].name.as_str()).collect();
+        (RECIPE, VERSION, graph.document_hash(), frame, names).feed(&mut hasher);
         graph.format().feed(&mut hasher);
         self.shown(&mut hasher);
         let nodes = graph.order().iter().filter(|id| reached[id.0]).map(|id| graph.node(*id).ty.declaration());
@@ -158,5 +159,34 @@ fn hash_of(path: &Path) -> String {
     match std::io::copy(&mut file.reader(), &mut hasher) {
         Ok(_) => hasher.finalize().to_hex().to_string(),
         Err(error) => error.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_order_of_nodes_and_outputs_does_not_matter() {
+        let of = |nodes: &str, outputs: &str| {
+            let text = format!(
+                r#"{{ "trochoid": 1, "format": {{ "width": 4, "height": 2 }}, "nodes": {{ {nodes} }},
+                    "outputs": {{ {outputs} }} }}"#
+            );
+            let graph = crate::parse("a.json", &text, Path::new("."), &[]).expect("valid").graph;
+            let output = graph.outputs().iter().position(|output| output.name == "a").expect("there");
+            let file = OutputFile { path: "a.exr".into(), outputs: vec![output] };
+            Fingerprints::new().of(&graph, &file, 1)
+        };
+        let (x, y) = (r#""x": { "type": "ScreenX" }"#, r#""y": { "type": "ScreenY" }"#);
+        let [both, a, b] = [
+            r#""both": { "type": "Multiply", "weights": ["x", "y"] }"#,
+            r#""a": { "weights": "both" }"#,
+            r#""b": { "weights": "y" }"#,
+        ];
+        let one = of(&[x, y, both].join(", "), &[a, b].join(", "));
+        assert_eq!(one, of(&[both, y, x].join(", "), &[b, a].join(", ")));
+        let swapped = both.replace(r#"["x", "y"]"#, r#"["y", "x"]"#);
+        assert_ne!(one, of(&[x, y, &swapped].join(", "), &[a, b].join(", ")), "the order in a list is meant");
     }
 }

@@ -108,12 +108,11 @@ fn certificate(folder: &Path) -> Result {
     let made = CertificateInputs {
         graph: &graph,
         file: &file,
-        frame: &frame,
+        frame: 1,
         certified: &certified,
         settings: &settings,
-        required: None,
     };
     let path = folder.join("certificate");
-    certify(&made, &path)?.write(&path)?;
+    certify(&made, &path)?.write(&path, None)?;
     Ok(())
 }

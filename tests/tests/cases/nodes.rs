@@ -6,7 +6,7 @@
 //! under all settings.
 
 use crate::sheet::{self, Truth};
-use crate::support::{evaluate, folder, graph_in, root, sample, settings, under_all_settings};
+use crate::support::{evaluate, folder, graph_in, pixels_are_as_the_whole, root, sample, settings, under_all_settings};
 use crate::{stored, trial};
 use libtest_mimic::Trial;
 use serde::Deserialize;
@@ -218,6 +218,7 @@ fn holds_itself(name: &str, graph: &CheckedGraph, number: i64, tolerance: f64) {
     let frame = under_all_settings(graph, number, &Buffers::new(), &what);
     let certifier = Certifier::new(graph, &[], number, &[], &settings(|_| ())).unwrap();
     let certified = certifier.certify(&Buffers::new(), &mut Cache::new(), &Silent).unwrap();
+    pixels_are_as_the_whole(graph, number, &frame, &certified, &what);
     for (picture, certified) in frame.pictures.iter().zip(&certified) {
         let output = &graph.outputs()[picture.output].name;
         let reference = ReferenceFrame::new(graph, output, number).unwrap();

@@ -5,8 +5,10 @@
 
 mod bound;
 mod draw;
+mod one_plan;
 mod pixels;
 mod refused;
+mod shuffled;
 mod text;
 
 use crate::support::{all_bits, evaluate, graph_in, settings, under_all_settings, write_exr};
@@ -18,6 +20,8 @@ use rand_pcg::Pcg64Mcg;
 use trochoid::{Buffers, Cache, Certifier, CheckedGraph, Frame, ReferenceFrame, Silent, State};
 
 const GRAPHS: u64 = 1000;
+/// Number of graphs that are shuffled.
+const PLANS: u64 = 300;
 /// Frame at which keyframed knobs have the generated values.
 const FRAME: i64 = 2;
 

@@ -1,8 +1,10 @@
 //! Shared test code: loading, evaluating, comparing bits, and the settings that must not change a bit.
 
+mod certified;
 mod files;
 pub(crate) mod large;
 
+pub(crate) use certified::pixels_are_as_the_whole;
 pub(crate) use files::{folder, write_exr};
 
 use std::path::{Path, PathBuf};

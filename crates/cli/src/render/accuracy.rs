@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use crate::shell::printable;
 use serde_json::{Value, json};
 use std::path::Path;
-use trochoid::accuracy::{PlanFile, PlannedSettings, allowed};
+use trochoid::accuracy::{PlanFile, PlannedSettings, allowed, displayed_of};
 use trochoid::{Certified, CheckedGraph, Item, Kind, LoadError, Settings, Tolerance, quoted_path};
 
 /// Requested tolerance of a run, and the settings chosen for it.
@@ -105,10 +105,12 @@ impl Accuracy {
                 _ => return None,
             };
             let (name, max) = (&graph.outputs()[certified.output].name, certified.clear.max());
+            let shown = displayed_of(certified.kind, max, graph.space())?;
             (max > most).then(|| {
                 format!(
-                    "error: frame {frame}: output \"{name}\": found a certified error of {max:.1e}; expected at most \
-                     {most:.1e}, as the tolerance requires\n  remedy: plan at this frame: trochoid plan --frame {frame}"
+                    "error: frame {frame}: output \"{name}\": found a certified error of {shown:.1e} in displayed values; \
+                     expected at most {error:.1e}, as the tolerance requires\n  remedy: plan at this frame: trochoid plan \
+                     --frame {frame}"
                 )
             })
         };

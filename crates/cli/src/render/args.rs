@@ -15,7 +15,7 @@ Examples:
   trochoid render storm.json --frames 1-10,20-40x2 --resume
   trochoid render storm.json --output beauty --out 'out/{output}.####.exr'
   trochoid render storm.json --set storm.height=6 --require hull --report report.json
-  trochoid render storm.json --frames 1-96 --certificate 'out/storm.####.json'")]
+  trochoid render storm.json --frames 1-96 --certificate 'out/storm.####.json' --sign mine.pem")]
 pub(crate) struct Args {
     /// The document
     #[arg(value_name = "GRAPH")]
@@ -56,6 +56,9 @@ pub(crate) struct Args {
     /// JSON, for `trochoid verify` to check
     #[arg(long, value_name = "FILE")]
     pub(super) certificate: Option<String>,
+    /// Sign the certificates with this Ed25519 private key, PEM as `openssl genpkey -algorithm ed25519` writes it
+    #[arg(long, value_name = "KEYFILE", requires = "certificate")]
+    pub(super) sign: Option<PathBuf>,
     /// Write the error bound of each pixel against the f64 references as EXR, with the share of its samples that are
     /// ambiguous
     #[arg(long, value_name = "FILE")]

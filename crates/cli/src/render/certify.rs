@@ -7,10 +7,11 @@ use crate::failure::{FAILED, Failure};
 use crate::files::OverwriteOptions;
 use serde_json::{Value, json};
 use std::path::PathBuf;
-use trochoid::certificate::{Certificate, CertificateInputs, certify, error_image};
+use trochoid::accuracy::displayed_of;
+use trochoid::certificate::{Certificate, CertificateInputs, PrivateKey, certify, error_image, unit};
 use trochoid::{
-    Buffers, Cache, Certified, Certifier, CheckedGraph, CompanionPattern, EvalError, Fingerprints, Form, Frame,
-    Guarantee, InputFiles, Monitor, OutputFile, Settings, companion_files, quoted_path, write_guarded,
+    Buffers, Cache, Certified, Certifier, CheckedGraph, CompanionPattern, Distribution, EvalError, Fingerprints, Form,
+    Frame, InputFiles, Monitor, OutputFile, Settings, companion_files, quoted_path, write_guarded,
 };
 
 /// Companions of an output file: its certificate and error image, if requested.
@@ -67,9 +68,12 @@ impl Companions {
         file: &OutputFile,
         frame: i64,
         fingerprints: &mut Fingerprints,
+        key: Option<&PrivateKey>,
     ) -> bool {
         let fingerprint = fingerprints.of(graph, file, frame);
-        let certificate = self.certificate.as_ref().is_none_or(|path| Certificate::is_current(path, &fingerprint));
+        let key = key.map(PrivateKey::public);
+        let is_current = |path: &PathBuf| Certificate::is_current(path, &fingerprint, key.as_ref());
+        let certificate = self.certificate.as_ref().is_none_or(is_current);
         certificate && self.error.as_ref().is_none_or(|path| Fingerprints::is_marked(path, &fingerprint))
     }
 
@@ -85,7 +89,8 @@ impl Companions {
 pub(super) struct CertifyContext<'a> {
     pub(super) graph: &'a CheckedGraph,
     pub(super) settings: &'a Settings,
-    pub(super) required: Option<Guarantee>,
+    /// Key that signs the certificates, if requested.
+    pub(super) key: Option<&'a PrivateKey>,
     pub(super) over: OverwriteOptions,
 }
 
@@ -100,7 +105,7 @@ impl CertifyContext<'_> {
         fingerprints: &mut Fingerprints,
         monitor: &dyn Monitor,
     ) -> Result<Vec<Certified>, Failure> {
-        let Self { graph, settings, required, over } = *self;
+        let Self { graph, settings, key, over } = *self;
         if files.is_empty() {
             return Ok(Vec::new());
         }
@@ -124,25 +129,36 @@ impl CertifyContext<'_> {
                 error_image(graph, file, &certified, &metadata, path)?;
             }
             if let Some(path) = &companions.certificate {
-                let made = CertificateInputs { graph, file, frame, certified: &certified, settings, required };
+                let made = CertificateInputs { graph, file, frame: number, certified: &certified, settings };
                 let certificate = certify(&made, path).map_err(|error| failed(&error))?;
-                write_guarded(path, certificate.sealed().as_bytes(), Form::Certificate, over.overwrite)?;
+                write_guarded(path, certificate.sealed(key).as_bytes(), Form::Certificate, over.overwrite)?;
             }
         }
         Ok(certified)
     }
 }
 
-/// Describes the certified errors of an output, for reports.
-pub(super) fn described(certified: &Certified) -> Value {
+/// Describes the certified errors of an output's samples, for reports.
+pub(super) fn described(graph: &CheckedGraph, certified: &Certified) -> Value {
     let finite = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
-    let samples = certified.clear.total() + certified.unclear.total();
+    let shown = |error: f64| displayed_of(certified.kind, error, graph.space());
+    let of = |samples: &Distribution| {
+        let (max, p999) = (samples.max(), samples.quantile(0.999));
+        json!({
+            "samples": samples.total(),
+            "max": finite(max),
+            "p999": finite(p999),
+            "displayed_max": shown(max),
+            "displayed_p999": shown(p999),
+        })
+    };
+    let all = certified.all();
     json!({
-        "max": finite(certified.clear.max()),
-        "p999": finite(certified.clear.quantile(0.999)),
-        "samples": samples,
+        "unit": unit(certified.kind, graph.space()),
+        "clear": of(&certified.clear),
+        "all": of(&all),
         "ambiguous_samples": certified.unclear.total(),
-        "ambiguous_share": certified.unclear.total() as f64 / samples.max(1) as f64,
+        "ambiguous_share": certified.unclear.total() as f64 / all.total().max(1) as f64,
         "ambiguous_share_beyond_8_bit": certified.in_doubt(1.0 / 255.0),
     })
 }

@@ -12,10 +12,11 @@ use serde_json::{Value, json};
 use std::collections::{BTreeSet, HashSet};
 use std::path::PathBuf;
 use std::time::Instant;
+use trochoid::certificate::PrivateKey;
 use trochoid::{
-    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, OutputError, OutputFile,
-    Pictures, Plan, ReferenceError, RunReport, Settings, Sink, Switches, Work, clear_partial_files, expand_frame,
-    frame_report, misses, output_files, quoted, write_output,
+    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, NodeReport, OutputError,
+    OutputFile, Pictures, Plan, ReferenceError, RunReport, Settings, Sink, Switches, Work, clear_partial_files,
+    expand_frame, frame_report, misses, output_files, quoted, write_output,
 };
 
 /// Function that evaluates a plan to a frame; tests replace it.
@@ -33,6 +34,8 @@ pub(super) struct Job<'a> {
     /// Folders of the files to write.
     folders: BTreeSet<PathBuf>,
     accuracy: Accuracy,
+    /// Key that signs certificates, if requested.
+    key: Option<PrivateKey>,
 }
 
 /// Result of a frame.
@@ -43,6 +46,8 @@ struct FrameResult {
     misses: Vec<String>,
     /// Names of nodes in which illegal values were replaced, with the number of values.
     replaced: Vec<(String, u64)>,
+    /// Names of views and of surfaces of which nothing is in their pictures.
+    unseen: Vec<(String, String)>,
     skipped: bool,
 }
 
@@ -62,7 +67,13 @@ impl<'a> Job<'a> {
             settings.switches = Switches::NONE;
         }
         let (required, accuracy) = (args.required(), Accuracy::default());
-        let mut job = Self { graph, args, required, settings, outputs, frames, folders: BTreeSet::new(), accuracy };
+        let key = args.sign.as_ref().map(|path| PrivateKey::read(path)).transpose();
+        let key = key.unwrap_or_else(|error| {
+            faults.push(error.into());
+            None
+        });
+        let folders = BTreeSet::new();
+        let mut job = Self { graph, args, required, settings, outputs, frames, folders, accuracy, key };
         job.folders = RequestedFiles { graph, args, outputs: &job.outputs, frames: &job.frames }.check(faults);
         job
     }
@@ -144,6 +155,17 @@ impl<'a> Job<'a> {
         ))
     }
 
+    /// Returns the warning for a surface of which nothing is in the picture.
+    fn warning_of_unseen(&self, name: &str, surface: &str, frame: i64) -> Option<String> {
+        let id = self.graph.find(name)?;
+        Some(format!(
+            "warning: {}: node \"{name}\", frame {frame}: found nothing of the surface \"{surface}\" in the picture; \
+             expected some of it, because the view lists it\n  remedy: look at the camera's position and target; nothing \
+             is drawn beyond 10,000 km",
+            self.graph.place_of(id, Some("surfaces"))
+        ))
+    }
+
     /// Renders all frames in order.
     pub(super) fn run(&self, evaluate: &Evaluate<'_>, report: &mut RunReport) -> Result<(), Failure> {
         let mut progress = Progress::new(self.frames.len(), self.args.quiet);
@@ -152,8 +174,8 @@ impl<'a> Job<'a> {
         // Runs that were killed while writing left partial files.
         self.folders.iter().for_each(|folder| clear_partial_files(folder));
         let mut missed = 0;
-        // Each node is warned of once.
-        let mut told = HashSet::new();
+        // Each node, and each surface of a view, is warned of once.
+        let (mut told, mut missing) = (HashSet::new(), HashSet::new());
         for (index, &frame) in self.frames.iter().enumerate() {
             progress.begin(index, frame);
             let done = self.frame(frame, evaluate, &mut cache, &mut fingerprints, &progress)?;
@@ -170,6 +192,9 @@ impl<'a> Job<'a> {
             progress.tell(&done.misses);
             let news = done.replaced.iter().filter(|(name, _)| told.insert(name.clone()));
             let news = news.filter_map(|(name, count)| self.warning_of_replaced(name, *count, frame));
+            progress.tell(&news.collect::<Vec<_>>());
+            let news = done.unseen.into_iter().filter(|unseen| missing.insert(unseen.clone()));
+            let news = news.filter_map(|(name, surface)| self.warning_of_unseen(&name, &surface, frame));
             progress.tell(&news.collect::<Vec<_>>());
             report.push(done.report);
         }
@@ -199,7 +224,8 @@ impl<'a> Job<'a> {
             all.into_iter().zip(companions).partition(|(file, companions)| {
                 self.args.resume
                     && fingerprints.is_current(self.graph, file, number, self.required)
-                    && (!self.certifies() || companions.is_current(self.graph, file, number, fingerprints))
+                    && (!self.certifies()
+                        || companions.is_current(self.graph, file, number, fingerprints, self.key.as_ref()))
             });
         let up_to_date =
             || current.iter().map(|(file, companions)| self.describe(file, "up to date", Some(companions)));
@@ -208,7 +234,14 @@ impl<'a> Job<'a> {
             let report = json!({ "frame": number, "skipped": true, "files": files });
             let current: Vec<OutputFile> = current.into_iter().map(|(file, _)| file).collect();
             let line = line::skipped(self.graph, number, &current);
-            return Ok(FrameResult { report, line, misses: Vec::new(), replaced: Vec::new(), skipped: true });
+            return Ok(FrameResult {
+                report,
+                line,
+                misses: Vec::new(),
+                replaced: Vec::new(),
+                unseen: Vec::new(),
+                skipped: true,
+            });
         }
         let (open, companions): (Vec<OutputFile>, Vec<Companions>) = open.into_iter().unzip();
         let names: Vec<&str> = open
@@ -273,17 +306,13 @@ impl<'a> Job<'a> {
             let certifying_started = Instant::now();
             let kept: Vec<(&OutputFile, &Companions)> =
                 open.iter().zip(&companions).filter(|(file, _)| keeps(file)).collect();
-            let run = CertifyContext {
-                graph: self.graph,
-                settings: &self.settings,
-                required: self.required,
-                over: self.args.files.over,
-            };
+            let (graph, settings, over) = (self.graph, &self.settings, self.args.files.over);
+            let run = CertifyContext { graph, settings, key: self.key.as_ref(), over };
             certified = run.run(&frame, &kept, &self.accuracy, cache, fingerprints, &certifying)?;
             report["seconds"]["certify"] = json!(certifying_started.elapsed().as_secs_f64());
             for certified in &certified {
                 let name = &self.graph.outputs()[certified.output].name;
-                report["outputs"][name]["certified"] = certify::described(certified);
+                report["outputs"][name]["certified"] = certify::described(self.graph, certified);
             }
         }
         let described = open.iter().zip(&companions).map(|(file, companions)| match keeps(file) {
@@ -307,7 +336,12 @@ impl<'a> Job<'a> {
         let replaced =
             frame.nodes.iter().filter(|node| node.repaired > 0).map(|node| (node.name.clone(), node.repaired));
         let replaced = replaced.collect();
-        Ok(FrameResult { report, line, misses: misses.collect(), replaced, skipped: false })
+        let of = |node: &NodeReport| {
+            let name = node.name.clone();
+            node.unseen.clone().into_iter().map(move |surface| (name.clone(), surface))
+        };
+        let unseen = frame.nodes.iter().flat_map(of).collect();
+        Ok(FrameResult { report, line, misses: misses.collect(), replaced, unseen, skipped: false })
     }
 
     fn describe(&self, file: &OutputFile, state: &str, companions: Option<&Companions>) -> Value {

@@ -1,10 +1,11 @@
 //! The line that is printed for a frame.
 
 use crate::shell::printable;
+use trochoid::accuracy::displayed_of;
 use trochoid::{Certified, CheckedGraph, Frame, OutputFile, held};
 
 /// Formats the line of a rendered frame: `frame 12: beauty → out/storm.0012.exr  hull, 0 exits, 1.42 s`. If the frame
-/// is certified, the line has the error of the samples that are not ambiguous.
+/// is certified, the line has the errors of displayed values.
 pub(super) fn rendered(
     graph: &CheckedGraph,
     frame: &Frame,
@@ -29,15 +30,23 @@ pub(super) fn rendered(
             frame.nodes.iter().filter(|node| node.repaired > 0).map(|node| node.name.as_str()).collect();
         facts.push(format!("{repaired} illegal values (NaN) replaced in {}", printable(&names.join(", "))));
     }
-    facts.extend(certainty(certified));
+    facts.extend(certainty(graph, certified));
     facts.push(format!("{seconds:.2} s"));
     format!("frame {}: {}  {}\n", frame.number, places.join(", "), facts.join(", "))
 }
 
-/// Formats the certified error of all outputs together: `error ≤ 3.1e-7, 0.80 % ambiguous`.
-fn certainty(certified: &[Certified]) -> Option<String> {
-    let [clear, unclear] =
-        certified.iter().fold([0, 0], |[clear, unclear], c| [clear + c.clear.total(), unclear + c.unclear.total()]);
+/// Formats the certified errors of all outputs together: `display error ≤ 3.1e-7, or 0.31 where ambiguous, 0.80 %
+/// ambiguous`. They are those of displayed values; of fields, which are not displayed, only if nothing else is certified.
+fn certainty(graph: &CheckedGraph, certified: &[Certified]) -> Option<String> {
+    let shown = |certified: &&Certified| displayed_of(certified.kind, 0.0, graph.space()).is_some();
+    let displayed: Vec<&Certified> = certified.iter().filter(shown).collect();
+    let (of, what) = if displayed.is_empty() {
+        (certified.iter().collect(), "error of fields")
+    } else {
+        (displayed, "display error")
+    };
+    let total = |samples: &dyn Fn(&Certified) -> u64| of.iter().map(|certified| samples(certified)).sum::<u64>();
+    let [clear, unclear] = [total(&|certified| certified.clear.total()), total(&|certified| certified.unclear.total())];
     let share = 100.0 * unclear as f64 / (clear + unclear).max(1) as f64;
     let share = if unclear == 0 {
         "nothing ambiguous".into()
@@ -48,9 +57,21 @@ fn certainty(certified: &[Certified]) -> Option<String> {
     } else {
         format!("{share:.2} % ambiguous")
     };
-    let max = certified.iter().map(|certified| certified.clear.max()).fold(0.0, f64::max);
-    let error =
-        if clear == 0 || max.is_infinite() { "no error certified".into() } else { format!("error ≤ {max:.1e}") };
+    let largest = |samples: &dyn Fn(&Certified) -> f64| {
+        let error = |certified: &&Certified| {
+            let error = samples(certified);
+            displayed_of(certified.kind, error, graph.space()).unwrap_or(error)
+        };
+        of.iter().map(error).fold(0.0, f64::max)
+    };
+    let (max, most) = (largest(&|certified| certified.clear.max()), largest(&|certified| certified.unclear.max()));
+    let error = match (clear, unclear) {
+        (0, _) => "no error certified".into(),
+        _ if max.is_infinite() => "no error certified".into(),
+        (_, 0) => format!("{what} ≤ {max:.1e}"),
+        _ if most.is_infinite() => format!("{what} ≤ {max:.1e}, or unknown where ambiguous"),
+        _ => format!("{what} ≤ {max:.1e}, or {most:.1e} where ambiguous"),
+    };
     (!certified.is_empty()).then(|| format!("{error}, {share}"))
 }
 

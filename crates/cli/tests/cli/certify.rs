@@ -23,7 +23,7 @@ fn json(scene: &Scene, name: &str) -> Value {
 #[test]
 fn every_image_has_a_certificate_that_holds() {
     let scene = Scene::new(SCENE);
-    let run = scene.run(CERTIFIED).code(0).says(&["hull, 0 exits, error ≤ ", "nothing ambiguous, "]);
+    let run = scene.run(CERTIFIED).code(0).says(&["hull, 0 exits, display error ≤ ", "nothing ambiguous, "]);
     assert_eq!(run.err, "");
     assert_eq!(scene.files().len(), 12, "{:?}", scene.files());
     for (output, image) in [("beauty", "exr"), ("mask", "png")] {
@@ -36,7 +36,8 @@ fn every_image_has_a_certificate_that_holds() {
                 "matches its own digest",
                 &format!("of frame {frame}"),
                 "the certified pixels, in 1 block\n",
-                "all 128 pixels evaluated",
+                "all 128 pixels derived again",
+                "every pixel was looked at",
                 "\nholds\n",
             ]);
             scene.run(&["verify", &certificate, &image, "--quiet", "--all", "--document", "a.json"]).code(0);
@@ -48,7 +49,31 @@ fn every_image_has_a_certificate_that_holds() {
         (json["holds"].as_bool(), json["frame"].as_i64(), json["blocks"].as_i64()),
         (Some(true), Some(1), Some(1))
     );
-    assert_eq!((json["outputs"][0]["looked_at"].as_i64(), json["outputs"][0]["hull"].as_bool()), (Some(9), Some(true)));
+    let looked_at = json["outputs"][0]["looked_at"].as_i64().unwrap();
+    assert!((9..20).contains(&looked_at), "9, and those that the certificate names: {looked_at}");
+    assert_eq!(json["outputs"][0]["hull"], true);
+    // 1 − 0.01^(1/9).
+    assert!((json["share_found"].as_f64().unwrap() - 0.400_5).abs() < 1e-4, "{json}");
+}
+
+#[test]
+fn a_seed_is_drawn_and_printed_and_repeats_a_run() {
+    let scene = Scene::new(SCENE);
+    scene.run(CERTIFIED).code(0);
+    let verify = |more: &[&str]| {
+        let (certificate, image) = ("cert/beauty.01.json", "out/beauty.0001.exr");
+        scene.run(&[&["verify", certificate, image, "--pixels", "20"], more].concat())
+    };
+    let run = verify(&[]).code(0);
+    let words = "if 21 % of the pixels had been changed, wherever they are, one of them would have been looked at with a \
+                 probability of 99 %; seed ";
+    let run = run.says(&[words]);
+    let seed = run.out.split("seed ").nth(1).unwrap()[..16].to_string();
+    assert_eq!(verify(&["--seed", &seed]).code(0).out, run.out);
+    let other = verify(&[]).code(0);
+    assert!(!other.out.contains(&seed), "each run draws its own: {}", other.out);
+    assert_eq!(verify(&["--seed", &seed, "--json"]).code(0).json()["seed"], seed.as_str());
+    verify(&["--seed", "x"]).fails(2, &["--seed", "hexadecimal digits"]);
 }
 
 #[test]
@@ -64,17 +89,20 @@ fn the_certificate_says_what_is_certain() {
         certificate["plan"].as_array().unwrap().iter().map(|n| n["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["across", "mix"]);
     let beauty = &certificate["outputs"][0];
-    assert_eq!(beauty["guarantee"], serde_json::json!({ "asked": "hull", "class": "hull", "held": "hull" }));
-    assert_eq!((beauty["controls"]["count"].as_i64(), beauty["audit"]["outside"].as_i64()), (Some(2), Some(0)));
-    assert_eq!(beauty["error"]["samples"]["count"], 4 * 128);
-    let max = beauty["error"]["samples"]["max"].as_f64().unwrap();
+    assert_eq!(beauty["guarantee"], serde_json::json!({ "class": "hull", "held": "hull", "required": "hull" }));
+    assert_eq!((beauty["controls"]["corners"].as_i64(), beauty["counts"]["outside"].as_i64()), (Some(2), Some(0)));
+    let bounds = &beauty["error"]["channels"][0];
+    assert_eq!((&bounds["all"], bounds["all"]["bounded"].as_i64()), (&bounds["clear"], Some(128)));
+    let max = bounds["all"]["max"]["bound"].as_f64().unwrap();
     assert!(max > 0.0 && max < 1e-6, "{max}");
+    let shown = beauty["error"]["display"]["all"]["max"]["bound"].as_f64().unwrap();
+    assert!(shown > 0.0 && shown < 1e-6, "{shown}");
     let error = read(scene.path("err/beauty.0002.exr"), &Selection::layer("error"), &Limits::default()).unwrap();
     let names: Vec<&str> = error.channels.iter().map(|channel| channel.name.as_str()).collect();
     assert_eq!(names, ["R", "G", "B"]);
     let largest = error.channels.iter().flat_map(|c| c.plane.samples()).fold(0.0_f32, |most, error| most.max(*error));
-    let pixels = beauty["error"]["pixels"]["max"].as_f64().unwrap();
-    assert!((f64::from(largest) - pixels).abs() <= 1e-12 * pixels, "{largest} and {pixels}");
+    let (largest, level) = (f64::from(largest), 2.0_f64.powf(0.125));
+    assert!(largest <= max && max < largest * level, "{max} is {largest}, rounded up to an eighth of an octave");
     let doubt = read(scene.path("err/mask.0001.exr"), &Selection::channels(["doubt", "error.Y"]), &Limits::default());
     assert!(doubt.unwrap().channels[0].plane.samples().iter().all(|doubt| *doubt == 0.0));
 }
@@ -87,7 +115,12 @@ fn reports_name_the_files_and_the_errors() {
     assert_eq!(frame["files"][0]["certificate"], "cert/beauty.02.json");
     assert_eq!(frame["files"][1]["error"], "err/mask.0002.exr");
     let certified = &frame["outputs"]["beauty"]["certified"];
-    assert!(certified["max"].as_f64().unwrap() < 1e-6 && certified["ambiguous_share"] == 0.0, "{certified}");
+    assert!(certified["clear"]["max"].as_f64().unwrap() < 1e-6 && certified["ambiguous_share"] == 0.0, "{certified}");
+    assert_eq!((&certified["all"], certified["clear"]["samples"].as_i64()), (&certified["clear"], Some(128)));
+    assert_eq!(certified["unit"], "channel of a color in linear-srgb");
+    assert!(certified["all"]["displayed_max"].as_f64().unwrap() < 1e-5);
+    let mask = &frame["outputs"]["mask"]["certified"];
+    assert_eq!((&mask["unit"], &mask["all"]["displayed_max"]), (&"weight from 0 to 1".into(), &mask["all"]["max"]));
     assert!(frame["seconds"]["certify"].as_f64().unwrap() > 0.0);
 }
 
@@ -195,4 +228,43 @@ fn an_image_of_another_kind_is_described_as_it_is() {
     assert!(!run.err.contains("image.channels"), "the certificate is right in itself: {}", run.err);
     let channels = "x.exr: channels: found B (half), G (half), R (half); expected B (u8), G (u8), R (u8)";
     run.fails(3, &["x.exr: kind of file: found EXR; expected PNG", channels]);
+}
+
+/// Keys of RFC 8410, 10.1 and 10.3, as OpenSSL writes them.
+const PRIVATE: &str = "-----BEGIN PRIVATE KEY-----\n\
+    MC4CAQAwBQYDK2VwBCIEINTuctv5E1hK1bbY8fdp+K06/nwoy/HU++CXqI9EdVhC\n-----END PRIVATE KEY-----\n";
+const PUBLIC: &str = "-----BEGIN PUBLIC KEY-----\n\
+    MCowBQYDK2VwAyEAGb9ECWmEzf6FQbrBZ9w7lshQhqowtrbLDFw4rXAxZuE=\n-----END PUBLIC KEY-----\n";
+/// Another public key, of RFC 8032, 7.1, test 1.
+const OTHER: &str = "-----BEGIN PUBLIC KEY-----\n\
+    MCowBQYDK2VwAyEA11qYAYKxCrfVS/7TyWQHOg7hcvPapiMlrwIaaPcHURo=\n-----END PUBLIC KEY-----\n";
+
+#[test]
+fn certificates_are_signed_and_whose_they_are_is_told() {
+    let scene = Scene::new(SCENE);
+    for (name, text) in [("mine.pem", PRIVATE), ("mine.pub.pem", PUBLIC), ("other.pub.pem", OTHER)] {
+        fs::write(scene.path(name), text).unwrap();
+    }
+    let (certificate, image) = ("cert/beauty.01.json", "out/beauty.0001.exr");
+    let verify = |more: &[&str]| scene.run(&[&["verify", certificate, image], more].concat());
+    scene.run(CERTIFIED).code(0);
+    verify(&[]).code(0).says(&["it is not signed, so anyone may have made it"]);
+    let key = "19bf44096984cdfe8541bac167dc3b96c85086aa30b6b6cb0c5c38ad703166e1";
+    let missing = format!("{certificate}: signature: found no signature; expected one by {key}");
+    verify(&["--key", "mine.pub.pem"]).fails(3, &[&missing]);
+    // Unsigned certificates are not those that were asked for.
+    let sign = [CERTIFIED, &["--sign", "mine.pem", "--resume"]].concat();
+    assert!(!scene.run(&sign).code(0).out.contains("up to date"));
+    assert_eq!(scene.run(&sign).code(0).out.matches("up to date").count(), 2);
+    assert_eq!(json(&scene, certificate)["signature"]["key"], key);
+    verify(&[]).code(0).says(&[&format!("signed by the key {key}; --key tells whether that is a key that you know")]);
+    verify(&["--key", "mine.pub.pem"]).code(0).says(&[&format!("it is signed by the key {key}\n")]);
+    assert_eq!(verify(&["--key", "mine.pub.pem", "--json"]).code(0).json()["signed_by"], key);
+    verify(&["--key", "other.pub.pem"]).fails(3, &[&format!("found one by {key}; expected one by d75a980182b10ab7")]);
+    verify(&["--key", "mine.pem"]).fails(2, &["mine.pem: found a private key; expected an Ed25519 public key"]);
+    let run = scene.run(&[CERTIFIED, &["--sign", "mine.pub.pem"]].concat());
+    run.fails(2, &["mine.pub.pem: found a public key; expected an unencrypted Ed25519 private key", "openssl genpkey"]);
+    scene.run(&["render", "a.json", "--sign", "mine.pem"]).fails(2, &["--certificate"]);
+    let shown = scene.run(&sign);
+    assert!(!(shown.out + &shown.err).contains("MC4CAQ"), "the private key is never shown");
 }

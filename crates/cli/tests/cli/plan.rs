@@ -29,7 +29,7 @@ fn a_plan_is_certified_to_meet_its_tolerance_and_renders_what_the_tolerance_rend
     let scene = Scene::new(SEA);
     scene.run(&["plan", "a.json", "--tolerance", "1/64", "--out", "p.json"]).code(0).says(&[
         "tolerance 1/64: view.points=surface",
-        "beauty: error ≤ ",
+        "beauty: display error ≤ ",
         "s predicted",
     ]);
     let plan = json(&scene, "p.json");
@@ -47,7 +47,7 @@ fn a_plan_is_certified_to_meet_its_tolerance_and_renders_what_the_tolerance_rend
     let frame = &json(&scene, "r.json")["frames"][0];
     assert_eq!(frame["accuracy"]["set"], serde_json::json!(["view.points=surface"]));
     assert!(frame["accuracy"]["predicted_seconds"].as_f64().unwrap() > 0.0);
-    assert_eq!(frame["outputs"]["beauty"]["certified"]["max"].as_f64(), Some(max));
+    assert_eq!(frame["outputs"]["beauty"]["certified"]["clear"]["max"].as_f64(), Some(max));
 }
 
 #[test]
@@ -98,7 +98,8 @@ fn exact_and_reference_are_within_what_is_certified() {
     let reference = ["render", "a.json", "--frames", "1", "--tolerance", "reference", "--out", "r.exr"];
     scene.run(&reference).code(0).says(&["frame 1: beauty → r.exr  hull, 0 exits"]);
     let [exact, reference] = ["e.exr", "r.exr"].map(|name| pixels(&scene, name));
-    let certified = json(&scene, "c.json")["outputs"][0]["error"]["samples"]["max"].as_f64().unwrap();
+    let bounds = &json(&scene, "c.json")["outputs"][0]["error"]["channels"][0];
+    let certified = bounds["clear"]["max"]["bound"].as_f64().unwrap();
     // Edges are ambiguous, and stored values are rounded to 11 bits.
     let within = exact.iter().zip(&reference).filter(|(a, b)| (**a - **b).abs() <= certified as f32 + 5e-4).count();
     assert!(within * 100 > 97 * exact.len(), "{within} of {}", exact.len());
@@ -118,7 +119,10 @@ fn exact_and_reference_are_within_what_is_certified() {
 #[test]
 fn a_document_without_a_choice_is_certified_as_it_is() {
     let scene = Scene::new(SCENE);
-    scene.run(&["plan", "a.json", "--tolerance", "1/512"]).code(0).says(&["nothing to choose", "mask: error ≤ "]);
+    scene
+        .run(&["plan", "a.json", "--tolerance", "1/512"])
+        .code(0)
+        .says(&["nothing to choose", "mask: display error ≤ "]);
     let plan = scene.run(&["plan", "a.json", "--tolerance", "exact", "--json"]).code(0).json();
     assert_eq!((plan["tolerance"].as_str(), plan["set"].as_object().unwrap().len()), (Some("exact"), 0));
 }

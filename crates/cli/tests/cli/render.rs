@@ -172,3 +172,23 @@ fn reserved_space_in_a_file_is_not_shown() {
     let run = scene.run(&["info", "out/beauty.0001.exr"]).code(0);
     assert!(run.out.contains("trochoid:plan") && !run.out.contains("reserved"), "{}", run.out);
 }
+
+#[test]
+fn a_surface_that_no_picture_shows_is_told_once() {
+    let text = r##"{ "trochoid": 1, "format": { "width": 16, "height": 8 }, "frames": { "first": 1, "last": 2 },
+      "nodes": { "eye": { "type": "Camera", "position": [0, 3, 10], "target": [0, 3, 0], "fov": 50 },
+                 "sea": { "type": "GerstnerSea", "count": 0 },
+                 "view": { "type": "Render", "camera": "eye", "surfaces": ["sea"] },
+                 "mix": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "view.coverage" } },
+      "outputs": { "beauty": { "color": "mix", "file": "out/beauty.####.png" } } }"##;
+    let scene = Scene::new(text);
+    assert_eq!(scene.run(&["render", "a.json"]).code(0).err, "");
+    let away = ["--set", "eye.position=[0,3000000000,10000000000]", "--report", "r.json", "--overwrite"];
+    let run = scene.run(&[&["render", "a.json"][..], &away].concat()).code(0);
+    let words = "warning: a.json:4:75: node \"view\", frame 1: found nothing of the surface \"sea\" in the picture";
+    assert!(run.err.starts_with(words) && run.err.matches("warning").count() == 1, "{}", run.err);
+    let report: Value = serde_json::from_slice(&fs::read(scene.path("r.json")).unwrap()).unwrap();
+    assert_eq!(report["frames"][1]["nodes"]["view"]["unseen"], serde_json::json!(["sea"]));
+    let explained = scene.run(&["check", "a.json", "--explain", "--set", "eye.position=[0,3000000000,10000000000]"]);
+    explained.code(0).says(&["view: of \"sea\", 1 of 1 surfaces: nothing of it is in the picture"]);
+}

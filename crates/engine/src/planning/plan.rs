@@ -116,6 +116,14 @@ impl Pass {
     pub(crate) fn samples(&self) -> impl Iterator<Item = Sample> {
         self.offsets.iter().enumerate().map(|(index, offset)| Sample { index, offset: *offset })
     }
+
+    /// Returns the plan's outputs that the pass makes, each once.
+    pub(crate) fn outputs(&self) -> impl Iterator<Item = usize> {
+        let mut outputs: Vec<usize> = self.roots.iter().map(|(output, _)| *output).collect();
+        outputs.sort_unstable();
+        outputs.dedup();
+        outputs.into_iter()
+    }
 }
 
 /// One of a pixel's samples.

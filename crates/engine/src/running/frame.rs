@@ -174,6 +174,8 @@ pub struct NodeReport {
     pub bytes: usize,
     /// Number of illegal input values that were replaced by the nearest legal value.
     pub repaired: u64,
+    /// Names of the connected nodes of which nothing is in the picture, such as surfaces that a view lists.
+    pub unseen: Vec<String>,
 }
 
 /// What happened to a node.

@@ -14,7 +14,7 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use trochoid_graph::{Guarantee, Kind, NodeId, Omission, Variance};
+use trochoid_graph::{Guarantee, Kind, NodeId, Omission, PortId, Prepared, Source, Variance};
 use trochoid_image::{Plane, Window};
 use trochoid_weights::{Audit, BoxHull, HullBuilder};
 
@@ -424,6 +424,16 @@ impl Plan<'_> {
         }
     }
 
+    /// Returns the names of the nodes connected to one of which nothing is in the picture.
+    fn unseen(&self, node: usize, prepared: &dyn Prepared) -> Vec<String> {
+        let Some(settled) = &self.settled[node] else { return Vec::new() };
+        let name = |(port, index): (PortId, usize)| match settled.all(port.name()).get(index)? {
+            Source::Output { node, .. } => Some(self.graph.node(*node).name.clone()),
+            _ => None,
+        };
+        prepared.unseen().into_iter().filter_map(name).collect()
+    }
+
     /// Reports on all nodes. Nodes in `known` used planes from an earlier evaluation.
     fn node_reports(
         &self,
@@ -467,6 +477,7 @@ impl Plan<'_> {
                     pixels: samples[index],
                     bytes: ready.map_or(0, |ready| ready.prepared.bytes()),
                     repaired: ready.map_or(0, |ready| ready.prepared.repaired()),
+                    unseen: ready.map_or_else(Vec::new, |ready| self.unseen(index, &*ready.prepared)),
                 }
             })
             .collect()

@@ -2,6 +2,7 @@
 //! output, bad input data, memory or cancellation can make an evaluation fail.
 
 mod items;
+mod order;
 mod outputs;
 mod top;
 mod values;
@@ -228,7 +229,7 @@ impl<'a> Checker<'a> {
             name_kinds(&mut drafts, top.first);
         }
         self.connections(&drafts);
-        let order = self.order(&drafts)?;
+        self.loops(&drafts)?;
         self.node_rules(&drafts, &top);
         let outputs = match root.iter().find(|entry| entry.key == "outputs") {
             Some(entry) => self.outputs(&entry.value, &drafts, &names),
@@ -273,9 +274,9 @@ impl<'a> Checker<'a> {
             last: top.last,
             fps: top.fps,
             tolerance: top.tolerance,
+            order: order::order_of_use(&nodes, &outputs),
             nodes,
             outputs,
-            order,
             canonical: document.canonical(),
             access: Access::usual(folder),
         })

@@ -144,8 +144,8 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Sorts the nodes, inputs before the nodes that use them; reports every loop.
-    pub(super) fn order(&mut self, drafts: &[Draft<'_>]) -> Option<Vec<NodeId>> {
+    /// Reports every loop; `None` if there are any.
+    pub(super) fn loops(&mut self, drafts: &[Draft<'_>]) -> Option<()> {
         let mut graph: DiGraph<(), ()> = DiGraph::with_capacity(drafts.len(), drafts.len());
         for _ in drafts {
             graph.add_node(());
@@ -155,8 +155,8 @@ impl<'a> Checker<'a> {
                 graph.add_edge(NodeIndex::new(node.0), NodeIndex::new(to), ());
             });
         }
-        if let Ok(order) = toposort(&graph, None) {
-            return Some(order.into_iter().map(|index| NodeId(index.index())).collect());
+        if toposort(&graph, None).is_ok() {
+            return Some(());
         }
         for component in tarjan_scc(&graph) {
             let first = component[0];

@@ -241,8 +241,20 @@ impl Prepared for PreparedRender {
         Ok(vec![Reference::View(channels), Reference::Mask(coverage)])
     }
 
+    fn unseen(&self) -> Vec<(PortId, usize)> {
+        let unseen = self.visible.as_ref().map_or_else(Vec::new, scene::Visible::unseen);
+        unseen.into_iter().map(|surface| (self.port, surface)).collect()
+    }
+
     fn left_out(&self) -> Vec<Omission> {
         let Some(projector) = self.visible.as_ref().map(scene::Visible::projector) else { return Vec::new() };
+        let unseen = self.unseen().into_iter().map(|port| Omission {
+            port: Some(port),
+            what: "surfaces",
+            count: 1.0,
+            of: 1.0,
+            why: "nothing of it is in the picture",
+        });
         let seas = self.surfaces.iter().enumerate();
         let seas = seas.filter_map(|(index, surface)| Some((index, surface.as_sea()?.resolved(projector)?)));
         seas.flat_map(|(index, resolved)| {
@@ -258,6 +270,7 @@ impl Prepared for PreparedRender {
             ]
         })
         .flatten()
+        .chain(unseen)
         .collect()
     }
 

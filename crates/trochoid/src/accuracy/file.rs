@@ -1,6 +1,6 @@
 //! Plan files: settings that meet a tolerance, as JSON.
 
-use super::PlannedSettings;
+use super::{PlannedSettings, displayed_of};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -44,6 +44,9 @@ pub struct CertifiedText {
     pub max: Option<f64>,
     /// 99.9th percentile of those bounds; `None` if there is no bound.
     pub p999: Option<f64>,
+    /// Bound of the displayed values of a sample that is not ambiguous; `None` for outputs that are not displayed.
+    #[serde(default)]
+    pub displayed_max: Option<f64>,
     /// Share of ambiguous samples.
     pub ambiguous_share: f64,
 }
@@ -105,6 +108,7 @@ impl PlanFile {
             let text = CertifiedText {
                 max: finite(certified.clear.max()),
                 p999: finite(certified.clear.quantile(0.999)),
+                displayed_max: displayed_of(certified.kind, certified.clear.max(), graph.space()),
                 ambiguous_share: certified.unclear.total() as f64 / all.max(1) as f64,
             };
             (graph.outputs()[certified.output].name.clone(), text)

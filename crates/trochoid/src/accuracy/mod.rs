@@ -21,7 +21,7 @@ pub use pilot::predict;
 use crate::{LoadError, Loaded};
 use trochoid_engine::{AccuracyLimit, Buffers, Cache, Certified, Certifier, Monitor, PlanError, Settings};
 use trochoid_graph::{CheckedGraph, Kind, NodeId, Tolerance};
-use trochoid_image::{Window, WorkingSpace};
+use trochoid_image::{Window, WorkingSpace, srgb_encode, srgb_fall};
 
 /// Request for settings.
 #[derive(Clone, Copy, Debug)]
@@ -127,12 +127,36 @@ pub fn allowed(tolerance: f64, space: WorkingSpace) -> f64 {
     let decoded = WorkingSpace::Srgb.to_linear_srgb([tolerance; 3])[0];
     match space {
         WorkingSpace::Srgb => tolerance,
-        WorkingSpace::LinearSrgb => decoded,
-        WorkingSpace::AcesCg => {
-            let units = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|unit| space.to_linear_srgb(unit));
-            let growth = |channel: usize| units.iter().map(|unit: &[f64; 3]| unit[channel].abs()).sum::<f64>();
-            decoded / (0..3).map(growth).fold(0.0, f64::max)
+        WorkingSpace::LinearSrgb | WorkingSpace::AcesCg => decoded / growth(space),
+    }
+}
+
+/// Returns a bound on the errors of displayed values, from 0 to 1, for an error in a working space: the inverse of
+/// [`allowed`]. At one value, the sRGB encoding falls by a few 10⁻⁸; so much is added.
+pub fn displayed(error: f64, space: WorkingSpace) -> f64 {
+    let shown = match space {
+        _ if error == 0.0 => 0.0,
+        WorkingSpace::Srgb => error,
+        WorkingSpace::LinearSrgb | WorkingSpace::AcesCg => {
+            srgb_encode((error * growth(space)).min(1.0)) + srgb_fall(0.0, 1.0)
         }
+    };
+    shown.min(1.0)
+}
+
+/// Returns a limit of how much larger an error becomes in linear sRGB.
+fn growth(space: WorkingSpace) -> f64 {
+    let units = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|unit| space.to_linear_srgb(unit));
+    let growth = |channel: usize| units.iter().map(|unit: &[f64; 3]| unit[channel].abs()).sum::<f64>();
+    (0..3).map(growth).fold(0.0, f64::max)
+}
+
+/// Returns a bound on the errors of an output's displayed values; `None` for kinds that are not displayed.
+pub fn displayed_of(kind: Kind, error: f64, space: WorkingSpace) -> Option<f64> {
+    match kind {
+        Kind::Color => Some(displayed(error, space)),
+        Kind::Weights(_) => Some(error.min(1.0)),
+        _ => None,
     }
 }
 
@@ -251,5 +275,23 @@ impl Trial<'_> {
             pass,
         };
         Ok(Outcome::Misses(Box::new(missed), stage))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_displayed_is_the_inverse_of_what_is_allowed() {
+        for space in [WorkingSpace::Srgb, WorkingSpace::LinearSrgb, WorkingSpace::AcesCg] {
+            for tolerance in [1e-4, 1.0 / 255.0, 1.0 / 64.0, 0.3, 1.0] {
+                let shown = displayed(allowed(tolerance, space), space);
+                assert!((tolerance - shown).abs() < 1e-7, "{space}: {tolerance}, {shown}");
+            }
+            assert_eq!((displayed(0.0, space), displayed(f64::INFINITY, space)), (0.0, 1.0));
+        }
+        assert_eq!(displayed_of(Kind::MASK, 0.25, WorkingSpace::LinearSrgb), Some(0.25));
+        assert_eq!(displayed_of(Kind::Field(1), 0.25, WorkingSpace::LinearSrgb), None);
     }
 }

@@ -1,7 +1,7 @@
 //! Encoding of values in files: unchanged, as linear light, or for display.
 
 use trochoid_graph::Kind;
-use trochoid_image::{WorkingSpace, srgb_decode, srgb_encode};
+use trochoid_image::{WorkingSpace, srgb_decode, srgb_encode, srgb_fall};
 
 /// Conversion from an output's values to those of its file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,34 +26,66 @@ impl Coding {
         }
     }
 
-    /// Returns the range of each channel in the file, before rounding, for values within an error of the reference.
+    /// Returns the range of each channel in the file, before rounding, for values whose channels lie within these errors
+    /// of the reference.
     ///
-    /// Every conversion is increasing in each channel, so that it maps bounds to bounds.
-    pub(super) fn ends(self, reference: &[f64], error: f64) -> Vec<(f64, f64)> {
+    /// Every conversion is increasing in each channel, so that it maps bounds to bounds, except for a small fall of the
+    /// sRGB encoding.
+    pub(super) fn ends(self, reference: &[f64], errors: &[f64]) -> Vec<(f64, f64)> {
         let around = |value: f64, error: f64| {
             // Infinities are exact, since the difference of two of them is undefined.
             if value.is_finite() { (value - error, value + error) } else { (value, value) }
         };
-        let rounded = |(low, high): (f64, f64)| {
-            let slack = |value: f64| value.abs() * ROUNDING.0 + ROUNDING.1;
-            (low - slack(low), high + slack(high))
-        };
-        let each = |f: fn(f64) -> f64, values: &[f64], errors: &[f64]| {
+        let each = |f: fn((f64, f64)) -> (f64, f64), values: &[f64], errors: &[f64]| {
             let ends = values.iter().zip(errors).map(|(value, error)| around(*value, *error));
-            ends.map(|(low, high)| rounded((f(low), f(high)))).collect()
+            ends.map(|ends| rounded(f(ends))).collect()
         };
         match (self, reference) {
-            (Self::Linear, _) => each(srgb_decode, reference, &vec![error; reference.len()]),
+            (Self::Linear, _) => each(|(low, high)| (srgb_decode(low), srgb_decode(high)), reference, errors),
             (Self::Display(space), [r, g, b]) => {
                 let linear = space.to_linear_srgb([*r, *g, *b]);
-                let columns = [0, 1, 2].map(|j| space.to_linear_srgb([0, 1, 2].map(|i| f64::from(u8::from(i == j)))));
-                let errors = [0, 1, 2].map(|i| {
-                    columns.iter().filter(|column| column[i] != 0.0).map(|column| column[i].abs() * error).sum()
-                });
-                each(srgb_encode, &linear, &errors)
+                let encoded = |(low, high): (f64, f64)| {
+                    let fall = srgb_fall(low, high);
+                    (srgb_encode(low) - fall, srgb_encode(high) + fall)
+                };
+                each(encoded, &linear, &linear_errors(space, errors))
             }
-            _ => reference.iter().map(|value| around(*value, error)).collect(),
+            _ => reference.iter().zip(errors).map(|(value, error)| around(*value, *error)).collect(),
         }
+    }
+
+    /// Bounds how far a displayed color lies from that of the reference, given the range of each of its channels before
+    /// rounding and one error bound for all channels. Displays show channels from 0 to 1.
+    ///
+    /// The display value of linear light v is enc(v), which is concave for v ≥ 0, and increasing. Over all v from `low`
+    /// to `high` and all references within e of v, the reference's value exceeds enc(v) most at `low`, where enc is
+    /// steepest. It falls short of it most at the v nearest to e: below e, references reach 0, which nothing falls
+    /// short of, and above e, enc becomes flatter.
+    pub(super) fn displayed(self, space: WorkingSpace, color: [(f64, f64); 3], error: f64) -> f64 {
+        if error == 0.0 {
+            return 0.0;
+        }
+        // Working colors that are encoded already are displayed as they are.
+        let linear = match (self, space) {
+            (_, WorkingSpace::Srgb) => return error.min(1.0),
+            (Self::Display(_), _) => color.map(|(low, high)| (srgb_decode(low), srgb_decode(high))),
+            _ => {
+                let middle = space.to_linear_srgb(color.map(|(low, high)| 0.5 * (low + high)));
+                let half = linear_errors(space, &color.map(|(low, high)| 0.5 * (high - low)));
+                [0, 1, 2].map(|c| (middle[c] - half[c], middle[c] + half[c]))
+            }
+        };
+        let errors = linear_errors(space, &[error; 3]);
+        let of = |(low, high): (f64, f64), error: f64| {
+            let shown = |linear: f64| srgb_encode(linear.clamp(0.0, 1.0));
+            let (low, high) = rounded((low, high));
+            let (low, high) = (low.max(0.0), high.max(0.0));
+            let near = error.clamp(low, high);
+            let most = (shown(low + error) - shown(low)).max(shown(near) - shown(near - error));
+            most + srgb_fall(low - error, high + error)
+        };
+        let most = [0, 1, 2].map(|c| of(linear[c], errors[c])).into_iter().fold(0.0, f64::max);
+        (most + 4.0 * ROUNDING.1).min(1.0)
     }
 
     /// Converts a color of the file to the working space.
@@ -71,9 +103,64 @@ impl Coding {
     }
 }
 
+/// Widens a range by the errors of a conversion.
+fn rounded((low, high): (f64, f64)) -> (f64, f64) {
+    let slack = |value: f64| value.abs() * ROUNDING.0 + ROUNDING.1;
+    (low - slack(low), high + slack(high))
+}
+
+/// Returns the errors of linear sRGB colors for errors of the channels in a working space.
+fn linear_errors(space: WorkingSpace, errors: &[f64]) -> [f64; 3] {
+    let columns = [0, 1, 2].map(|j| space.to_linear_srgb([0, 1, 2].map(|i| f64::from(u8::from(i == j)))));
+    // A factor of 0 hides even an infinite error.
+    let part =
+        |i: usize, (column, error): (&[f64; 3], &f64)| if column[i] == 0.0 { 0.0 } else { column[i].abs() * error };
+    [0, 1, 2].map(|i| columns.iter().zip(errors).map(|each| part(i, each)).sum())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn displayed_errors_are_never_larger_than_their_bound_and_seldom_much_smaller() {
+        let mut random = 1_u64;
+        let mut next = || {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut closest = 0.0_f64;
+        for (space, png) in [
+            (WorkingSpace::LinearSrgb, true),
+            (WorkingSpace::LinearSrgb, false),
+            (WorkingSpace::AcesCg, true),
+            (WorkingSpace::AcesCg, false),
+            (WorkingSpace::Srgb, true),
+        ] {
+            let coding = Coding::new(Kind::Color, space, png);
+            for _ in 0..2000 {
+                let scale = libm::exp(-9.0 * next());
+                let color = [0; 3].map(|_| 1.2 * next() * scale);
+                let error = scale * libm::exp(-9.0 * next());
+                let stored = if png { space.to_display(color) } else { color };
+                let half = 0.002 * next();
+                let bound = coding.displayed(space, stored.map(|stored| (stored - half, stored + half)), error);
+                let shown = |color: [f64; 3]| space.to_display(color).map(|value| value.clamp(0.0, 1.0));
+                for corner in 0..8 {
+                    let other = [0, 1, 2].map(|c| color[c] + if corner >> c & 1 == 0 { -error } else { error });
+                    for (a, b) in shown(color).iter().zip(shown(other)) {
+                        let apart = (a - b).abs();
+                        // The colors themselves are rounded.
+                        assert!(apart <= bound + 1e-15, "{space}, {png}: {color:?} ± {error}: {apart} > {bound}");
+                        closest = closest.max(apart / bound);
+                    }
+                }
+            }
+            assert_eq!(coding.displayed(space, [(0.1, 0.2); 3], 0.0), 0.0);
+            assert!((0.5..=1.0).contains(&coding.displayed(space, [(0.1, 0.2); 3], f64::INFINITY)));
+        }
+        assert!(closest > 0.98, "{closest}");
+    }
 
     #[test]
     fn ends_hold_all_colors_within_the_error_and_no_more() {
@@ -91,7 +178,7 @@ mod tests {
                 (false, _) => color,
             };
             let (color, error) = ([0.4, 0.5, 0.6], 0.01);
-            let ends = coding.ends(&color, error);
+            let ends = coding.ends(&color, &[error; 3]);
             for corner in 0..8 {
                 let moved = [0, 1, 2].map(|c| color[c] + if corner >> c & 1 == 0 { -error } else { error });
                 for (value, (low, high)) in stored(moved).iter().zip(&ends) {
@@ -103,7 +190,7 @@ mod tests {
             assert!(back.iter().zip(color).all(|(back, color)| (back - color).abs() < 1e-6), "{space}: {back:?}");
         }
         let depth = Coding::new(Kind::Field(1), WorkingSpace::Srgb, false);
-        assert_eq!(depth.ends(&[f64::INFINITY], 1.0), [(f64::INFINITY, f64::INFINITY)]);
-        assert_eq!(depth.ends(&[2.0], f64::INFINITY), [(f64::NEG_INFINITY, f64::INFINITY)]);
+        assert_eq!(depth.ends(&[f64::INFINITY], &[1.0]), [(f64::INFINITY, f64::INFINITY)]);
+        assert_eq!(depth.ends(&[2.0], &[f64::INFINITY]), [(f64::NEG_INFINITY, f64::INFINITY)]);
     }
 }

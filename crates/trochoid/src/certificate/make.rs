@@ -1,16 +1,18 @@
 //! Creation of certificates.
 
-use super::image::StoredImage;
+use super::bounds::PictureBounds;
+use super::color::Coding;
+use super::counts::{Palette, counts, sorted};
+use super::image::{StoredChannel, StoredImage};
 use super::inputs::{files, folder_of, hashed, seen_from};
-use super::map::PixelMap;
 use super::*;
 use crate::exr_layer::file_channels;
 use crate::files::folder_of_file;
-use crate::{Fingerprints, OutputFile, held, requirement};
+use crate::{Fingerprints, OutputFile};
 use serde_json::value::RawValue;
 use std::path::Path;
-use trochoid_engine::{Certified, Distribution, Frame, Picture, Plan, PlanError, Settings, Switches};
-use trochoid_graph::{CheckedGraph, Guarantee, Kind, OutputSpec, Precision};
+use trochoid_engine::{Certified, Plan, PlanError, Settings};
+use trochoid_graph::{CheckedGraph, Guarantee, Kind, NodeId, OutputSpec, Precision};
 use trochoid_image::Rgb;
 use trochoid_io::{FileKind, SampleType};
 
@@ -21,27 +23,24 @@ pub struct CertificateInputs<'m> {
     pub graph: &'m CheckedGraph,
     /// Image file, which must be written already, because its pixels are read from it.
     pub file: &'m OutputFile,
-    /// Frame that the image was written from.
-    pub frame: &'m Frame,
-    /// Certified errors of each of the file's outputs.
+    /// Frame of the image.
+    pub frame: i64,
+    /// Certified errors of each of the file's outputs, over the whole picture.
     pub certified: &'m [Certified],
-    /// Settings of the frame's plan.
+    /// Settings that the image was rendered with.
     pub settings: &'m Settings,
-    /// Guarantee that was required of all colors.
-    pub required: Option<Guarantee>,
 }
 
 /// Returns the certificate of an image. Its paths are relative to the folder of `path`, where it is to be written;
 /// missing folders are created.
 ///
 /// # Errors
-/// The image or an input cannot be read.
+/// The image or an input cannot be read, or the image is not that of its outputs.
 pub fn certify(inputs: &CertificateInputs<'_>, path: &Path) -> Result<Certificate, CertificateError> {
     let CertificateInputs { graph, file, frame, .. } = *inputs;
-    let optimized = inputs.settings.switches != Switches::NONE;
     folder_of_file(path)?;
     let folder = folder_of(path);
-    let paths = files(graph, &file.outputs, frame.number);
+    let paths = files(graph, &file.outputs, frame);
     let hashes: Result<Vec<InputHash>, CertificateError> = paths.iter().map(|path| hashed(path, &folder)).collect();
     let canonical = RawValue::from_string(graph.canonical().into());
     let canonical = canonical.map_err(|error| CertificateError::NoCertificate {
@@ -49,22 +48,21 @@ pub fn certify(inputs: &CertificateInputs<'_>, path: &Path) -> Result<Certificat
         found: NoCertificate::Document(error),
     })?;
     let image = StoredImage::read(&file.path)?;
-    let outputs = frame.pictures.iter().filter(|picture| file.outputs.contains(&picture.output));
-    let outputs = outputs.filter_map(|picture| {
-        let certified = inputs.certified.iter().find(|certified| certified.output == picture.output)?;
-        Some(output(inputs, picture, certified, image.kind == FileKind::Png))
+    let outputs = file.outputs.iter().filter_map(|index| {
+        let certified = inputs.certified.iter().find(|certified| certified.output == *index)?;
+        Some(output(inputs, certified, &image))
     });
     Ok(Certificate {
         digest: String::new(),
+        signature: None,
+        outputs: outputs.collect::<Result<_, _>>()?,
         document: DocumentText { canonical, folder: seen_from(&folder, graph.folder()), hash: graph.document_hash() },
         fingerprint: fingerprint_of(inputs, &image),
         format: format_of(graph),
-        frame: frame.number,
+        frame,
         image: image.hashes(seen_from(&folder, &file.path)),
         inputs: hashes?,
-        optimized,
-        outputs: outputs.collect(),
-        plan: plan_of(graph, &file.outputs, frame.number, optimized)?,
+        plan: plan_of(graph, &file.outputs, frame)?,
         trochoid: crate::VERSION.into(),
         version: VERSION,
     })
@@ -73,7 +71,7 @@ pub fn certify(inputs: &CertificateInputs<'_>, path: &Path) -> Result<Certificat
 /// Returns the fingerprint in the image's own metadata, so that image and certificate agree.
 fn fingerprint_of(inputs: &CertificateInputs<'_>, image: &StoredImage) -> String {
     let said = image.metadata.iter().find(|(key, _)| key == crate::resume::KEY).map(|(_, value)| value.clone());
-    said.unwrap_or_else(|| Fingerprints::with(inputs.settings).of(inputs.graph, inputs.file, inputs.frame.number))
+    said.unwrap_or_else(|| Fingerprints::with(inputs.settings).of(inputs.graph, inputs.file, inputs.frame))
 }
 
 /// Returns the format that a document requests.
@@ -88,18 +86,10 @@ pub(super) fn format_of(graph: &CheckedGraph) -> FormatText {
     }
 }
 
-/// Returns the state of each node if only these outputs are planned.
-pub(super) fn plan_of(
-    graph: &CheckedGraph,
-    outputs: &[usize],
-    frame: i64,
-    optimized: bool,
-) -> Result<Vec<PlannedNode>, PlanError> {
+/// Returns the state of each node in an optimized plan of these outputs alone.
+pub(super) fn plan_of(graph: &CheckedGraph, outputs: &[usize], frame: i64) -> Result<Vec<PlannedNode>, PlanError> {
     let names: Vec<&str> = outputs.iter().map(|index| graph.outputs()[*index].name.as_str()).collect();
-    let switches = if optimized { Switches::ALL } else { Switches::NONE };
-    let mut settings = Settings::default();
-    settings.switches = switches;
-    let plan = Plan::new(graph, &names, frame, &[], &settings)?;
+    let plan = Plan::new(graph, &names, frame, &[], &Settings::default())?;
     let nodes = graph.nodes().iter().zip(plan.left_out()).map(|(node, why)| PlannedNode {
         name: node.name.clone(),
         state: if why.is_some() { "left_out" } else { "evaluated" }.into(),
@@ -128,93 +118,66 @@ pub(super) fn channels_of(
 }
 
 /// Returns the hash of a hull's corners, which does not depend on their order.
-pub(super) fn hash_of_corners(corners: &[Rgb]) -> String {
-    let mut corners = corners.to_vec();
-    corners.sort_by(|a, b| a.iter().zip(b).fold(std::cmp::Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(b))));
+fn hash_of_corners(corners: &[Rgb]) -> String {
     let mut hasher = blake3::Hasher::new();
-    corners.iter().flatten().for_each(|value| {
+    sorted(corners).iter().flatten().for_each(|value| {
         hasher.update(&value.to_le_bytes());
     });
     hasher.finalize().to_hex().to_string()
 }
 
-fn output(inputs: &CertificateInputs<'_>, picture: &Picture, certified: &Certified, png: bool) -> CertifiedOutput {
-    let graph = inputs.graph;
-    let spec = &graph.outputs()[picture.output];
-    let audit = &picture.audit;
+/// Returns what a certificate says about the corners of a palette's hull.
+pub(super) fn controls_of(corners: &[Rgb], margin: f64) -> Controls {
+    Controls {
+        corners: corners.len() as u64,
+        hash: hash_of_corners(corners),
+        margin,
+        values: if corners.len() as u64 <= LISTED { sorted(corners) } else { Vec::new() },
+    }
+}
+
+/// Returns the guarantee on an output, given the counts on its pixels.
+pub(super) fn guarantee_of(spec: &OutputSpec, counts: &PixelCounts) -> Option<GuaranteeText> {
+    let class = crate::guarantee(spec)?;
     let name = |guarantee: Guarantee| guarantee.name().to_string();
-    CertifiedOutput {
-        audit: AuditText {
-            judged: audit.judged,
-            margin: picture.margin,
-            nan: audit.nan_count,
-            outside: audit.hull_exits,
-            pixels: audit.pixels,
-            weight_min: finite(audit.weight_min),
-            weight_sum_max_deviation: audit.weight_sum_max_deviation,
-            worst: finite(audit.worst_exit),
-        },
-        channels: channels_of(graph, spec, inputs.file, png).into_iter().map(|(name, _)| name).collect(),
-        controls: picture.guarantee.map(|_| Controls {
-            count: picture.control_count as u64,
-            corners: certified.palette.len() as u64,
-            hash: hash_of_corners(&certified.palette),
-            values: picture.control_colors.clone(),
-        }),
-        error: error(certified),
-        guarantee: picture.guarantee.map(|class| GuaranteeText {
-            asked: requirement(spec, inputs.required).map(name),
-            class: name(class),
-            held: held(picture).map(name),
-        }),
+    let held = counts.outside == 0 && counts.nan == 0 && counts.infinite == 0;
+    Some(GuaranteeText { class: name(class), held: held.then(|| name(class)), required: spec.require.map(name) })
+}
+
+/// Returns the stages without bounds upstream of an output.
+pub(super) fn unbounded_of(graph: &CheckedGraph, stages: &[(NodeId, &'static str)]) -> Vec<Unbounded> {
+    let stage =
+        |(id, why): &(NodeId, &'static str)| Unbounded { node: graph.node(*id).name.clone(), why: (*why).into() };
+    stages.iter().map(stage).collect()
+}
+
+/// Returns the channels of an image by their names; `None` if one of them is missing.
+pub(super) fn stored_channels<'i>(image: &'i StoredImage, names: &[String]) -> Option<Vec<&'i StoredChannel>> {
+    names.iter().map(|name| image.channel(name)).collect()
+}
+
+fn output(
+    inputs: &CertificateInputs<'_>,
+    certified: &Certified,
+    image: &StoredImage,
+) -> Result<CertifiedOutput, CertificateError> {
+    let graph = inputs.graph;
+    let spec = &graph.outputs()[certified.output];
+    let png = image.kind == FileKind::Png;
+    let names: Vec<String> = channels_of(graph, spec, inputs.file, png).into_iter().map(|(name, _)| name).collect();
+    let other = || CertificateError::OtherImage { path: inputs.file.path.clone(), output: spec.name.clone() };
+    let channels = stored_channels(image, &names).filter(|_| image.window == certified.window).ok_or_else(other)?;
+    let coding = Coding::new(spec.kind, graph.space(), png);
+    let palette = (spec.kind == Kind::Color).then(|| Palette::new(&certified.palette, certified.margin));
+    let counts = counts(spec.kind, coding, &channels, palette.as_ref());
+    Ok(CertifiedOutput {
+        controls: palette.is_some().then(|| controls_of(&certified.palette, certified.margin)),
+        error: PictureBounds::certified(certified).described(spec, graph.space(), coding, &channels),
+        guarantee: guarantee_of(spec, &counts),
+        counts,
+        channels: names,
         kind: spec.kind.to_string(),
         name: spec.name.clone(),
-        unbounded: certified
-            .unbounded
-            .iter()
-            .map(|(id, why)| Unbounded { node: graph.node(*id).name.clone(), why: (*why).into() })
-            .collect(),
-    }
-}
-
-fn error(certified: &Certified) -> CertifiedError {
-    let area = certified.window.area();
-    let largest = |pixel: usize| certified.errors.iter().fold(0.0_f32, |largest, errors| largest.max(errors[pixel]));
-    let is_ambiguous = |pixel: usize| certified.doubt[pixel] > 0.0;
-    let map = PixelMap::new((0..area).map(is_ambiguous));
-    let (mut clear, mut max_ambiguous) = (Vec::new(), 0.0_f32);
-    for pixel in 0..area {
-        if is_ambiguous(pixel) {
-            max_ambiguous = max_ambiguous.max(largest(pixel));
-        } else {
-            clear.push(largest(pixel));
-        }
-    }
-    clear.sort_unstable_by(f32::total_cmp);
-    // One pixel in a thousand exceeds this one.
-    let rank = clear.len().saturating_sub(1 + clear.len() / 1000);
-    let at = |index: Option<&f32>| finite(index.map_or(0.0, |bound| f64::from(*bound)));
-    let total = certified.clear.total() + certified.unclear.total();
-    let of = |samples: &Distribution| SampleBounds {
-        count: samples.total(),
-        max: finite(samples.max()),
-        p999: finite(samples.quantile(0.999)),
-    };
-    CertifiedError {
-        ambiguous: Ambiguous {
-            map: map.encode(),
-            max: at(Some(&max_ambiguous)),
-            pixels: map.count(),
-            samples: certified.unclear.total(),
-            share: certified.unclear.total() as f64 / total.max(1) as f64,
-            share_beyond_8_bit: certified.in_doubt(1.0 / 255.0),
-        },
-        pixels: PixelBounds { count: clear.len() as u64, max: at(clear.last()), p999: at(clear.get(rank)) },
-        samples: of(&certified.clear),
-    }
-}
-
-/// Returns a number, or `None` if it is infinite, which JSON cannot represent.
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
+        unbounded: unbounded_of(graph, &certified.unbounded),
+    })
 }

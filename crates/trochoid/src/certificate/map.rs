@@ -1,10 +1,10 @@
-//! Map of the ambiguous pixels: one bit per pixel, deflated, in base64.
+//! Maps of a picture's pixels as text: bytes, deflated, in base64.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use libdeflater::{CompressionLvl, Compressor, DecompressionError, Decompressor};
 
-/// Error in the map of ambiguous pixels.
+/// Error in a map.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub(super) enum MapError {
     /// Not base64.
@@ -13,24 +13,40 @@ pub(super) enum MapError {
     /// Bytes that cannot be inflated.
     #[error(transparent)]
     Packed(#[from] DecompressionError),
-    /// A number of bits that differs from the number of pixels.
-    #[error("{bytes} bytes of bits for {pixels} pixels")]
+    /// A number of bytes that differs from what the number of pixels requires.
+    #[error("{bytes} bytes for {pixels} pixels")]
     Length { bytes: usize, pixels: usize },
     /// A bit set beyond the last pixel.
     #[error("bits beyond the last pixel")]
     Spare,
 }
 
-/// Set of pixels of a picture, row by row.
+/// Packs bytes as text.
+pub(super) fn packed(bytes: &[u8]) -> String {
+    let mut compressor = Compressor::new(CompressionLvl::best());
+    let mut packed = vec![0; compressor.deflate_compress_bound(bytes.len())];
+    // Compression cannot fail, because there is space for the worst case.
+    let length = compressor.deflate_compress(bytes, &mut packed).unwrap_or(0);
+    STANDARD.encode(&packed[..length])
+}
+
+/// Unpacks this many bytes, for this many pixels.
+pub(super) fn unpacked(text: &str, count: usize, pixels: usize) -> Result<Vec<u8>, MapError> {
+    let packed = STANDARD.decode(text)?;
+    let mut bytes = vec![0; count];
+    let length = Decompressor::new().deflate_decompress(&packed, &mut bytes)?;
+    if length == count { Ok(bytes) } else { Err(MapError::Length { bytes: length, pixels }) }
+}
+
+/// Set of pixels of a picture, row by row: one bit per pixel, the first in the lowest bit of a byte.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct PixelMap {
     bits: Vec<u8>,
-    pixels: usize,
 }
 
 impl PixelMap {
     pub(super) fn new(pixels: impl ExactSizeIterator<Item = bool>) -> Self {
-        let mut map = Self { bits: vec![0; pixels.len().div_ceil(8)], pixels: pixels.len() };
+        let mut map = Self { bits: vec![0; pixels.len().div_ceil(8)] };
         for (index, _) in pixels.enumerate().filter(|(_, is)| *is) {
             map.bits[index / 8] |= 1 << (index % 8);
         }
@@ -46,32 +62,17 @@ impl PixelMap {
     }
 
     pub(super) fn encode(&self) -> String {
-        let mut compressor = Compressor::new(CompressionLvl::best());
-        let mut packed = vec![0; compressor.deflate_compress_bound(self.bits.len())];
-        // Compression cannot fail, because there is space for the worst case.
-        let length = compressor.deflate_compress(&self.bits, &mut packed).unwrap_or(0);
-        STANDARD.encode(&packed[..length])
+        packed(&self.bits)
     }
 
-    /// Decodes a map of this many pixels; the error says what is wrong with the text.
+    /// Decodes a map of this many pixels.
     pub(super) fn decode(text: &str, pixels: usize) -> Result<Self, MapError> {
-        let packed = STANDARD.decode(text)?;
-        let mut bits = vec![0; pixels.div_ceil(8)];
-        let length = Decompressor::new().deflate_decompress(&packed, &mut bits)?;
-        if length != bits.len() {
-            return Err(MapError::Length { bytes: length, pixels });
-        }
+        let bits = unpacked(text, pixels.div_ceil(8), pixels)?;
         let spare = bits.len() * 8 - pixels;
         if spare > 0 && bits.last().is_some_and(|last| last >> (8 - spare) != 0) {
             return Err(MapError::Spare);
         }
-        Ok(Self { bits, pixels })
-    }
-
-    /// Returns the number of all pixels.
-    #[cfg(test)]
-    fn len(&self) -> usize {
-        self.pixels
+        Ok(Self { bits })
     }
 }
 
@@ -85,7 +86,6 @@ mod tests {
             for every in [1, 2, 3, 2000] {
                 let map = PixelMap::new((0..pixels).map(|pixel| pixel % every == every - 1));
                 assert_eq!(map.count() as usize, pixels / every);
-                assert_eq!(map.len(), pixels);
                 assert_eq!(PixelMap::decode(&map.encode(), pixels).as_ref(), Ok(&map));
                 assert!(PixelMap::decode(&map.encode(), pixels + 8).is_err());
                 assert!((0..pixels).all(|pixel| map.contains(pixel) == (pixel % every == every - 1)));

@@ -1,12 +1,16 @@
 //! Certificates: the guaranteed properties of a finished picture, as JSON, and an independent check of them.
 //!
 //! [`certify`] records for one image file the document that it was made from, the hashes of its inputs and of its
-//! pixels, the counts on these pixels, their error bounds against the f64 references, and what the plan left out.
-//! [`verify`] needs only the certificate and the image: it parses the document again, evaluates pixels that the
-//! certificate's digest selects by the references ([`ReferenceFrame`](crate::ReferenceFrame)), and compares the file
-//! with them: hull, weights, error. No program, kernel, tile or plane takes part. Both ways share only the reading of
-//! the document and its input files, the preparation of stages, which happens once per frame, and the definition of the
-//! working spaces.
+//! pixels, the counts on these pixels, the error bound of each pixel against the f64 references, and what the plan left
+//! out.
+//!
+//! [`verify`] needs only the certificate and the image, and believes nothing that it can compute. It parses the document
+//! again, counts again, and looks at pixels: all of them, or one in each of many equal parts of the picture, drawn by a
+//! seed that a forger does not know. At each pixel, the [`Certifier`](crate::Certifier) derives value, bound and
+//! ambiguity again, and the references ([`ReferenceFrame`](crate::ReferenceFrame)) are evaluated. The file must hold
+//! that value, the certificate that bound, and the reference must lie within it. No kernel or machine code takes part,
+//! and the references know neither programs nor planes. Both ways share the reading of the document and its input
+//! files, the preparation of stages, which happens once per frame, and the definition of the working spaces.
 //!
 //! ```
 //! use trochoid::certificate::{self, Choice, CertificateInputs, Request};
@@ -24,24 +28,30 @@
 //! write_output(&graph, &frame, &file, &[])?;
 //!
 //! let certified = Certifier::new(&graph, &[], 1, &[], &settings)?.certify(&Buffers::new(), &mut cache, &Silent)?;
-//! let made = CertificateInputs { graph: &graph, file: &file, frame: &frame, certified: &certified, settings: &settings, required: None };
+//! let made = CertificateInputs { graph: &graph, file: &file, frame: 1, certified: &certified, settings: &settings };
 //! let path = folder.path().join("a.certificate.json");
 //! let certificate = certificate::certify(&made, &path)?;
-//! assert!(certificate.outputs[0].error.samples.max.is_some_and(|max| max < 1e-6));
-//! certificate.write(&path)?;
+//! assert!(certificate.outputs[0].error.channels[0].all.max.is_some_and(|max| max.bound < 1e-6));
+//! certificate.write(&path, None)?;
 //!
-//! let request = Request { certificate: &path, image: &file.path, choice: Choice::All, document: None, access: None };
+//! let seed = certificate::random_seed();
+//! let request = Request { certificate: &path, image: &file.path, choice: Choice::All, seed, key: None, document: None, access: None };
 //! let found = certificate::verify(&request, &Silent)?;
 //! assert!(found.holds(), "{:?}", found.failures);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod chance;
+mod bounds;
 mod check;
+mod choice;
+mod claims;
 mod color;
+mod counts;
 mod failed_claim;
 mod image;
 mod inputs;
+mod keys;
+mod level;
 mod make;
 mod map;
 mod pixels;
@@ -52,9 +62,12 @@ mod tests;
 mod types;
 mod words;
 
-pub use check::{Choice, Findings, Request, Verification, verify};
+pub use bounds::unit;
+pub use check::{Findings, Request, Verification, verify};
+pub use choice::{Choice, random_seed};
 pub use failed_claim::FailedClaim;
 pub use image::error_image;
+pub use keys::{KeyError, PrivateKey, PublicKey};
 pub use make::{CertificateInputs, certify};
-pub use seal::{CertificateError, NoCertificate, OtherDigest};
+pub use seal::{CertificateError, NoCertificate, NoSignature, OtherDigest};
 pub use types::*;

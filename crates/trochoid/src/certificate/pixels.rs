@@ -1,374 +1,321 @@
-//! Comparison of one output's pixels with their references.
+//! Checks of one output: of what is said about all of its pixels, and of single ones.
 
-use super::chance::{allowed, choose};
+use super::bounds::{PictureBounds, groups, of_channels};
 use super::color::Coding;
+use super::counts::{Palette, counts, stored};
 use super::failed_claim::FailedClaim;
 use super::image::{StoredChannel, StoredImage};
-use super::make::hash_of_corners;
-use super::map::PixelMap;
-use super::storage::before_rounding;
-use super::words::Words;
+use super::make::{controls_of, stored_channels, unbounded_of};
 use super::*;
-use trochoid_engine::{Hull, Monitor, ReferenceFrame, ReferencePixel};
-use trochoid_graph::{CheckedGraph, Kind};
-use trochoid_image::Window;
+use trochoid_engine::{CertifiedPixels, Hull, ReferencePixel};
+use trochoid_graph::{CheckedGraph, Kind, LITERAL};
+use trochoid_image::{Rgb, Window};
 use trochoid_io::FileKind;
 
-/// Number of pixels evaluated at once. Only their values are held, and the check can stop between pieces.
-const PIECE: usize = 8192;
 /// Maximum number of pixels that are named for each kind of failure.
 const NAMED: u64 = 5;
 /// Tolerance for f64 sums of weights.
 const SUM: f64 = 1e-9;
-/// Tolerance for sums of f32 weights: far more than the rounding errors of any partition.
-const SUM_F32: f64 = 1e-5;
-/// Relative error of a literal that was rounded to f32.
-const LITERAL: f64 = 1.0 / 16_777_216.0;
-/// Maximum number of operations per node between a control color and a pixel, for the margin of rounding.
-const LEVELS: usize = 64;
 
-/// Output of a certificate with consistent numbers, ready to be compared with the references.
-pub(super) struct PixelCheck<'c> {
+/// Output of a certificate with consistent numbers, whose pixels are to be checked.
+pub(super) struct OutputCheck<'c> {
     written: &'c CertifiedOutput,
-    digest: &'c str,
+    graph: &'c CheckedGraph,
     kind: Kind,
     window: Window,
-    ambiguous: PixelMap,
+    /// Bounds that the certificate states.
+    stated: PictureBounds,
     channels: Vec<&'c StoredChannel>,
     coding: Coding,
-    /// Number of nodes in the document.
-    nodes: usize,
+    /// Hull of the controls, if all colors are said to lie in it.
+    palette: Option<Palette>,
+    /// Words after bounds that this version derives, if another one is said to have made the certificate.
+    other_version: String,
+    findings: Findings,
+    /// By kind.
+    faults: [PixelFaults; 6],
+}
+
+/// Kinds of failures at pixels.
+#[derive(Clone, Copy)]
+enum Fault {
+    Ambiguity,
+    Bound,
+    Value,
+    Error,
+    Weights,
+    Hull,
+}
+
+impl Fault {
+    /// Names of the kinds, as places in a certificate.
+    const NAMES: [&str; 6] = ["error.ambiguous", "error.channels", "values", "error", "weights", "hull"];
 }
 
 /// Failures of one kind: the first few with their pixels, the others as a count.
 #[derive(Default)]
-struct Faults {
+struct PixelFaults {
     named: Vec<FailedClaim>,
     count: u64,
 }
 
-impl Faults {
-    fn add(&mut self, fault: impl FnOnce() -> FailedClaim) {
-        self.count += 1;
-        if self.count <= NAMED {
-            self.named.push(fault());
-        }
-    }
-
-    fn tell(self, found: &mut Verification, place: String) {
-        found.failures.extend(self.named);
-        if self.count > NAMED {
-            found.fail(place, format!("{} more pixels that fail in this way", self.count - NAMED), "none");
-        }
-    }
-}
-
-/// Returns a bound as a number: infinity if there is none.
-fn bound(written: Option<f64>) -> f64 {
-    written.unwrap_or(f64::INFINITY)
-}
-
-impl<'c> PixelCheck<'c> {
-    /// Checks that the numbers of an output are consistent; `None` if its pixels cannot be checked.
+impl<'c> OutputCheck<'c> {
+    /// Checks that what is said about all pixels follows from the maps of bounds and from the image; `None` if the
+    /// pixels cannot be checked.
     pub(super) fn new(
         found: &mut Verification,
         certificate: &'c Certificate,
         written: &'c CertifiedOutput,
-        graph: &CheckedGraph,
+        graph: &'c CheckedGraph,
         index: usize,
         image: &'c StoredImage,
     ) -> Option<Self> {
         let spec = &graph.outputs()[index];
         let place = |field: &str| format!("output \"{}\", {field}", written.name);
-        if let Some(controls) = &written.controls {
-            let listed = controls.values.len() as u64;
-            let complete = controls.count <= LISTED;
-            if (complete && listed != controls.count) || listed > LISTED {
-                let expected =
-                    if complete { format!("{}, as in the count", controls.count) } else { format!("at most {LISTED}") };
-                found.fail(place("controls.values"), format!("{listed} colors"), expected);
-            }
-        }
         let window = graph.format().window();
-        let pixels = window.area() as u64;
-        let (audit, error) = (&written.audit, &written.error);
-        found.same(place("audit.pixels"), &audit.pixels, &pixels);
-        if audit.judged > pixels || audit.outside > audit.judged || (audit.worst == Some(0.0)) != (audit.outside == 0) {
-            found.fail(place("audit"), "counts that contradict one another", "outside ≤ judged ≤ pixels");
-        }
-        let sums = (0.0..=SUM_F32).contains(&audit.weight_sum_max_deviation);
-        if !sums || audit.weight_min.is_some_and(|least| least < 0.0) {
-            let weights =
-                format!("weights from {}, sums off by {}", audit.weight_min.words(), audit.weight_sum_max_deviation);
-            found.fail(place("audit"), weights, format!("no weight below 0, sums of 1 within {SUM_F32:e}"));
-        }
-        let samples = match spec.kind {
-            Kind::Field(_) => 1,
-            _ => u64::from(graph.format().samples()),
-        };
-        let ambiguous = &error.ambiguous;
-        let map = match PixelMap::decode(&ambiguous.map, window.area()) {
-            Ok(map) => map,
+        let bounds = match PictureBounds::decode(&written.error, spec.kind, window) {
+            Ok(bounds) => bounds,
             Err(why) => {
-                found.fail(place("error.ambiguous.map"), why, format!("one bit for each of {pixels} pixels"));
+                let (pixels, maps) = (window.area(), groups(spec.kind).len());
+                found.fail(place("error"), why, format!("{maps} maps of {pixels} pixels, in base64"));
                 return None;
             }
         };
-        found.same(place("error.ambiguous.pixels"), &ambiguous.pixels, &map.count());
-        found.same(place("error.pixels.count"), &error.pixels.count, &(pixels - map.count()));
-        let all = pixels * samples;
-        let total = error.samples.count.checked_add(ambiguous.samples);
-        found.same(place("error.samples.count, with those that are ambiguous"), &total, &Some(all));
-        let least_and_most = map.count()..=map.count() * samples;
-        if !least_and_most.contains(&ambiguous.samples) {
-            let expected = format!("{} to {}", least_and_most.start(), least_and_most.end());
-            found.fail(place("error.ambiguous.samples"), ambiguous.samples, expected);
+        // Missing channels have been reported already, and no pixels are checked then.
+        let channels = stored_channels(image, &written.channels)?;
+        if channels.len() != spec.kind.channels() || image.window != window {
+            return None;
         }
-        let share = ambiguous.samples as f64 / all as f64;
-        // Reading JSON may round once.
-        let agrees = (ambiguous.share - share).abs() <= 1e-15;
-        if !agrees {
-            found.fail(place("error.ambiguous.share"), ambiguous.share, share);
+        let coding = Coding::new(spec.kind, graph.space(), image.kind == FileKind::Png);
+        let error = &written.error;
+        let expected = bounds.described(spec, graph.space(), coding, &channels);
+        found.same(place("error.unit"), &error.unit, &expected.unit);
+        found.same(place("error.ambiguous.pixels"), &error.ambiguous.pixels, &expected.ambiguous.pixels);
+        for (index, (written, expected)) in error.channels.iter().zip(&expected.channels).enumerate() {
+            let place = |field: &str| place(&format!("error.channels[{index}].{field}"));
+            found.same(place("names"), &written.names, &expected.names);
+            found.same(place("all"), &written.all, &expected.all);
+            found.same(place("clear"), &written.clear, &expected.clear);
         }
-        if !(0.0..=ambiguous.share).contains(&ambiguous.share_beyond_8_bit) {
-            let place = place("error.ambiguous.share_beyond_8_bit");
-            found.fail(place, ambiguous.share_beyond_8_bit, format!("0 to {}", ambiguous.share));
-        }
-        let pairs =
-            [("pixels", error.pixels.p999, error.pixels.max), ("samples", error.samples.p999, error.samples.max)];
-        for (of, p999, max) in pairs {
-            let (p999, max) = (bound(p999), bound(max));
-            if !(0.0 <= p999 && p999 <= max) {
-                found.fail(place(&format!("error.{of}.p999")), p999, format!("0 to {max}"));
-            }
-        }
-        if bound(ambiguous.max) < 0.0 {
-            found.fail(place("error.ambiguous.max"), bound(ambiguous.max), "0 or more");
-        }
-        let channels: Option<Vec<&StoredChannel>> = written.channels.iter().map(|name| image.channel(name)).collect();
-        let channels = channels.filter(|channels| channels.len() == spec.kind.channels());
-        Some(Self {
-            written,
-            digest: &certificate.digest,
-            kind: spec.kind,
-            window,
-            ambiguous: map,
-            // Missing channels have been reported already, and no pixels are checked then.
-            channels: channels?,
-            coding: Coding::new(spec.kind, graph.space(), image.kind == FileKind::Png),
-            nodes: graph.nodes().len(),
-        })
-    }
-
-    pub(super) fn name(&self) -> &str {
-        &self.written.name
-    }
-
-    /// Returns the number of pixels to check.
-    pub(super) fn count(&self, choice: Choice) -> usize {
-        match choice {
-            Choice::All => self.window.area(),
-            Choice::Some(count) => self.window.area().min(usize::try_from(count).unwrap_or(usize::MAX)),
-        }
-    }
-
-    /// Evaluates this many pixels by the references, and compares those of the file with them.
-    pub(super) fn run(
-        &self,
-        found: &mut Verification,
-        reference: &ReferenceFrame<'_>,
-        count: usize,
-        monitor: &dyn Monitor,
-    ) -> Result<Findings, CertificateError> {
-        let place = |field: &str| format!("output \"{}\", {field}", self.written.name);
-        let hulls = self.hulls(found, reference);
-        let mut findings = Findings {
-            output: self.written.name.clone(),
-            looked_at: count as u64,
-            pixels: self.window.area() as u64,
+        let parts = |display: &Option<DisplayBounds>| {
+            let DisplayBounds { all, clear, unit } = display.clone()?;
+            Some((all, clear, unit))
+        };
+        let [now, then] = [&error.display, &expected.display].map(parts);
+        found.same(place("error.display.all"), &now.as_ref().map(|d| d.0), &then.as_ref().map(|d| d.0));
+        found.same(place("error.display.clear"), &now.as_ref().map(|d| d.1), &then.as_ref().map(|d| d.1));
+        found.same(place("error.display.unit"), &now.map(|d| d.2), &then.map(|d| d.2));
+        let other_version = match &certificate.trochoid {
+            version if version == crate::VERSION => String::new(),
+            version => format!(
+                ", as Trochoid {} derives it; the certificate says that Trochoid {version} made it: check it with that \
+                 version, or make it anew",
+                crate::VERSION
+            ),
+        };
+        let findings = Findings {
+            output: written.name.clone(),
+            looked_at: 0,
+            pixels: window.area() as u64,
             ambiguous: 0,
-            hull: hulls.is_some(),
+            hull: false,
             distance: 0.0,
             distance_ambiguous: 0.0,
             weight_min: f64::INFINITY,
             weight_sum_max_deviation: 0.0,
         };
-        let mut faults: [Faults; 3] = Default::default();
-        let mut beyond = 0;
-        let chosen = choose(self.digest, self.window.area(), count);
-        for (index, piece) in chosen.chunks(PIECE).enumerate() {
-            let places: Vec<[i64; 2]> = piece.iter().map(|pixel| self.place(*pixel)).collect();
-            let after = PieceMonitor { monitor, before: index * PIECE };
-            let pixels = reference.pixels(&places, &after)?;
-            for (&pixel, reference) in piece.iter().zip(&pixels) {
-                findings.weight_min = findings.weight_min.min(reference.weight_min);
-                findings.weight_sum_max_deviation =
-                    findings.weight_sum_max_deviation.max(reference.weight_sum_max_deviation);
-                beyond += u64::from(self.error(pixel, reference, &mut findings, &mut faults[0]));
-                self.weights(pixel, reference, &mut faults[1]);
-                if let Some(hulls) = &hulls {
-                    self.hull(pixel, reference, hulls, &mut faults[2]);
-                }
-            }
-        }
-        for (faults, of) in faults.into_iter().zip(["error", "weights", "hull"]) {
-            faults.tell(found, place(of));
-        }
-        let clear = findings.looked_at - findings.ambiguous;
-        let most = if findings.looked_at == findings.pixels { clear / 1000 } else { allowed(clear, 0.001) };
-        if beyond > most {
-            let p999 = bound(self.written.error.pixels.p999);
-            let beyond = format!("{beyond} of {clear} pixels farther than {p999:e} from their references");
-            found.fail(place("error.pixels.p999"), beyond, format!("at most {most}"));
-        }
-        Ok(findings)
+        Some(Self {
+            written,
+            graph,
+            kind: spec.kind,
+            window,
+            stated: bounds,
+            channels,
+            coding,
+            palette: None,
+            other_version,
+            findings,
+            faults: Default::default(),
+        })
     }
 
-    fn place(&self, pixel: usize) -> [i64; 2] {
-        let width = self.window.width();
-        [self.window.x0 + (pixel % width) as i64, self.window.y0 + (pixel / width) as i64]
+    pub(super) fn name(&self) -> &'c str {
+        &self.written.name
     }
 
-    fn fault(&self, pixel: usize, found: String, expected: String) -> FailedClaim {
-        let [x, y] = self.place(pixel);
-        FailedClaim { place: format!("output \"{}\", pixel ({x}, {y})", self.written.name), found, expected }
-    }
-
-    /// Returns the range of values before rounding for each channel of a stored pixel.
-    fn stored(&self, pixel: usize) -> impl Iterator<Item = (f64, f64)> {
-        self.channels.iter().map(move |channel| before_rounding(channel.stored, channel.plane.samples()[pixel]))
-    }
-
-    /// Compares a pixel with its reference; returns whether it is unambiguous and exceeds the 99.9th percentile.
-    fn error(&self, pixel: usize, reference: &ReferencePixel, findings: &mut Findings, faults: &mut Faults) -> bool {
+    /// Returns the pixels that the certificate names.
+    pub(super) fn named(&self) -> Vec<usize> {
         let error = &self.written.error;
-        let ambiguous = self.ambiguous.contains(pixel);
-        findings.ambiguous += u64::from(ambiguous);
-        let most = bound(if ambiguous { error.ambiguous.max } else { error.pixels.max });
-        let within = |most: f64| {
-            let ends = self.coding.ends(&reference.value, most);
-            // False for NaN.
-            let mut pairs = self.stored(pixel).zip(ends);
-            pairs.all(|((low, high), (least, largest))| least <= high && low <= largest)
+        let channels = error.channels.iter().flat_map(|channel| [channel.all, channel.clear]);
+        let display = error.display.iter().flat_map(|display| [display.all, display.clear]);
+        let named = channels.chain(display).flat_map(|summary| [summary.max, summary.p999]).flatten();
+        // They lie in the picture, since they were found to be those that follow from the maps.
+        let index = |at: BoundAt| {
+            let [x, y] = [at.pixel[0] - self.window.x0, at.pixel[1] - self.window.y0];
+            y as usize * self.window.width() + x as usize
         };
-        if !within(most) {
-            faults.add(|| {
-                let values: Vec<f32> = self.channels.iter().map(|channel| channel.plane.samples()[pixel]).collect();
-                let ends = self.coding.ends(&reference.value, 0.0);
-                let middle: Vec<f64> = ends.iter().map(|(low, high)| 0.5 * (low + high)).collect();
-                let expected = format!("{middle:?} by the references, within the certified {most:e}");
-                self.fault(pixel, format!("{values:?}"), expected)
+        named.map(index).collect()
+    }
+
+    /// Checks what holds for all pixels: control colors, by what a certification and by what the references found, stages
+    /// without bounds, and counts.
+    pub(super) fn whole(&mut self, found: &mut Verification, derived: &CertifiedPixels, controls: &[Rgb]) {
+        let place = |field: &str| format!("output \"{}\", {field}", self.written.name);
+        let unbounded = unbounded_of(self.graph, &derived.unbounded);
+        found.same(place("unbounded"), &self.written.unbounded, &unbounded);
+        let is_color = self.kind == Kind::Color;
+        let palette = is_color.then(|| Palette::new(&derived.palette, derived.margin));
+        let hull = Hull::new(controls);
+        for corners in [&derived.palette[..], hull.vertices()] {
+            let expected = is_color.then(|| controls_of(corners, derived.margin));
+            found.same(place("controls"), &self.written.controls, &expected);
+        }
+        let counts = counts(self.kind, self.coding, &self.channels, palette.as_ref());
+        found.same(place("counts"), &self.written.counts, &counts);
+        let is_held = self.written.guarantee.as_ref().is_some_and(|guarantee| guarantee.held.is_some());
+        self.palette = palette.filter(|_| is_held);
+        self.findings.hull = self.palette.is_some();
+    }
+
+    /// Checks a pixel, given what was derived of it, at an index, and its reference.
+    pub(super) fn pixel(&mut self, pixel: usize, index: usize, derived: &CertifiedPixels, reference: &ReferencePixel) {
+        let ambiguous = derived.doubt[index] > 0.0;
+        self.findings.ambiguous += u64::from(ambiguous);
+        if ambiguous != self.stated.is_ambiguous(pixel) {
+            let words = |ambiguous: bool| if ambiguous { "ambiguous" } else { "not ambiguous" };
+            self.fail(Fault::Ambiguity, pixel, |check| {
+                [words(!ambiguous).into(), format!("{}{}", words(ambiguous), check.other_version)]
             });
         }
-        let exact = self.coding.ends(&reference.value, 0.0);
-        let apart = self.stored(pixel).zip(exact).map(|((low, high), (least, largest))| {
+        let errors: Vec<f64> = derived.errors.iter().map(|channel| f64::from(channel[index])).collect();
+        self.bounds(pixel, index, derived);
+        let values: Vec<f32> = derived.values.iter().map(|channel| channel[index]).collect();
+        self.value(pixel, &values, reference);
+        self.error(pixel, &errors, ambiguous, reference);
+        self.weights(pixel, reference);
+        self.hull(pixel, &values, reference);
+    }
+
+    /// Adds what all pixels together failed at, and returns what was found.
+    pub(super) fn conclude(self, found: &mut Verification, looked_at: usize) -> Findings {
+        for (PixelFaults { named, count }, of) in self.faults.into_iter().zip(Fault::NAMES) {
+            found.failures.extend(named);
+            if count > NAMED {
+                let place = format!("output \"{}\", {of}", self.written.name);
+                found.fail(place, format!("{} more pixels that fail in this way", count - NAMED), "none");
+            }
+        }
+        Findings { looked_at: looked_at as u64, ..self.findings }
+    }
+
+    /// Adds a failure at a pixel: what was found, and what was expected.
+    fn fail(&mut self, kind: Fault, pixel: usize, words: impl FnOnce(&Self) -> [String; 2]) {
+        self.faults[kind as usize].count += 1;
+        if self.faults[kind as usize].count <= NAMED {
+            let [found, expected] = words(self);
+            let width = self.window.width();
+            let (x, y) = (self.window.x0 + (pixel % width) as i64, self.window.y0 + (pixel / width) as i64);
+            let place = format!("output \"{}\", pixel ({x}, {y})", self.written.name);
+            self.faults[kind as usize].named.push(FailedClaim { place, found, expected });
+        }
+    }
+
+    /// Returns the stored samples of a pixel, for messages.
+    fn samples(&self, pixel: usize) -> Vec<f32> {
+        self.channels.iter().map(|channel| channel.plane.samples()[pixel]).collect()
+    }
+
+    /// Returns whether a stored pixel is the rounded form of values whose channels lie within these errors.
+    fn is_within(&self, pixel: usize, values: &[f64], errors: &[f64]) -> bool {
+        let ends = self.coding.ends(values, errors);
+        // False for NaN.
+        let mut pairs = stored(&self.channels, pixel).into_iter().zip(ends);
+        pairs.all(|((low, high), (least, largest))| least <= high && low <= largest)
+    }
+
+    /// Checks the stated bounds of a pixel: neither smaller nor larger than they are.
+    fn bounds(&mut self, pixel: usize, index: usize, derived: &CertifiedPixels) {
+        for (map, group) in groups(self.kind).into_iter().enumerate() {
+            let infinite = derived.infinite.get(group.clone()).unwrap_or_default();
+            let bound = of_channels(&derived.errors[group], infinite, index);
+            let (stated, expected) = (self.stated.maps()[map].at(pixel), self.stated.maps()[map].rounded(bound));
+            if stated != expected {
+                self.fail(Fault::Bound, pixel, |check| {
+                    [stated.to_string(), format!("{expected}{}", check.other_version)]
+                });
+            }
+        }
+    }
+
+    /// Checks that the file holds the picture's own value, or that of the reference.
+    fn value(&mut self, pixel: usize, values: &[f32], reference: &ReferencePixel) {
+        let exact = vec![0.0; values.len()];
+        let own: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
+        // A picture may have been rendered by the references.
+        let rounded: Vec<f64> = reference.value.iter().map(|value| f64::from(*value as f32)).collect();
+        if !self.is_within(pixel, &own, &exact) && !self.is_within(pixel, &rounded, &exact) {
+            self.fail(Fault::Value, pixel, |check| {
+                let expected = format!("{:?}, the rounded form of {values:?}", check.middle(&own));
+                [format!("{:?}", check.samples(pixel)), format!("{expected}{}", check.other_version)]
+            });
+        }
+    }
+
+    /// Returns the middle of the ranges in which a file stores values.
+    fn middle(&self, values: &[f64]) -> Vec<f64> {
+        let ends = self.coding.ends(values, &vec![0.0; values.len()]);
+        ends.iter().map(|(low, high)| if low == high { *low } else { 0.5 * (low + high) }).collect()
+    }
+
+    /// Compares a pixel with its reference.
+    fn error(&mut self, pixel: usize, errors: &[f64], ambiguous: bool, reference: &ReferencePixel) {
+        if !self.is_within(pixel, &reference.value, errors) {
+            self.fail(Fault::Error, pixel, |check| {
+                let expected = check.middle(&reference.value);
+                let most = errors.iter().copied().fold(0.0, f64::max);
+                [
+                    format!("{:?}", check.samples(pixel)),
+                    format!("{expected:?} by the references, within the certified {most:e}"),
+                ]
+            });
+        }
+        let exact = self.coding.ends(&reference.value, &vec![0.0; errors.len()]);
+        let apart = stored(&self.channels, pixel).into_iter().zip(exact).map(|((low, high), (least, largest))| {
             // The difference of infinities is undefined: they must be equal.
             if low == least && high == largest { 0.0 } else { (low - largest).max(least - high).max(0.0) }
         });
         let distance = apart.fold(0.0, f64::max);
+        let findings = &mut self.findings;
         let largest = if ambiguous { &mut findings.distance_ambiguous } else { &mut findings.distance };
         *largest = largest.max(distance);
-        !ambiguous && !within(bound(error.pixels.p999))
     }
 
-    /// Checks the weights of all nodes in the references, and those in the file.
-    fn weights(&self, pixel: usize, reference: &ReferencePixel, faults: &mut Faults) {
+    /// Checks the weights of all nodes in the references; those in the file are counted.
+    fn weights(&mut self, pixel: usize, reference: &ReferencePixel) {
         let (least, off) = (reference.weight_min, reference.weight_sum_max_deviation);
+        self.findings.weight_min = self.findings.weight_min.min(least);
+        self.findings.weight_sum_max_deviation = self.findings.weight_sum_max_deviation.max(off);
         if least < -SUM || off > SUM {
             let found = format!("a weight of {least:e}, and a sum off by {off:e}, in the references");
-            faults.add(|| self.fault(pixel, found, "weights of 0 or more that sum to 1".into()));
-        }
-        let Kind::Weights(n) = self.kind else { return };
-        let stored: Vec<(f64, f64)> = self.stored(pixel).collect();
-        let slack = LITERAL * n as f64;
-        let legal = stored.iter().all(|(low, high)| *low <= 1.0 && *high >= 0.0);
-        let sums = [stored.iter().map(|ends| ends.0).sum::<f64>(), stored.iter().map(|ends| ends.1).sum()];
-        // For a mask, the file stores one of its two weights.
-        let sum = n == 2 || (sums[0] <= 1.0 + slack && sums[1] >= 1.0 - slack);
-        if !legal || !sum {
-            let found = format!("weights whose sum lies from {} to {}", sums[0], sums[1]);
-            faults.add(|| self.fault(pixel, found, "weights from 0 to 1 that sum to 1".into()));
+            self.fail(Fault::Weights, pixel, |_| [found, "weights of 0 or more that sum to 1".into()]);
         }
     }
 
-    /// Checks the control colors against the references, and returns their hull; `None` if no hull is certified.
-    fn hulls(&self, found: &mut Verification, reference: &ReferenceFrame<'_>) -> Option<Hulls> {
-        let place = |field: &str| format!("output \"{}\", {field}", self.written.name);
-        let controls = self.written.controls.as_ref()?;
-        let all = Hull::new(&reference.controls());
-        found.same(place("controls.corners"), &controls.corners, &(all.vertices().len() as u64));
-        found.same(place("controls.hash"), &controls.hash, &hash_of_corners(all.vertices()));
-        let values = &controls.values;
-        let outside = values.iter().filter(|color| all.exit(color, all.margin(1)).is_some()).count();
-        if outside > 0 {
-            let wrong = format!("{} colors, {outside} of which are not in the document", values.len());
-            found.fail(place("controls.values"), wrong, "control colors of the document");
-        }
-        let margin = self.written.audit.margin;
-        let most = all.margin(LEVELS * (self.nodes + 1));
-        if !(0.0..=most).contains(&margin) {
-            found.fail(place("audit.margin"), margin, format!("0 to {most:e}, the limit of rounding"));
-        }
-        let complete = controls.count <= LISTED;
-        let listed = complete.then(|| Hull::new(values));
-        let held = self.written.guarantee.as_ref().is_some_and(|guarantee| guarantee.held.is_some());
-        let largest = all.vertices().iter().flatten().fold(0.0, |most: f64, v| most.max(f64::from(v.abs())));
-        held.then(|| Hulls { hull: listed.unwrap_or(all), margin, slack: 4.0 * LITERAL * largest })
-    }
-
-    /// Checks that a color and its reference lie in the hull, up to the rounding of the format.
-    fn hull(&self, pixel: usize, reference: &ReferencePixel, hulls: &Hulls, faults: &mut Faults) {
-        let [r, g, b] = reference.value[..] else { return };
-        let distance = hulls.hull.signed_distance([r, g, b]);
-        // Literals are rounded in the hull, but not in the references.
-        let inside = distance <= hulls.margin + hulls.slack;
-        if !inside {
-            let found = format!("the reference {:?}, {distance:e} outside the hull", reference.value);
-            faults.add(|| self.fault(pixel, found, "no color outside the hull".into()));
-        }
-        let ends: Vec<(f64, f64)> = self.stored(pixel).collect();
-        let at = |share: &dyn Fn(usize) -> f64| {
-            self.coding.color([0, 1, 2].map(|c| ends[c].0 + share(c) * (ends[c].1 - ends[c].0)))
-        };
-        let color = at(&|_| 0.5);
-        let distance = hulls.hull.signed_distance(color);
-        if distance <= hulls.margin {
+    /// Checks that a color lies in the hull, and so does its reference; colors in the file are counted.
+    fn hull(&mut self, pixel: usize, values: &[f32], reference: &ReferencePixel) {
+        let Some(Palette { hull, margin }) = &self.palette else { return };
+        let ([r, g, b], [x, y, z]) = (values, &reference.value[..]) else { return };
+        if let Some(distance) = hull.exit(&[*r, *g, *b], *margin) {
+            let found = format!("{values:?}, {distance:e} outside the hull");
+            self.fail(Fault::Hull, pixel, |_| [found, "no color outside the hull".into()]);
             return;
         }
-        let corners = (0..8).map(|corner: usize| at(&|c| (corner >> c & 1) as f64));
-        let apart = |other: [f64; 3]| color.iter().zip(other).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
-        let size = color.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-        let rounded = corners.map(apart).fold(0.0, f64::max) + self.coding.rounding() * size;
-        let inside = distance <= hulls.margin + rounded;
-        if !inside {
-            let found = format!("{color:?} in the working space, {distance:e} outside the hull");
-            let expected = format!("at most {:e} outside, the rounding of the file's format", hulls.margin + rounded);
-            faults.add(|| self.fault(pixel, found, expected));
+        // Literals are rounded in the hull, but not in the references.
+        let largest = hull.vertices().iter().flatten().fold(0.0, |most: f64, v| most.max(f64::from(v.abs())));
+        let distance = hull.signed_distance([*x, *y, *z]);
+        if distance > margin + 4.0 * LITERAL * largest {
+            let found = format!("the reference {:?}, {distance:e} outside the hull", reference.value);
+            self.fail(Fault::Hull, pixel, |_| [found, "no color outside the hull".into()]);
         }
-    }
-}
-
-/// Hull that colors are compared with, and its tolerances.
-struct Hulls {
-    hull: Hull,
-    /// Margin of rounding, as certified.
-    margin: f64,
-    /// Error from rounding the control colors themselves.
-    slack: f64,
-}
-
-/// Monitor of one piece of an output's work.
-struct PieceMonitor<'m> {
-    monitor: &'m dyn Monitor,
-    before: usize,
-}
-
-impl Monitor for PieceMonitor<'_> {
-    fn progress(&self, done: usize, total: usize) {
-        self.monitor.progress(self.before + done, self.before + total);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.monitor.cancelled()
     }
 }

@@ -1,16 +1,21 @@
-//! Fields of a certificate, in alphabetical order, so that the digest comes first.
+//! Fields of a certificate: the digest, the signature, then all others in alphabetical order.
 
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 /// Certificate of one image file.
 ///
-/// Numbers that may be infinite are `None` (`null`) if they are: there is no bound.
+/// Everything in it is derived again by [`verify`](super::verify), except for names that lead to files
+/// ([`ImageHashes::file`], [`DocumentText::folder`]) and for [`trochoid`](Self::trochoid).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Certificate {
-    /// BLAKE3 hash of the certificate's text without white space, with zeros in place of these 64 digits.
+    /// BLAKE3 hash of the certificate's text without white space and without `signature`, with zeros in place of these
+    /// 64 digits.
     pub digest: String,
+    /// Signature of the digest, if it is signed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signature: Option<SignatureText>,
     /// Document that the picture was made from.
     pub document: DocumentText,
     /// Fingerprint for `--resume`: a hash of version, document, frame and inputs.
@@ -23,20 +28,28 @@ pub struct Certificate {
     pub image: ImageHashes,
     /// Files that the picture was made from.
     pub inputs: Vec<InputHash>,
-    /// Whether the plan left out work that makes no difference; `false` with `--unoptimized`.
-    pub optimized: bool,
     /// Outputs in the image.
     pub outputs: Vec<CertifiedOutput>,
-    /// States of the document's nodes, sorted by name.
+    /// States of the document's nodes in an optimized plan of these outputs, sorted by name.
     pub plan: Vec<PlannedNode>,
-    /// Version of Trochoid that made the certificate.
+    /// Version of Trochoid that made the certificate, as it says itself.
     pub trochoid: String,
     /// Version of the format: [`VERSION`].
     pub version: u32,
 }
 
 /// Version of the certificate format that is written and read.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
+
+/// Signature of a certificate's digest.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SignatureText {
+    /// Ed25519 public key, in 64 hexadecimal digits.
+    pub key: String,
+    /// Signature of the text `trochoid certificate `, followed by the digits of the digest; in 128 hexadecimal digits.
+    pub value: String,
+}
 
 /// Document in a certificate.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -115,12 +128,12 @@ pub struct ChannelText {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedOutput {
-    /// Counts on the f32 pixels of the output.
-    pub audit: AuditText,
     /// Channels of the output in the image.
     pub channels: Vec<String>,
     /// Control colors that a color is mixed from.
     pub controls: Option<Controls>,
+    /// Counts on the pixels of the image.
+    pub counts: PixelCounts,
     /// Error bounds against the references.
     pub error: CertifiedError,
     /// Guarantee on the values of a color.
@@ -133,39 +146,34 @@ pub struct CertifiedOutput {
     pub unbounded: Vec<Unbounded>,
 }
 
-/// Counts on the pixels of an output before they were stored.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Counts on the pixels of an output, as the image stores them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct AuditText {
-    /// Number of pixels that were compared with the hull one by one.
-    pub judged: u64,
-    /// Margin of rounding within which a pixel counts as inside, in units of the working space.
-    pub margin: f64,
-    /// Number of pixels that are NaN.
+pub struct PixelCounts {
+    /// Number of pixels with an infinite channel, and no NaN.
+    pub infinite: u64,
+    /// Number of pixels with a NaN in any channel.
     pub nan: u64,
-    /// Number of pixels outside the hull by more than the margin.
+    /// Number of finite pixels outside: of colors, outside of the hull by more than the margin and the rounding of the
+    /// file's format; of weights, less than 0, more than 1, or with another sum than 1. 0 for fields.
     pub outside: u64,
+    /// Largest distance of such a color from the hull, in units of the working space; 0 if there is none.
+    pub outside_by: f64,
     /// Number of all pixels.
     pub pixels: u64,
-    /// Smallest weight seen; `None` if there are no weights.
-    pub weight_min: Option<f64>,
-    /// Largest |Σω − 1| seen.
-    pub weight_sum_max_deviation: f64,
-    /// Largest distance of a pixel outside; 0 if there are none.
-    pub worst: Option<f64>,
 }
 
 /// Control colors of an output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Controls {
-    /// Number of colors that the plan mixes.
-    pub count: u64,
     /// Number of corners of the hull of all colors that the document could mix into the output at this frame.
     pub corners: u64,
     /// BLAKE3 hash of those corners, sorted, each as three little-endian f32.
     pub hash: String,
-    /// Colors that the plan mixes: all of them if `count` is at most [`LISTED`], else [`LISTED`] of them.
+    /// Margin of rounding around the hull, in units of the working space.
+    pub margin: f64,
+    /// Those corners, sorted; none if there are more than [`LISTED`].
     pub values: Vec<[f32; 3]>,
 }
 
@@ -176,66 +184,102 @@ pub const LISTED: u64 = 64;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GuaranteeText {
-    /// Guarantee that was required, if any.
-    pub asked: Option<String>,
     /// Guarantee of the output's operations.
     pub class: String,
-    /// Guarantee that was found to hold on all pixels, if any.
+    /// Guarantee that was found to hold on all pixels of the image, if any.
     pub held: Option<String>,
+    /// Guarantee that the document requires, if any.
+    pub required: Option<String>,
 }
 
-/// Error bounds of an output against its f64 references, in units of the working space, of the largest channel.
+/// Error bounds of an output against its f64 references.
+///
+/// All bounds are rounded up to [levels](ChannelBounds::map). The picture is compared before its values are rounded to
+/// the file's format.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CertifiedError {
-    /// Ambiguous samples and pixels.
+    /// Pixels with a sample whose side of a threshold or whose visibility is not certain.
     pub ambiguous: Ambiguous,
-    /// Error bounds of pixels.
-    pub pixels: PixelBounds,
-    /// Error bounds of samples.
-    pub samples: SampleBounds,
+    /// Bounds of the largest channel of a color or of weights, or of each channel of a field.
+    pub channels: Vec<ChannelBounds>,
+    /// Bounds of a color in display values.
+    pub display: Option<DisplayBounds>,
+    /// Unit of the bounds in `channels`.
+    pub unit: String,
 }
 
-/// Samples whose side of a threshold or whose visibility is not certain, and the pixels that contain them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Ambiguous pixels.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ambiguous {
     /// One bit per pixel, row by row, the first in the lowest bit of a byte; deflated, in base64.
     pub map: String,
-    /// Largest error bound of such pixels, which holds despite the ambiguity.
-    pub max: Option<f64>,
-    /// Number of pixels with an ambiguous sample.
-    pub pixels: u64,
-    /// Number of ambiguous samples.
-    pub samples: u64,
-    /// Share of ambiguous samples in all samples.
-    pub share: f64,
-    /// Share of ambiguous samples whose bound exceeds 1/255 in all samples.
-    pub share_beyond_8_bit: f64,
-}
-
-/// Error bounds of the pixels without an ambiguous sample.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PixelBounds {
     /// Number of these pixels.
-    pub count: u64,
-    /// Largest bound.
-    pub max: Option<f64>,
-    /// Bound that at most one in a thousand exceeds.
-    pub p999: Option<f64>,
+    pub pixels: u64,
 }
 
-/// Error bounds of the samples that are not ambiguous.
+/// Error bounds of the pixels of one or several channels, of the largest of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SampleBounds {
-    /// Number of these samples.
-    pub count: u64,
-    /// Largest bound.
-    pub max: Option<f64>,
-    /// Bound that at most one in a thousand exceeds.
-    pub p999: Option<f64>,
+pub struct ChannelBounds {
+    /// Bounds of all pixels.
+    pub all: BoundSummary,
+    /// Level of byte 0 of the map.
+    pub base: i32,
+    /// Bounds of the pixels that are not ambiguous.
+    pub clear: BoundSummary,
+    /// One byte per pixel, row by row; deflated, in base64. Byte 0 is an error of 0; b from 1 to 253 the level
+    /// `base` + b; 254 an infinite value that equals its reference; 255 no known bound. Level l is a bound of
+    /// 2^(l/8), the smallest that is large enough: l = ⌈8·log₂ bound⌉. The largest level of a map has the byte 253;
+    /// levels that would have a byte less than 1 have the byte 1.
+    pub map: String,
+    /// Names of the channels in the image.
+    pub names: Vec<String>,
+}
+
+/// Error bounds of the colors that a display shows: of the largest channel.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DisplayBounds {
+    /// Bounds of all pixels.
+    pub all: BoundSummary,
+    /// Bounds of the pixels that are not ambiguous.
+    pub clear: BoundSummary,
+    /// Unit of the bounds.
+    pub unit: String,
+}
+
+/// Error bounds of some pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoundSummary {
+    /// Number of pixels with a finite value and a bound.
+    pub bounded: u64,
+    /// Number of pixels with an infinite value, which equals that of the reference, such as the depth of the sky.
+    pub infinite: u64,
+    /// Largest bound of the `bounded` pixels.
+    pub max: Option<BoundAt>,
+    /// Bound that at most one in a thousand of them exceeds.
+    pub p999: Option<BoundAt>,
+    /// Number of pixels without a known bound.
+    pub unbounded: u64,
+}
+
+/// A bound, and the first pixel that has it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoundAt {
+    /// The bound.
+    pub bound: f64,
+    /// Column and row of the pixel.
+    pub pixel: [i64; 2],
+}
+
+/// Bounds of all pixels, and of those that are not ambiguous.
+pub(super) struct Summaries {
+    pub(super) all: BoundSummary,
+    pub(super) clear: BoundSummary,
 }
 
 /// Stage without an error bound.

@@ -1,6 +1,9 @@
 //! Readable forms of the values in a certificate.
 
-use super::{ChannelText, FormatText, InputHash, PlannedNode};
+use super::{
+    BoundAt, BoundSummary, ChannelText, Controls, FormatText, GuaranteeText, InputHash, PixelCounts, PlannedNode,
+    Unbounded,
+};
 
 /// Value that a failure can name.
 pub(super) trait Words {
@@ -19,7 +22,7 @@ macro_rules! displayed {
     };
 }
 
-displayed!(f64, u32, u64, usize, &str, String);
+displayed!(f64, i32, u32, u64, usize, &str, String);
 
 impl<T: Words> Words for Option<T> {
     fn words(&self) -> String {
@@ -55,6 +58,56 @@ impl Words for PlannedNode {
         let Self { name, state, ty, why } = self;
         let why = why.as_ref().map_or_else(String::new, |why| format!(": {why}"));
         format!("\"{name}\" ({ty}) {}{why}", state.replace('_', " "))
+    }
+}
+
+impl Words for PixelCounts {
+    fn words(&self) -> String {
+        let Self { infinite, nan, outside, outside_by, pixels } = self;
+        format!("{pixels} pixels, {nan} NaN, {infinite} infinite, {outside} outside, by up to {outside_by:e}")
+    }
+}
+
+impl Words for BoundSummary {
+    fn words(&self) -> String {
+        let Self { bounded, infinite, max, p999, unbounded } = self;
+        format!(
+            "{bounded} pixels of at most {}, one in a thousand of more than {}; {infinite} infinite; {unbounded} without \
+             a bound",
+            max.words(),
+            p999.words()
+        )
+    }
+}
+
+impl Words for BoundAt {
+    fn words(&self) -> String {
+        let Self { bound, pixel: [x, y] } = self;
+        format!("{bound:e} at ({x}, {y})")
+    }
+}
+
+impl Words for Controls {
+    fn words(&self) -> String {
+        let Self { corners, hash, margin, values } = self;
+        format!(
+            "a hull of {corners} corners, {} of them listed, of the hash {hash}, with the margin {margin:e}",
+            values.len()
+        )
+    }
+}
+
+impl Words for GuaranteeText {
+    fn words(&self) -> String {
+        let Self { class, held, required } = self;
+        let [held, required] = [held, required].map(Words::words);
+        format!("the class {class}; held: {held}; required: {required}")
+    }
+}
+
+impl Words for Unbounded {
+    fn words(&self) -> String {
+        format!("\"{}\": {}", self.node, self.why)
     }
 }
 

@@ -4,11 +4,14 @@
 //! In a certifying plan, every channel of values has a channel of bounds behind it. Stages bound their own results;
 //! the program computes bounds beside its values. The values of the picture are computed as always.
 
+mod scattered;
 mod stage;
 mod tally;
 mod trace;
 
-pub(crate) use stage::fill_with_bounds;
+pub use scattered::CertifiedPixels;
+pub(crate) use stage::{Found, fill_with_bounds};
+use tally::CertifiedTile;
 pub use tally::{Certified, Distribution};
 pub(crate) use trace::Trace;
 
@@ -77,38 +80,59 @@ impl<'g> Certifier<'g> {
         plan.in_pool(|| {
             plan.validate_all(buffers)?;
             let (ready, _) = prepare(plan, cache, monitor, Pictures::Whole)?;
-            let (width, height) = TILE;
-            let (across, down) = plan.halo();
-            let tiles: Vec<Window> = plan.window.tiles(width.max(4 * across), height.max(4 * down)).collect();
+            let tiles: Vec<Window> = self.grid().collect();
             let mut all: Vec<Certified> =
                 plan.outputs.iter().map(|output| Certified::new(output.index, output.kind, plan.window)).collect();
-            let run =
-                Certification { total: tiles.len(), done: AtomicUsize::new(0), unbounded: Mutex::default(), monitor };
-            let parts: Result<Vec<Vec<Certified>>, EvalError> = tiles
-                .par_chunks(tiles.len().div_ceil(8 * rayon::current_num_threads()).max(1))
-                .map(|tiles| self.tiles(tiles, &ready, buffers, &run))
+            let run = Certification::new(&ready, buffers, tiles.len(), monitor);
+            let parts: Result<Vec<Vec<CertifiedTile>>, EvalError> = tiles
+                .par_chunks(run.share(tiles.len()))
+                .map(|tiles| {
+                    let mut own = Vec::new();
+                    self.tiles(tiles, &run, &mut |_, tile| own.extend(tile)).map(|()| own)
+                })
                 .collect();
-            for (index, part) in parts?.into_iter().flatten().enumerate() {
-                all[index % plan.outputs.len()].add(&part);
+            for (index, part) in parts?.iter().flatten().enumerate() {
+                all[index % plan.outputs.len()].add(&part.bounds);
             }
-            let unbounded = run.unbounded.into_inner().unwrap_or_else(PoisonError::into_inner);
-            for (certified, output) in all.iter_mut().zip(&plan.outputs) {
-                let node = plan.graph.outputs()[output.index].node;
-                let reached = plan.graph.dependencies([node], plan.frame());
-                certified.unbounded =
-                    unbounded.iter().map(|(id, why)| (*id, *why)).filter(|(id, _)| reached[id.0]).collect();
-                match output.kind {
-                    Kind::Color => {
-                        let palette = plan.palette(output, &ready, buffers);
-                        certified.palette = palette.hull.vertices().to_vec();
-                        certified.cap(breadth(&certified.palette) + 2.0 * palette.margin);
-                    }
-                    Kind::Weights(_) => certified.cap(1.0),
-                    _ => {}
-                }
+            for (certified, facts) in all.iter_mut().zip(self.facts(run)) {
+                certified.cap(facts.limit);
+                (certified.palette, certified.margin) = (facts.palette, facts.margin);
+                certified.unbounded = facts.unbounded;
             }
             Ok(all)
         })
+    }
+
+    /// Returns the tiles that are certified one by one.
+    fn grid(&self) -> impl Iterator<Item = Window> {
+        let ((width, height), (across, down)) = (TILE, self.plan.halo());
+        self.plan.window.tiles(width.max(4 * across), height.max(4 * down))
+    }
+
+    /// Returns what holds for all pixels of each output.
+    fn facts(&self, run: Certification<'_>) -> Vec<OutputFacts> {
+        let plan = &self.plan;
+        let unbounded = run.unbounded.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let facts = plan.outputs.iter().map(|output| {
+            let node = plan.graph.outputs()[output.index].node;
+            let reached = plan.graph.dependencies([node], plan.frame());
+            let mut unbounded: Vec<(NodeId, &'static str)> =
+                unbounded.iter().map(|(id, why)| (*id, *why)).filter(|(id, _)| reached[id.0]).collect();
+            // By name, as in the canonical document.
+            unbounded.sort_by_key(|(id, _)| &plan.graph.node(*id).name);
+            let (mut palette, mut margin) = (Vec::new(), 0.0);
+            let limit = match output.kind {
+                Kind::Color => {
+                    let judge = plan.palette(output, run.ready, run.buffers);
+                    (palette, margin) = (judge.hull.vertices().to_vec(), judge.margin);
+                    breadth(&palette) + 2.0 * margin
+                }
+                Kind::Weights(_) => 1.0,
+                _ => f64::INFINITY,
+            };
+            OutputFacts { palette, margin, unbounded, limit }
+        });
+        facts.collect()
     }
 
     /// Returns the stage that contributes most to the bound at a pixel: the one without whose own errors the bound is
@@ -164,13 +188,13 @@ impl<'g> Certifier<'g> {
         Ok((whole, stages.collect::<Result<_, EvalError>>()?))
     }
 
+    /// Certifies some tiles, and hands over the index and the outputs of each.
     fn tiles(
         &self,
         tiles: &[Window],
-        ready: &HashMap<NodeId, PreparedStage>,
-        buffers: &Buffers<'_>,
         run: &Certification<'_>,
-    ) -> Result<Vec<Certified>, EvalError> {
+        take: &mut dyn FnMut(usize, Vec<CertifiedTile>),
+    ) -> Result<(), EvalError> {
         let plan = &self.plan;
         let mut chunks = Chunks::of([]);
         let mut chunks = chunks.all();
@@ -179,20 +203,18 @@ impl<'g> Certifier<'g> {
             .passes
             .iter()
             .map(|pass| {
-                let fills = Fills::new(plan, ready, buffers, pass, run.monitor, &mut chunks);
+                let fills = Fills::new(plan, run.ready, run.buffers, pass, run.monitor, &mut chunks);
                 (pass, fills, Trace::new(&pass.program))
             })
             .collect();
-        let mut done = Vec::new();
-        for &tile in tiles {
+        for (index, &tile) in tiles.iter().enumerate() {
             if run.monitor.cancelled() {
                 return Err(EvalError::Cancelled);
             }
-            let of = |output: &PlannedOutput| Certified::new(output.index, output.kind, tile);
-            let mut own: Vec<Certified> = plan.outputs.iter().map(of).collect();
+            let of = |output: &PlannedOutput| CertifiedTile::new(output.index, output.kind, tile);
+            let mut own: Vec<CertifiedTile> = plan.outputs.iter().map(of).collect();
             for (pass, fills, trace) in &mut passes {
                 let share = 1.0 / pass.offsets.len() as f64;
-                let mut means: Vec<Vec<Vec<f64>>> = own.iter().map(|_| Vec::new()).collect();
                 for sample in pass.samples() {
                     fills.fill(tile, sample, &mut seconds)?;
                     run.note(fills);
@@ -209,20 +231,20 @@ impl<'g> Certifier<'g> {
                         values[output].extend(rows.by_ref().take(BOUNDS).filter(|row| !row.is_empty()));
                         bounds[output].extend(rows.filter(|row| !row.is_empty()));
                     }
-                    for (output, own) in own.iter_mut().enumerate().filter(|(output, _)| !bounds[*output].is_empty()) {
-                        own.sample(&bounds[output], share);
-                        means[output].resize(values[output].len(), vec![0.0; tile.area()]);
-                        for (means, values) in means[output].iter_mut().zip(&values[output]) {
-                            means.iter_mut().zip(values).for_each(|(mean, value)| *mean += share * f64::from(*value));
+                    for (own, (values, bounds)) in own.iter_mut().zip(values.iter().zip(&bounds)) {
+                        if !bounds.is_empty() {
+                            own.sample(values, bounds, share);
                         }
                     }
                 }
-                own.iter_mut().zip(&means).for_each(|(own, means)| own.average(means));
+                for output in pass.outputs() {
+                    own[output].average(share);
+                }
             }
-            done.extend(own);
-            run.monitor.progress(run.done.fetch_add(1, Ordering::Relaxed) + 1, run.total);
+            take(index, own);
+            run.step();
         }
-        Ok(done)
+        Ok(())
     }
 }
 
@@ -249,8 +271,21 @@ fn breadth(palette: &[Rgb]) -> f64 {
     (0..3).map(span).fold(0.0, f64::max)
 }
 
+/// What holds for all pixels of an output.
+struct OutputFacts {
+    /// Vertices of the hull of all control colors, and the margin of rounding around it.
+    palette: Vec<Rgb>,
+    margin: f64,
+    /// Stages upstream that know no bound, and why.
+    unbounded: Vec<(NodeId, &'static str)>,
+    /// Limit that no error can exceed, because picture and reference both lie within it.
+    limit: f64,
+}
+
 /// State that the threads of one certification share.
 struct Certification<'m> {
+    ready: &'m HashMap<NodeId, PreparedStage>,
+    buffers: &'m Buffers<'m>,
     /// Number of all tiles.
     total: usize,
     done: AtomicUsize,
@@ -259,11 +294,30 @@ struct Certification<'m> {
     monitor: &'m dyn Monitor,
 }
 
-impl Certification<'_> {
+impl<'m> Certification<'m> {
+    fn new(
+        ready: &'m HashMap<NodeId, PreparedStage>,
+        buffers: &'m Buffers<'m>,
+        total: usize,
+        monitor: &'m dyn Monitor,
+    ) -> Self {
+        Self { ready, buffers, total, done: AtomicUsize::new(0), unbounded: Mutex::default(), monitor }
+    }
+
+    /// Returns how many of some tiles a thread takes at once.
+    fn share(&self, tiles: usize) -> usize {
+        tiles.div_ceil(8 * rayon::current_num_threads()).max(1)
+    }
+
     /// Records which stages know no bound.
     fn note(&self, fills: &Fills<'_>) {
         for (id, why) in fills.unbounded() {
             self.unbounded.lock().unwrap_or_else(PoisonError::into_inner).insert(id, why.0);
         }
+    }
+
+    /// Counts a tile.
+    fn step(&self) {
+        self.monitor.progress(self.done.fetch_add(1, Ordering::Relaxed) + 1, self.total);
     }
 }

@@ -97,11 +97,16 @@ pub struct Certified {
     pub worst: Option<[i64; 2]>,
     /// Bound on the error of each pixel, by channel and row by row.
     pub errors: Vec<Vec<f32>>,
+    /// Whether each pixel is infinite, like its reference, by channel and row by row; empty for kinds that are always
+    /// finite. The error of such a pixel is 0.
+    pub infinite: Vec<Vec<bool>>,
     /// Share of each pixel's samples that is in doubt.
     pub doubt: Vec<f32>,
     /// Vertices of the hull of all control colors that a color output may be mixed from; no branch counts as left
     /// out.
     pub palette: Vec<Rgb>,
+    /// Margin of rounding around that hull.
+    pub margin: f64,
     /// Stages upstream that do not know a bound everywhere, and why.
     pub unbounded: Vec<(NodeId, &'static str)>,
 }
@@ -116,10 +121,19 @@ impl Certified {
             unclear: Distribution::default(),
             worst: None,
             errors: vec![vec![0.0; window.area()]; kind.channels()],
+            infinite: vec![vec![false; window.area()]; if kind.is_finite() { 0 } else { kind.channels() }],
             doubt: vec![0.0; window.area()],
             palette: Vec::new(),
+            margin: 0.0,
             unbounded: Vec::new(),
         }
+    }
+
+    /// Returns the bounds of all samples.
+    pub fn all(&self) -> Distribution {
+        let mut all = self.clear.clone();
+        all.merge(&self.unclear);
+        all
     }
 
     /// Returns the share of samples that are in doubt and whose bound exceeds a tolerance.
@@ -127,18 +141,8 @@ impl Certified {
         self.unclear.above(tolerance) as f64 / (self.clear.total + self.unclear.total).max(1) as f64
     }
 
-    /// Adds the rounding errors of averaging the samples of pixels; `means` are the averages by channel.
-    pub(super) fn average(&mut self, means: &[Vec<f64>]) {
-        for (means, errors) in means.iter().zip(&mut self.errors) {
-            for (mean, error) in means.iter().zip(errors) {
-                let rounded = (f64::from(*mean as f32) - mean).abs() + mean.abs() * REFERENCE;
-                *error = Bound::of(f64::from(*error) + rounded).encode();
-            }
-        }
-    }
-
     /// Adds one sample of every pixel, given its encoded bounds by channel and its share of the pixel.
-    pub(super) fn sample(&mut self, channels: &[Vec<f32>], share: f64) {
+    fn sample(&mut self, channels: &[Vec<f32>], share: f64) {
         for pixel in 0..self.window.area() {
             let mut sample = Bound::EXACT;
             for (bounds, errors) in channels.iter().zip(&mut self.errors) {
@@ -176,10 +180,61 @@ impl Certified {
         self.unclear.merge(&part.unclear);
         let (all, own) = (self.window, part.window);
         let planes = self.errors.iter_mut().zip(&part.errors).chain([(&mut self.doubt, &part.doubt)]);
-        for (to, from) in planes {
-            for (y, row) in (own.y0..own.y1).zip(from.chunks_exact(own.width())) {
-                let start = (y - all.y0) as usize * all.width() + (own.x0 - all.x0) as usize;
-                to[start..start + row.len()].copy_from_slice(row);
+        planes.for_each(|(to, from)| paste(from, own, to, all));
+        self.infinite.iter_mut().zip(&part.infinite).for_each(|(to, from)| paste(from, own, to, all));
+    }
+}
+
+/// Copies a plane over a window into one over a larger window.
+fn paste<T: Copy>(from: &[T], own: Window, to: &mut [T], all: Window) {
+    for (y, row) in (own.y0..own.y1).zip(from.chunks_exact(own.width())) {
+        let start = (y - all.y0) as usize * all.width() + (own.x0 - all.x0) as usize;
+        to[start..start + row.len()].copy_from_slice(row);
+    }
+}
+
+/// A tile of an output: its bounds, and the picture's own values.
+#[derive(Debug)]
+pub(super) struct CertifiedTile {
+    pub(super) bounds: Certified,
+    /// Sums of the samples by channel, then their means; the picture stores these rounded to f32.
+    pub(super) values: Vec<Vec<f64>>,
+}
+
+impl CertifiedTile {
+    pub(super) fn new(output: usize, kind: Kind, tile: Window) -> Self {
+        let values = vec![vec![0.0; tile.area()]; kind.channels()];
+        Self { bounds: Certified::new(output, kind, tile), values }
+    }
+
+    /// Adds one sample of every pixel, given its values and encoded bounds by channel and its share of the pixel.
+    pub(super) fn sample(&mut self, values: &[Vec<f32>], bounds: &[Vec<f32>], share: f64) {
+        self.bounds.sample(bounds, share);
+        for (sums, values) in self.values.iter_mut().zip(values) {
+            // A single sample keeps the sign of its 0.
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum = if share == 1.0 { f64::from(*value) } else { *sum + f64::from(*value) };
+            }
+        }
+    }
+
+    /// Averages the samples like the picture does, and adds the rounding errors of that.
+    pub(super) fn average(&mut self, share: f64) {
+        let Certified { errors, infinite, .. } = &mut self.bounds;
+        for (channel, (values, errors)) in self.values.iter_mut().zip(errors).enumerate() {
+            for (pixel, (value, error)) in values.iter_mut().zip(errors).enumerate() {
+                *value *= share;
+                if value.is_infinite() && error.is_finite() {
+                    // The reference of an infinite sample within a finite bound is the same infinity, and so is the
+                    // mean with finite samples: these have finite references.
+                    *error = 0.0;
+                    if let Some(infinite) = infinite.get_mut(channel) {
+                        infinite[pixel] = true;
+                    }
+                    continue;
+                }
+                let rounded = (f64::from(*value as f32) - *value).abs() + value.abs() * REFERENCE;
+                *error = Bound::of(f64::from(*error) + rounded).encode();
             }
         }
     }

@@ -11,7 +11,7 @@ mod shared;
 use crate::kernel::{Chunk, CompiledProgram, Plane, WeightAudit};
 use crate::planning::plan::{Feed, Fill, Pass, Sample};
 use crate::planning::shading::SHARING_CHANNELS;
-use crate::running::certify::fill_with_bounds;
+use crate::running::certify::{Found, fill_with_bounds};
 use crate::running::keep::{PlaneKeeper, StagePlanes};
 use crate::running::prepare::{PreparedStage, node_error};
 use crate::{Buffers, EvalError, Monitor, Plan};
@@ -389,9 +389,13 @@ impl<'p> Fills<'p> {
         let block = Block::of(window, sample.offset);
         if self.plan.settings.bounds {
             let exact = self.plan.settings.exact == Some(state.fill.node);
-            let filled = fill_with_bounds(&*ready.prepared, exact, &block, &ports, &cancelled, outputs)?;
-            state.unbounded.set(filled);
-            return Ok(None);
+            let found = match sample.index {
+                0 if self.sharing => Found::Now,
+                _ => Found::Before(state.found.as_ref()),
+            };
+            let (none, found) = fill_with_bounds(&*ready.prepared, exact, &block, &ports, &cancelled, found, outputs)?;
+            state.unbounded.set(none);
+            return Ok(found);
         }
         let inputs = Inputs::new(&ports).with_cancellation(&cancelled);
         let found = match sample.index {

@@ -5,7 +5,7 @@ use super::{ConnectionPlanes, FillState, Fills, Taps};
 use crate::kernel::Plane;
 use crate::planning::plan::{Feed, Fill};
 use crate::planning::shading::SHARING_CHANNELS;
-use crate::running::certify::fill_with_bounds;
+use crate::running::certify::{Found, fill_with_bounds};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use trochoid_graph::{Block, Bound, Channel, Connection, Inputs, NodeError, NodeId, Outputs, Slot};
@@ -286,8 +286,9 @@ impl<'p> Fills<'p> {
         let cancelled = || self.monitor.cancelled();
         if self.plan.settings.bounds {
             let exact = self.plan.settings.exact == Some(state.fill.node);
-            let filled = fill_with_bounds(&*ready.prepared, exact, &block, &ports, &cancelled, outputs)?;
-            state.unbounded.set(filled);
+            let before = Found::Before(None);
+            let (none, _) = fill_with_bounds(&*ready.prepared, exact, &block, &ports, &cancelled, before, outputs)?;
+            state.unbounded.set(none);
             return Ok(found);
         }
         let inputs = Inputs::new(&ports).with_cancellation(&cancelled);

@@ -1,6 +1,6 @@
 //! Evaluates whole frames by the references.
 
-use super::{ReferenceError, ReferenceFrame};
+use super::{PixelEvaluation, ReferenceError, ReferenceFrame};
 use crate::judge::nan_count;
 use crate::running::memory::Pictures;
 use crate::running::prepare::prepare;
@@ -29,18 +29,10 @@ impl Plan<'_> {
         monitor: &dyn Monitor,
     ) -> Result<Frame, ReferenceError> {
         let started = Instant::now();
-        let mut references = Vec::new();
-        for output in &self.outputs {
-            let name = &self.graph.outputs()[output.index].name;
-            references.push(ReferenceFrame::bounded(
-                self.graph,
-                name,
-                self.frame(),
-                self.settings.memory_limit,
-                cache,
-                monitor,
-            )?);
-        }
+        let outputs = self.outputs.iter().map(|output| self.graph.outputs()[output.index].name.as_str());
+        let outputs: Vec<&str> = outputs.collect();
+        let limit = self.settings.memory_limit;
+        let reference = ReferenceFrame::bounded(self.graph, &outputs, self.frame(), limit, cache, monitor)?;
         let (ready, _) = prepare(self, cache, monitor, Pictures::Whole)?;
         let judges: Vec<_> = self.outputs.iter().map(|output| self.judge(output, &ready, &Buffers::new())).collect();
         let prepare = started.elapsed().as_secs_f64();
@@ -49,24 +41,23 @@ impl Plan<'_> {
         let mut totals = WorkerTotals::default();
         totals.audits.resize(self.outputs.len(), Audit::default());
         let window = self.window;
-        let (done, total) = (AtomicUsize::new(0), references.len() * window.height());
-        for (index, reference) in references.iter().enumerate() {
-            let rows: Result<Vec<Vec<Vec<f32>>>, EvalError> = (window.y0..window.y1)
-                .into_par_iter()
-                .map(|y| {
-                    let row = row(reference, window, y, monitor)?;
-                    monitor.progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
-                    Ok(row)
-                })
-                .collect();
-            let kind = self.outputs[index].kind;
-            for (y, row) in rows?.iter().enumerate() {
+        let (done, total) = (AtomicUsize::new(0), window.height());
+        let rows: Result<Vec<Vec<ReferenceRow>>, EvalError> = (window.y0..window.y1)
+            .into_par_iter()
+            .map(|y| {
+                let row = row(&reference, window, y, monitor)?;
+                monitor.progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+                Ok(row)
+            })
+            .collect();
+        for (y, outputs) in rows?.iter().enumerate() {
+            for (index, row) in outputs.iter().enumerate() {
                 let mut audit = Audit { pixels: window.width() as u64, ..Audit::default() };
                 match (&judges[index], &row[..]) {
                     (Some(judge), [r, g, b]) => audit = Audit { pixels: audit.pixels, ..judge.row([r, g, b]) },
                     _ => audit.nan_count = nan_count(&row.iter().map(Vec::as_slice).collect::<Vec<_>>()),
                 }
-                if let Kind::Weights(_) = kind {
+                if let Kind::Weights(_) = self.outputs[index].kind {
                     totals.weigh(row);
                 }
                 totals.audits[index] = totals.audits[index].merge(audit);
@@ -94,23 +85,28 @@ impl Plan<'_> {
     }
 }
 
-/// Returns a row by channel.
+/// A row of an output, by channel.
+type ReferenceRow = Vec<Vec<f32>>;
+
+/// Returns a row of each output.
 fn row(
     reference: &ReferenceFrame<'_>,
     window: Window,
     y: i64,
     monitor: &dyn Monitor,
-) -> Result<Vec<Vec<f32>>, EvalError> {
-    let mut row: Vec<Vec<f32>> = Vec::new();
+) -> Result<Vec<ReferenceRow>, EvalError> {
+    let mut rows: Vec<ReferenceRow> = vec![Vec::new(); reference.plan.outputs.len()];
     for x in window.x0..window.x1 {
         if monitor.cancelled() {
             return Err(EvalError::Cancelled);
         }
-        let pixel = reference.pixel(x, y)?;
-        row.resize(pixel.len(), Vec::new());
-        row.iter_mut().zip(pixel).for_each(|(row, value)| row.push(value as f32));
+        let pixels = PixelEvaluation::new(reference).outputs(rows.len(), [x, y], &mut |_| ())?;
+        for (row, pixel) in rows.iter_mut().zip(pixels) {
+            row.resize(pixel.len(), Vec::new());
+            row.iter_mut().zip(pixel).for_each(|(row, value)| row.push(value as f32));
+        }
     }
-    Ok(row)
+    Ok(rows)
 }
 
 impl WorkerTotals {

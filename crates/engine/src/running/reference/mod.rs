@@ -16,12 +16,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use trochoid_graph::{Body, CheckedGraph, Kind, NodeId, Reference, References, Source};
 use trochoid_image::{Shading, Window};
 
-/// A frame that can be evaluated in f64 at any pixel.
+/// A frame whose outputs can be evaluated in f64 at any pixel.
 pub struct ReferenceFrame<'g> {
     plan: Plan<'g>,
     ready: HashMap<NodeId, PreparedStage>,
     /// How far the images of stages extend.
     extents: HashMap<NodeId, Window>,
+    /// By output: where its samples lie in a pixel.
+    offsets: Vec<Vec<[f64; 2]>>,
     /// Each requested node's dependencies, with the node itself last.
     orders: Mutex<HashMap<NodeId, Arc<[NodeId]>>>,
 }
@@ -43,47 +45,59 @@ impl<'g> ReferenceFrame<'g> {
     /// # Errors
     /// Same as planning and evaluation.
     pub fn new(graph: &'g CheckedGraph, output: &str, frame: i64) -> Result<Self, ReferenceError> {
-        Self::prepared(graph, output, frame, &mut Cache::new(), &Silent)
+        Self::prepared(graph, &[output], frame, &mut Cache::new(), &Silent)
     }
 
-    /// Does the same with what a cache holds, such as stages of another output of the frame.
+    /// Prepares every node that some outputs need at a frame, with what a cache holds. What the outputs share is
+    /// evaluated once for all of them.
     ///
     /// # Errors
     /// Same as [`ReferenceFrame::new`]; or the monitor asked to stop.
     pub fn prepared(
         graph: &'g CheckedGraph,
-        output: &str,
+        outputs: &[&str],
         frame: i64,
         cache: &mut Cache,
         monitor: &dyn Monitor,
     ) -> Result<Self, ReferenceError> {
-        Self::bounded(graph, output, frame, Settings::default().memory_limit, cache, monitor)
+        Self::bounded(graph, outputs, frame, Settings::default().memory_limit, cache, monitor)
     }
 
     /// Does the same within a memory limit, in bytes.
     pub(crate) fn bounded(
         graph: &'g CheckedGraph,
-        output: &str,
+        outputs: &[&str],
         frame: i64,
         memory_limit: u64,
         cache: &mut Cache,
         monitor: &dyn Monitor,
     ) -> Result<Self, ReferenceError> {
         let settings = Settings { switches: Switches::NONE, memory_limit, ..Settings::default() };
-        let plan = Plan::new(graph, &[output], frame, &[], &settings)?;
+        let plan = Plan::new(graph, outputs, frame, &[], &settings)?;
         let (ready, _) = prepare(&plan, cache, monitor, Pictures::Rows)?;
-        let extents = extents(&plan, &ready, plan.passes.first().map_or(&[], |pass| &pass.fills));
-        Ok(Self { plan, ready, extents, orders: Mutex::default() })
+        let extents = plan.passes.iter().flat_map(|pass| extents(&plan, &ready, &pass.fills)).collect();
+        let mut offsets = vec![Vec::new(); plan.outputs.len()];
+        for pass in &plan.passes {
+            pass.outputs().for_each(|output| offsets[output].clone_from(&pass.offsets));
+        }
+        Ok(Self { plan, ready, extents, offsets, orders: Mutex::default() })
     }
 
-    /// Returns the output at a point in the picture, in pixels: pixel x has its center at x + ½.
+    /// Returns the first output at a point in the picture, in pixels: pixel x has its center at x + ½.
     ///
     /// # Errors
     /// A node's input data are illegal at that point.
     pub fn sample(&self, x: f64, y: f64) -> Result<Vec<f64>, EvalError> {
-        let spec = &self.plan.graph.outputs()[self.plan.outputs[0].index];
-        let evaluation = SampleEvaluation { frame: self, known: RefCell::default() };
-        Ok(numbers(evaluation.output(spec.node, spec.output, [x, y])?))
+        PixelEvaluation::new(self).sample(0, [x, y])
+    }
+
+    /// Returns the first output at a pixel, averaged over the samples that the fast path averages.
+    ///
+    /// # Errors
+    /// Same as [`ReferenceFrame::sample`].
+    pub fn pixel(&self, x: i64, y: i64) -> Result<Vec<f64>, EvalError> {
+        let mut outputs = PixelEvaluation::new(self).outputs(1, [x, y], &mut |_| ())?;
+        Ok(outputs.swap_remove(0))
     }
 
     /// Clamps a point to the extent of a node's image: beyond it, to the same point within the nearest pixel.
@@ -116,34 +130,66 @@ impl<'g> ReferenceFrame<'g> {
         }
         node
     }
-
-    /// Returns the output at a pixel, averaged over the samples that the fast path averages.
-    ///
-    /// # Errors
-    /// Same as [`ReferenceFrame::sample`].
-    pub fn pixel(&self, x: i64, y: i64) -> Result<Vec<f64>, EvalError> {
-        let offsets = &self.plan.passes[0].offsets;
-        let mut sum: Vec<f64> = Vec::new();
-        for offset in offsets {
-            let value = self.sample(x as f64 + offset[0], y as f64 + offset[1])?;
-            sum.resize(value.len(), 0.0);
-            sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
-        }
-        Ok(sum.into_iter().map(|sum| sum / offsets.len() as f64).collect())
-    }
 }
 
 /// Outputs of nodes at points.
 type PointOutputs = HashMap<(NodeId, [u64; 2]), Vec<Reference>>;
 
-/// Evaluation of one sample: filters read their inputs at other points, several of them often at the same.
-struct SampleEvaluation<'e, 'g> {
+/// Evaluation of one pixel. What several outputs need at a sample is evaluated once, and so is what several samples
+/// need at first samples, if the document shades per pixel.
+struct PixelEvaluation<'e, 'g> {
     frame: &'e ReferenceFrame<'g>,
-    /// Outputs of nodes, by the bits of the point.
+    /// Outputs of nodes, by the bits of the point: filters read their inputs at other points, several of them often at
+    /// the same.
     known: RefCell<PointOutputs>,
 }
 
-impl SampleEvaluation<'_, '_> {
+impl<'e, 'g> PixelEvaluation<'e, 'g> {
+    fn new(frame: &'e ReferenceFrame<'g>) -> Self {
+        Self { frame, known: RefCell::default() }
+    }
+
+    /// Returns an output of the frame at a point.
+    fn sample(&self, output: usize, at: [f64; 2]) -> Result<Vec<f64>, EvalError> {
+        let plan = &self.frame.plan;
+        let spec = &plan.graph.outputs()[plan.outputs[output].index];
+        Ok(numbers(self.output(spec.node, spec.output, at)?))
+    }
+
+    /// Returns the first `count` outputs of the frame at a pixel, each averaged over its samples, and shows what nodes
+    /// returned on the way, sample by sample.
+    fn outputs(
+        &self,
+        count: usize,
+        [x, y]: [i64; 2],
+        show: &mut dyn FnMut(&PointOutputs),
+    ) -> Result<Vec<Vec<f64>>, EvalError> {
+        let offsets = &self.frame.offsets[..count];
+        let mut sums: Vec<Vec<f64>> = vec![Vec::new(); count];
+        for sample in 0..offsets.iter().map(Vec::len).max().unwrap_or(0) {
+            for (output, sums) in sums.iter_mut().enumerate() {
+                let Some(offset) = offsets[output].get(sample) else { continue };
+                let value = self.sample(output, [x as f64 + offset[0], y as f64 + offset[1]])?;
+                sums.resize(value.len(), 0.0);
+                sums.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
+            }
+            show(&self.known.borrow());
+            self.forget();
+        }
+        for (sums, offsets) in sums.iter_mut().zip(offsets) {
+            sums.iter_mut().for_each(|sum| *sum /= offsets.len() as f64);
+        }
+        Ok(sums)
+    }
+
+    /// Forgets everything except first samples: no other sample reads it again, and filters read very many points.
+    fn forget(&self) {
+        self.known.borrow_mut().retain(|(_, point), _| {
+            let point = point.map(f64::from_bits);
+            self.first(point) == Some(point)
+        });
+    }
+
     /// Returns an output of a node at a point. Only filters recurse: whatever a node reads at its own point is
     /// evaluated before it.
     fn output(&self, id: NodeId, output: usize, at: [f64; 2]) -> Result<Reference, EvalError> {

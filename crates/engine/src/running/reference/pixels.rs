@@ -1,10 +1,9 @@
 //! Evaluates what a check of finished pictures needs from the references: many pixels, the weights on the way to
 //! them, and the control colors. Nothing here looks at a program, a tile or a plane.
 
-use super::{ReferenceFrame, SampleEvaluation};
+use super::{PixelEvaluation, PointOutputs, ReferenceFrame};
 use crate::{EvalError, Monitor};
 use rayon::prelude::*;
-use std::cell::RefCell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use trochoid_graph::{Body, Kind, Reference, References, Source};
 use trochoid_image::Rgb;
@@ -40,20 +39,21 @@ impl ReferencePixel {
 }
 
 impl ReferenceFrame<'_> {
-    /// Evaluates the output at some pixels, like [`ReferenceFrame::pixel`], and records the weights on the way; on
-    /// all threads.
+    /// Evaluates every output at some pixels, like [`ReferenceFrame::pixel`], and records the weights on the way; on
+    /// all threads. Returns the outputs of each pixel.
     ///
     /// # Errors
     /// Same as [`ReferenceFrame::sample`]; or the monitor asked to stop.
-    pub fn pixels(&self, places: &[[i64; 2]], monitor: &dyn Monitor) -> Result<Vec<ReferencePixel>, EvalError> {
+    pub fn pixels(&self, places: &[[i64; 2]], monitor: &dyn Monitor) -> Result<Vec<Vec<ReferencePixel>>, EvalError> {
         let done = AtomicUsize::new(0);
-        let pieces: Result<Vec<Vec<ReferencePixel>>, EvalError> = places
+        let upstream: Vec<Vec<bool>> = (0..self.plan.outputs.len()).map(|output| self.upstream(output)).collect();
+        let pieces: Result<Vec<Vec<Vec<ReferencePixel>>>, EvalError> = places
             .par_chunks(PIECE)
             .map(|piece| {
-                let pixels = piece
-                    .iter()
-                    .map(|&place| if monitor.cancelled() { Err(EvalError::Cancelled) } else { self.seen(place) });
-                let pixels = pixels.collect();
+                let seen = |&place: &[i64; 2]| {
+                    if monitor.cancelled() { Err(EvalError::Cancelled) } else { self.seen(place, &upstream) }
+                };
+                let pixels = piece.iter().map(seen).collect();
                 let done = done.fetch_add(piece.len(), Ordering::Relaxed) + piece.len();
                 monitor.progress(done, places.len());
                 pixels
@@ -62,27 +62,33 @@ impl ReferenceFrame<'_> {
         Ok(pieces?.into_iter().flatten().collect())
     }
 
-    fn seen(&self, [x, y]: [i64; 2]) -> Result<ReferencePixel, EvalError> {
-        let spec = &self.plan.graph.outputs()[self.plan.outputs[0].index];
-        let offsets = &self.plan.passes[0].offsets;
-        let mut pixel = ReferencePixel { value: Vec::new(), weight_min: f64::INFINITY, weight_sum_max_deviation: 0.0 };
-        for offset in offsets {
-            let evaluation = SampleEvaluation { frame: self, known: RefCell::default() };
-            let value = evaluation.output(spec.node, spec.output, [x as f64 + offset[0], y as f64 + offset[1]])?;
-            let value = super::numbers(value);
-            pixel.value.resize(value.len(), 0.0);
-            pixel.value.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
-            evaluation.known.borrow().values().flatten().for_each(|given| pixel.see(given));
-        }
-        pixel.value.iter_mut().for_each(|sum| *sum /= offsets.len() as f64);
-        Ok(pixel)
+    /// Returns which nodes an output depends on.
+    fn upstream(&self, output: usize) -> Vec<bool> {
+        let graph = self.plan.graph;
+        let spec = &graph.outputs()[self.plan.outputs[output].index];
+        graph.dependencies([spec.node], self.plan.frame())
     }
 
-    /// Returns every color that the output is mixed from, found by following its Color connections: literals, colors
-    /// that nodes make themselves, and colors that stages declare as controls.
-    pub fn controls(&self) -> Vec<Rgb> {
+    fn seen(&self, place: [i64; 2], upstream: &[Vec<bool>]) -> Result<Vec<ReferencePixel>, EvalError> {
+        let none = ReferencePixel { value: Vec::new(), weight_min: f64::INFINITY, weight_sum_max_deviation: 0.0 };
+        let mut pixels = vec![none; upstream.len()];
+        let mut show = |known: &PointOutputs| {
+            for (pixel, upstream) in pixels.iter_mut().zip(upstream) {
+                let given = known.iter().filter(|((id, _), _)| upstream[id.0]).flat_map(|(_, given)| given);
+                given.for_each(|given| pixel.see(given));
+            }
+        };
+        let values = PixelEvaluation::new(self).outputs(upstream.len(), place, &mut show)?;
+        pixels.iter_mut().zip(values).for_each(|(pixel, value)| pixel.value = value);
+        Ok(pixels)
+    }
+
+    /// Returns every color that an output, by its place among those requested, is mixed from. The colors are found by
+    /// following its Color connections: literals, colors that nodes make themselves, and colors that stages declare as
+    /// controls.
+    pub fn controls(&self, output: usize) -> Vec<Rgb> {
         let graph = self.plan.graph;
-        let spec = &graph.outputs()[self.plan.outputs[0].index];
+        let spec = &graph.outputs()[self.plan.outputs[output].index];
         let mut colors = Vec::new();
         let mut add = |color: &[f64]| colors.push([0, 1, 2].map(|c| color[c] as f32 + 0.0));
         let mut seen = vec![false; graph.nodes().len()];

@@ -25,7 +25,7 @@ impl Truth {
         let name = request.outputs[0];
         let mut cache = Cache::new();
         let reference =
-            ReferenceFrame::prepared(graph, name, request.frame, &mut cache, monitor).map_err(of_reference)?;
+            ReferenceFrame::prepared(graph, &[name], request.frame, &mut cache, monitor).map_err(of_reference)?;
         let mut values = Vec::with_capacity(pixels.len());
         for (index, [x, y]) in pixels.iter().enumerate() {
             if monitor.cancelled() {
