@@ -1,11 +1,11 @@
 //! `trochoid verify`: checks a certificate and its image.
 //!
 //! The JSON output has `holds`; `certificate`, `image`, `frame`, `made_by`; `signed_by`, the public key, `null` if the
-//! certificate is not signed; `inputs` and `blocks`, the numbers compared
-//! with their hashes; `seed`, and `share_found`, the share of the pixels that would have been found with a probability of
-//! 99 % if they had been changed, `null` if all were looked at; `outputs`, a list of `{output, looked_at, pixels,
-//! ambiguous, hull, distance, distance_ambiguous, weight_min, weight_sum_max_deviation}`, empty if nothing was evaluated;
-//! `failures`, a list of `{place, found, expected}`.
+//! certificate is not signed; `inputs` and `blocks`, the numbers compared with their hashes; `seed`, and `share_found`,
+//! the share of the pixels that would have been found with a probability of 99 % if they had been changed, `null` if all
+//! were looked at; `outputs`, a list of `{output, looked_at, pixels, ambiguous, hull, distance, distance_ambiguous,
+//! weight_min, weight_sum_max_deviation}`, empty if nothing was evaluated; `failures`, a list of `{place, found,
+//! expected}`.
 
 use crate::failure::{Failure, MISSED};
 use crate::files::AccessOptions;
@@ -68,10 +68,14 @@ pub(crate) struct Args {
     json: bool,
 }
 
+/// Text that is not a seed.
+#[derive(Debug, thiserror::Error)]
+#[error("expected up to 16 hexadecimal digits, as an earlier run printed them")]
+struct NoSeed;
+
 /// Reads a seed as it is printed.
-fn seed(text: &str) -> Result<u64, String> {
-    u64::from_str_radix(text, 16)
-        .map_err(|_| "expected up to 16 hexadecimal digits, as an earlier run printed them".into())
+fn seed(text: &str) -> Result<u64, NoSeed> {
+    u64::from_str_radix(text, 16).map_err(|_| NoSeed)
 }
 
 /// Checks a certificate.

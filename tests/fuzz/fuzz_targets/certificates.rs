@@ -32,7 +32,8 @@ fuzz_target!(|bytes: &[u8]| {
     let image = image();
     let certificate = trochoid_fuzz::file("a.certificate.json", bytes);
     let choice = Choice::Some(2);
-    let request = Request { certificate: &certificate, image, choice, seed: 1, key: None, document: None, access: None };
+    let request =
+        Request { certificate: &certificate, image, choice, seed: 1, key: None, document: None, access: None };
     match verify(&request, &Silent) {
         Ok(_) => {}
         Err(error) => assert!(error.to_string().len() > 10, "an error without a text"),

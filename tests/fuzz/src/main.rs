@@ -105,13 +105,7 @@ fn certificate(folder: &Path) -> Result {
     let file = OutputFile { path: temporary.path().join("a.png"), outputs: vec![0] };
     write_output(&graph, &frame, &file, &[])?;
     let certified = Certifier::new(&graph, &[], 1, &[], &settings)?.certify(&Buffers::new(), &mut cache, &Silent)?;
-    let made = CertificateInputs {
-        graph: &graph,
-        file: &file,
-        frame: 1,
-        certified: &certified,
-        settings: &settings,
-    };
+    let made = CertificateInputs { graph: &graph, file: &file, frame: 1, certified: &certified, settings: &settings };
     let path = folder.join("certificate");
     certify(&made, &path)?.write(&path, None)?;
     Ok(())

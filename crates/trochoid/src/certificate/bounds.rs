@@ -37,7 +37,8 @@ pub(super) enum BoundsError {
 /// one thing; each channel of a field by itself.
 pub(super) fn groups(kind: Kind) -> Vec<std::ops::Range<usize>> {
     let channels = kind.channels();
-    if kind.is_finite() { vec![0..channels] } else { (0..channels).map(|channel| channel..channel + 1).collect() }
+    let shared = if kind.is_finite() { channels.max(1) } else { 1 };
+    (0..channels).step_by(shared).map(|first| first..first + shared).collect()
 }
 
 /// Returns the largest bound of some channels of a pixel.

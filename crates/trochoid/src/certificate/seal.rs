@@ -71,14 +71,14 @@ pub struct OtherDigest {
 }
 
 /// Reason that a certificate's signature is none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoSignature {
     /// The key is not an Ed25519 key.
     #[error("a signature by something that is no Ed25519 key")]
     Key,
     /// The key did not make the signature.
     #[error("a signature that the key {0} did not make")]
-    Value(PublicKey),
+    Value(Box<PublicKey>),
 }
 
 /// Content of a file that is not a certificate.
@@ -157,7 +157,7 @@ impl Certificate {
     pub fn signed_by(&self) -> Result<Option<PublicKey>, NoSignature> {
         let Some(SignatureText { key, value }) = &self.signature else { return Ok(None) };
         let public = PublicKey::parse(key).ok_or(NoSignature::Key)?;
-        if public.has_signed(&self.digest, value) { Ok(Some(public)) } else { Err(NoSignature::Value(public)) }
+        if public.has_signed(&self.digest, value) { Ok(Some(public)) } else { Err(NoSignature::Value(public.into())) }
     }
 
     /// Reads a certificate and checks its digest. If the digest does not match, the inner error has the digests that
