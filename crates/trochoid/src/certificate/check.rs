@@ -181,7 +181,7 @@ fn pixels(
     let certifier = Certifier::new(graph, &names, certificate.frame, &[], &Settings::default())?;
     let [deriving, evaluating] = [0, 1].map(|half| HalfMonitor { monitor, half, before: 0, total: 0 });
     let derived = certifier.certify_pixels(&places, &Buffers::new(), &mut cache, &deriving)?;
-    let reference = ReferenceFrame::prepared(graph, &names, certificate.frame, &mut cache, &evaluating)?;
+    let reference = ReferenceFrame::beside_bounds(graph, &names, certificate.frame, &mut cache, &evaluating)?;
     for (output, (check, derived)) in checks.iter_mut().zip(&derived).enumerate() {
         check.whole(found, derived, &reference.controls(output));
     }

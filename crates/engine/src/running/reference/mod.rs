@@ -63,7 +63,25 @@ impl<'g> ReferenceFrame<'g> {
         Self::bounded(graph, outputs, frame, Settings::default().memory_limit, cache, monitor)
     }
 
-    /// Does the same within a memory limit, in bytes.
+    /// Does the same with stages as a [`Certifier`](crate::Certifier) prepares them, so that those in its cache are not
+    /// prepared again. Their references are the same up to the rounding of f64, and may be faster: seas find the points
+    /// that rays meet among cells.
+    ///
+    /// # Errors
+    /// Same as [`ReferenceFrame::prepared`].
+    pub fn beside_bounds(
+        graph: &'g CheckedGraph,
+        outputs: &[&str],
+        frame: i64,
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ReferenceError> {
+        let mut plan = Self::plan(graph, outputs, frame, Settings::default().memory_limit)?;
+        plan.settings.bounds = true;
+        Self::of(plan, cache, monitor)
+    }
+
+    /// Prepares as [`ReferenceFrame::prepared`], within a memory limit, in bytes.
     pub(crate) fn bounded(
         graph: &'g CheckedGraph,
         outputs: &[&str],
@@ -72,8 +90,20 @@ impl<'g> ReferenceFrame<'g> {
         cache: &mut Cache,
         monitor: &dyn Monitor,
     ) -> Result<Self, ReferenceError> {
+        Self::of(Self::plan(graph, outputs, frame, memory_limit)?, cache, monitor)
+    }
+
+    fn plan(
+        graph: &'g CheckedGraph,
+        outputs: &[&str],
+        frame: i64,
+        memory_limit: u64,
+    ) -> Result<Plan<'g>, ReferenceError> {
         let settings = Settings { switches: Switches::NONE, memory_limit, ..Settings::default() };
-        let plan = Plan::new(graph, outputs, frame, &[], &settings)?;
+        Ok(Plan::new(graph, outputs, frame, &[], &settings)?)
+    }
+
+    fn of(plan: Plan<'g>, cache: &mut Cache, monitor: &dyn Monitor) -> Result<Self, ReferenceError> {
         let (ready, _) = prepare(&plan, cache, monitor, Pictures::Rows)?;
         let extents = plan.passes.iter().flat_map(|pass| extents(&plan, &ready, &pass.fills)).collect();
         let mut offsets = vec![Vec::new(); plan.outputs.len()];
