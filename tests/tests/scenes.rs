@@ -124,7 +124,7 @@ fn scenes_keep_their_bits_without_any_optimization() {
 fn samples_that_are_followed_have_the_same_bits_under_all_settings() {
     let overrides = ["view.points=surface", "deck.points=exact", "storm.count=60"].map(String::from);
     let graph = load(&root().join("graphs/open_sea.json"), &overrides).unwrap().graph;
-    let graph = graph.clone().with_format(Format::new(48, 27, 4).unwrap());
+    let graph = graph.clone().with_format(Format::new(32, 18, 4).unwrap());
     under_all_settings(&graph, 1, &Buffers::new(), "open_sea, followed");
 }
 
@@ -197,14 +197,14 @@ fn scenes_agree_with_the_reference() {
         }
         let overrides: Vec<String> =
             loaded.graph.nodes().iter().flat_map(|node| cheaper(node, &loaded.graph)).collect();
-        let graph = small(&load(&path, &overrides).unwrap().graph, 96, 54);
+        let graph = small(&load(&path, &overrides).unwrap().graph, 64, 36);
         let views = graph.nodes().iter().filter(|node| node.ty.declaration().name == "Render");
         let views: Vec<&String> = views.map(|node| &node.name).collect();
         let (frame, window) = (graph.frames().0, graph.format().window());
         let meshed = Certain::new(&graph, frame);
         let followed = FOLLOWED.map(|(points, ..)| {
             let own = overrides.iter().cloned().chain(views.iter().map(|view| format!("{view}.points={points}")));
-            Certain::new(&small(&load(&path, &own.collect::<Vec<_>>()).unwrap().graph, 96, 54), frame)
+            Certain::new(&small(&load(&path, &own.collect::<Vec<_>>()).unwrap().graph, 64, 36), frame)
         });
         let name = &graph.outputs()[meshed.picture.output].name;
         let reference = ReferenceFrame::new(&graph, name, frame).unwrap();
