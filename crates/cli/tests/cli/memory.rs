@@ -101,6 +101,10 @@ fn memory_that_the_system_refuses_is_an_error_and_leaves_no_partial_files() {
         }
         let _ = std::fs::remove_dir_all(scene.path("out"));
         codes.push(run.code);
+        // More memory would only make the same picture again.
+        if codes.ends_with(&[0, 0]) {
+            break;
+        }
     }
     assert!(codes.contains(&0) && codes.contains(&1), "no limit made a difference: {codes:?}");
 }
