@@ -197,14 +197,14 @@ fn scenes_agree_with_the_reference() {
         }
         let overrides: Vec<String> =
             loaded.graph.nodes().iter().flat_map(|node| cheaper(node, &loaded.graph)).collect();
-        let graph = small(&load(&path, &overrides).unwrap().graph, 64, 36);
+        let graph = small(&load(&path, &overrides).unwrap().graph, 80, 45);
         let views = graph.nodes().iter().filter(|node| node.ty.declaration().name == "Render");
         let views: Vec<&String> = views.map(|node| &node.name).collect();
         let (frame, window) = (graph.frames().0, graph.format().window());
         let meshed = Certain::new(&graph, frame);
         let followed = FOLLOWED.map(|(points, ..)| {
             let own = overrides.iter().cloned().chain(views.iter().map(|view| format!("{view}.points={points}")));
-            Certain::new(&small(&load(&path, &own.collect::<Vec<_>>()).unwrap().graph, 64, 36), frame)
+            Certain::new(&small(&load(&path, &own.collect::<Vec<_>>()).unwrap().graph, 80, 45), frame)
         });
         let name = &graph.outputs()[meshed.picture.output].name;
         let reference = ReferenceFrame::new(&graph, name, frame).unwrap();
