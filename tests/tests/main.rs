@@ -37,6 +37,7 @@ mod scenes;
 mod shading;
 mod spray;
 mod streaming;
+mod sums;
 mod support;
 mod thesis;
 

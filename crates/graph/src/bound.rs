@@ -31,27 +31,30 @@ impl Bound {
     pub const UNKNOWN: Self = Self { size: f64::INFINITY, clear: false };
 
     /// Makes a clear bound of a size; NaN becomes +∞.
+    #[inline(always)]
     pub fn of(size: f64) -> Self {
         Self { size: if size.is_nan() { f64::INFINITY } else { size }, clear: true }
     }
 
     /// Keeps the bound clear only if `clear` is true.
+    #[inline(always)]
     #[must_use]
     pub fn with(self, clear: bool) -> Self {
         Self { clear: self.clear && clear, ..self }
     }
 
     /// Encodes the bound for planes, rounded up.
-    #[inline]
+    #[inline(always)]
     pub fn encode(self) -> f32 {
         let size = self.size * SLACK;
         let near = size as f32;
-        let above = if f64::from(near) < size { near.next_up() } else { near };
+        // The next f32 above a finite one ≥ 0 has the next bits; without a branch, so that loops vectorize.
+        let above = f32::from_bits(near.to_bits() + u32::from(f64::from(near) < size));
         if self.clear { above } else { -above }
     }
 
     /// Decodes a bound from a plane.
-    #[inline]
+    #[inline(always)]
     pub fn decode(bound: f32) -> Self {
         Self { size: f64::from(bound.abs()), clear: bound.is_sign_positive() }
     }
@@ -60,8 +63,8 @@ impl Bound {
 /// Rounding error of the f64 arithmetic in the references themselves, relative to the value.
 pub const REFERENCE: f64 = 1e-13;
 
-/// Relative error of a literal that was rounded to f32.
-pub const LITERAL: f64 = 1.0 / 16_777_216.0;
+/// Relative error of a literal that was rounded to f32: 2⁻²⁴, and 2⁻⁴⁸ for the f64 operations before.
+pub const LITERAL: f64 = (1.0 + 1.0 / 16_777_216.0) / 16_777_216.0;
 
 /// Error: no bound is known. Holds the reason, a sentence without its period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

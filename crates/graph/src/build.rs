@@ -25,8 +25,9 @@
 //! }
 //! ```
 
+use crate::literal::parts;
 use crate::program::{Color, Op, Partition, Program, Scalar, Slot};
-use crate::{Kind, NodeId};
+use crate::{Kind, NodeId, literal};
 
 /// A scalar that is proved to be in [0, 1]: a two-way partition of unity.
 ///
@@ -165,28 +166,28 @@ impl<'p> Builder<'p> {
     }
 
     /// Appends a constant number.
-    pub fn constant(&mut self, value: f32) -> Scalar {
-        Scalar(self.push(Op::Constant(value)))
+    pub fn constant(&mut self, value: f64) -> Scalar {
+        Scalar(self.push(Op::Constant(literal(value))))
     }
 
     /// Appends a constant mask; a value outside of [0, 1] is clamped.
-    pub fn constant_mask(&mut self, t: f32) -> Mask {
-        self.masking(Op::Constant(t.clamp(0.0, 1.0)))
+    pub fn constant_mask(&mut self, t: f64) -> Mask {
+        self.masking(Op::Constant(literal(t.clamp(0.0, 1.0))))
     }
 
     /// Appends a control color; −0 counts as 0.
-    pub fn control(&mut self, color: [f32; 3]) -> Color {
-        Color(self.push(Op::ConstantColor(color.map(|v| v + 0.0))))
+    pub fn control(&mut self, color: [f64; 3]) -> Color {
+        Color(self.push(Op::ConstantColor(color.map(|v| literal(v) + 0.0))))
     }
 
     /// Clamps a field to a mask: 0 below `min`, 1 from `max` on, linear between.
-    pub fn clamp(&mut self, x: Scalar, min: f32, max: f32) -> Mask {
-        self.masking(Op::Clamp { x, min, max })
+    pub fn clamp(&mut self, x: Scalar, min: f64, max: f64) -> Mask {
+        self.masking(Op::Clamp { x, min: literal(min), max: literal(max) })
     }
 
     /// Makes a hard mask: 1 where x ≥ threshold, else 0.
-    pub fn step(&mut self, x: Scalar, threshold: f32) -> Mask {
-        self.masking(Op::Step { x, threshold })
+    pub fn step(&mut self, x: Scalar, threshold: f64) -> Mask {
+        self.masking(Op::Step { x, threshold: literal(threshold) })
     }
 
     /// Smooths a mask: t²(3 − 2t).
@@ -195,8 +196,8 @@ impl<'p> Builder<'p> {
     }
 
     /// Raises a mask to a power: tᵖ, p ≥ 1; p = 1 does not change the mask.
-    pub fn power(&mut self, t: Mask, p: f32) -> Mask {
-        if p == 1.0 { t } else { self.masking(Op::Power { t: t.0, p: p.max(1.0) }) }
+    pub fn power(&mut self, t: Mask, p: f64) -> Mask {
+        if p == 1.0 { t } else { self.masking(Op::Power { t: t.0, p: literal(p.max(1.0)) }) }
     }
 
     /// Inverts a mask: 1 − t.
@@ -217,24 +218,24 @@ impl<'p> Builder<'p> {
 
     /// Normalizes n fields to n + 1 weights: v/max(S, τ), with negative values as 0, their sum S and `floor` = τ;
     /// weight n is the remainder.
-    pub fn normalize(&mut self, values: Vec<Scalar>, floor: f32) -> Weights {
+    pub fn normalize(&mut self, values: Vec<Scalar>, floor: f64) -> Weights {
         let ways = values.len() + 1;
-        let partition = Partition(self.push(Op::Normalize { values, floor }));
+        let partition = Partition(self.push(Op::Normalize { values, floor: literal(floor) }));
         if ways == 2 {
             return Weights::mask(self.masking(Op::Weight(partition, 1)));
         }
         Weights(Form::Partition(partition, ways))
     }
 
-    /// Appends constant weights; `None` unless they are ≥ 0 and sum to 1 up to the rounding of decimal fractions.
+    /// Appends constant weights, divided by their sum; `None` unless they are ≥ 0 and sum to 1 within
+    /// [`LITERAL_SUM_TOLERANCE`](crate::LITERAL_SUM_TOLERANCE).
     pub fn constant_weights(&mut self, numbers: &[f64]) -> Option<Weights> {
-        let sound = numbers.iter().all(|w| *w >= 0.0) && (numbers.iter().sum::<f64>() - 1.0).abs() <= 1e-6;
-        sound.then(|| self.literal_weights(numbers))
+        Some(self.literal_weights(&parts(numbers)?))
     }
 
-    /// Appends literal weights, which validation has checked: ≥ 0, with sum 1 up to the rounding of decimal fractions.
+    /// Appends literal weights, which validation has divided by their sum.
     pub(crate) fn literal_weights(&mut self, numbers: &[f64]) -> Weights {
-        let raw = numbers.iter().map(|w| self.constant_mask(*w as f32).0).collect();
+        let raw = numbers.iter().map(|w| self.constant_mask(*w).0).collect();
         Weights(Form::Partition(Partition(self.push(Op::Partition(raw))), numbers.len()))
     }
 

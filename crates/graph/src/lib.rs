@@ -28,6 +28,7 @@ mod faults;
 mod fields;
 mod frame;
 mod kind;
+mod literal;
 mod lowering;
 mod manual;
 mod memory;
@@ -70,6 +71,7 @@ pub use fields::{
 pub use fields::{count_items, join_items};
 pub use frame::{FrameContext, escape_frame, escape_remedy, expand_frame, one_frame_pattern};
 pub use kind::{Accepts, Kind};
+pub use literal::{LITERAL_SUM_TOLERANCE, literal, literal_error};
 pub use lowering::Lowering;
 pub use manual::counted;
 pub use memory::{MemoryContext, MemoryUse, in_bytes};

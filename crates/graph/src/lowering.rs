@@ -28,7 +28,7 @@ impl<'a> Lowering<'a> {
     /// Returns a connected or literal color.
     pub fn color(&mut self, source: &Source<Vec<f64>>) -> crate::Color {
         if let Some([r, g, b]) = source.color() {
-            return self.build.control([r as f32, g as f32, b as f32]);
+            return self.build.control([r, g, b]);
         }
         match (self.inputs)(source) {
             Value::Color(color) => color,
@@ -39,7 +39,7 @@ impl<'a> Lowering<'a> {
     /// Returns a connected or literal mask.
     pub fn mask(&mut self, source: &Source<Vec<f64>>) -> crate::Mask {
         if let Some(number) = source.number() {
-            return self.build.constant_mask(number as f32);
+            return self.build.constant_mask(number);
         }
         match (self.inputs)(source) {
             Value::Weights(weights) if weights.ways() == 2 => self.build.weight(&weights, 1),
@@ -50,7 +50,7 @@ impl<'a> Lowering<'a> {
     /// Returns a connected or literal field of one component; a mask is converted to a field.
     pub fn scalar(&mut self, source: &Source<Vec<f64>>) -> crate::Scalar {
         if let Some(number) = source.number() {
-            return self.build.constant(number as f32);
+            return self.build.constant(number);
         }
         match (self.inputs)(source) {
             Value::Field(components) if components.len() == 1 => components[0],

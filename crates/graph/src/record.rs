@@ -21,7 +21,7 @@ pub enum Source<N = Animated> {
     Number(N),
     /// A literal color in the working space.
     Color(N),
-    /// Literal weights of a partition.
+    /// Literal weights of a partition, divided by their sum.
     Numbers(Vec<f64>),
 }
 

@@ -162,6 +162,18 @@ impl Span {
         if span.is_any() { span } else { span.with(self.clear && other.clear) }
     }
 
+    /// Returns whether both ends are finite.
+    pub fn is_bounded(self) -> bool {
+        self.low.is_finite() && self.high.is_finite()
+    }
+
+    /// Returns whether the interval reaches an infinity, and another, times `sign`, the same: then their difference
+    /// may be NaN.
+    fn reaches(self, other: Self, sign: f64) -> bool {
+        let infinities = |span: Self| [span.low, span.high].into_iter().filter(|end| end.is_infinite());
+        infinities(self).any(|end| infinities(other).any(|there| there * sign == end))
+    }
+
     /// Returns the interval of a function that is monotonic in each of two numbers, from its values at the corners.
     #[must_use]
     pub fn corners(self, other: Self, of: fn(f64, f64) -> f64) -> Self {
@@ -174,7 +186,11 @@ impl Add for Span {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        self.of_two(other, |a, b| a + b, || Self::of(&[self.low + other.low, self.high + other.high]))
+        let sum = || match self.reaches(other, -1.0) {
+            true => Self::ANY,
+            false => Self::of(&[self.low + other.low, self.high + other.high]),
+        };
+        self.of_two(other, |a, b| a + b, sum)
     }
 }
 
@@ -182,7 +198,11 @@ impl Sub for Span {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
-        self.of_two(other, |a, b| a - b, || Self::of(&[self.low - other.high, self.high - other.low]))
+        let difference = || match self.reaches(other, 1.0) {
+            true => Self::ANY,
+            false => Self::of(&[self.low - other.high, self.high - other.low]),
+        };
+        self.of_two(other, |a, b| a - b, difference)
     }
 }
 
@@ -190,7 +210,9 @@ impl Mul for Span {
     type Output = Self;
 
     fn mul(self, other: Self) -> Self {
-        self.of_two(other, |a, b| a * b, || self.corners(other, |a, b| a * b))
+        // 0·∞ is NaN.
+        let is_open = (self.holds(0.0) && !other.is_bounded()) || (other.holds(0.0) && !self.is_bounded());
+        self.of_two(other, |a, b| a * b, || if is_open { Self::ANY } else { self.corners(other, |a, b| a * b) })
     }
 }
 

@@ -5,12 +5,14 @@
 //!
 //! - [`arithmetic`] has the scalar f32 definitions that every kernel inlines, each with the proof that rounding
 //!   cannot leave the range of the operands; [`reference`](mod@reference) has independent definitions in plain f64.
+//! - [`sums`] makes weights from outside sum to 1.
 //! - [`Hull`] and [`BoxHull`] judge finished pixels against the control colors, independently of the arithmetic.
 //! - [`Audit`] counts the results.
 
 pub mod arithmetic;
 pub mod kernel;
 pub mod reference;
+pub mod sums;
 
 mod audit;
 mod hull;

@@ -4,12 +4,14 @@
 //! beyond the precision of f64. The errors of the fast kernels are measured against these functions.
 
 /// Returns (1 − t)·a + t·b.
+#[inline]
 #[must_use]
 pub fn mix(a: f64, b: f64, t: f64) -> f64 {
     (1.0 - t) * a + t * b
 }
 
 /// Returns 1 from `max` on, (x − min)/(max − min) from `min` on, else 0 (also for NaN).
+#[inline]
 #[must_use]
 pub fn clamp(x: f64, min: f64, max: f64) -> f64 {
     if x >= max {
@@ -22,12 +24,14 @@ pub fn clamp(x: f64, min: f64, max: f64) -> f64 {
 }
 
 /// Returns t²·(3 − 2t).
+#[inline]
 #[must_use]
 pub fn smooth(t: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
 /// Returns t to the power p.
+#[inline]
 #[must_use]
 pub fn power(t: f64, p: f64) -> f64 {
     libm::pow(t, p)
@@ -58,11 +62,12 @@ pub fn screen(a: f64, b: f64) -> f64 {
 }
 
 /// Returns the weights max(vᵢ, 0)/max(S, τ), with S = Σ max(vᵢ, 0) and τ = `floor`, and the remainder as the last
-/// weight.
+/// weight. +∞ counts as the largest f32.
 #[must_use]
 pub fn normalize(values: &[f64], floor: f64) -> Vec<f64> {
-    let sum: f64 = values.iter().map(|v| v.max(0.0)).sum();
-    let mut weights: Vec<f64> = values.iter().map(|v| v.max(0.0) / sum.max(floor)).collect();
+    let share = |v: &f64| v.max(0.0).min(f64::from(f32::MAX));
+    let sum: f64 = values.iter().map(share).sum();
+    let mut weights: Vec<f64> = values.iter().map(|v| share(v) / sum.max(floor)).collect();
     weights.push(1.0 - sum / sum.max(floor));
     weights
 }
@@ -74,6 +79,13 @@ pub fn stack(masks: &[f64]) -> Vec<f64> {
     let mut weights: Vec<f64> = (0..masks.len()).map(|i| masks[i] * above(i)).collect();
     weights.push(above(masks.len()));
     weights
+}
+
+/// Returns the weights wᵢ/Σw.
+#[must_use]
+pub fn partition(weights: &[f64]) -> Vec<f64> {
+    let sum: f64 = weights.iter().sum();
+    weights.iter().map(|w| w / sum).collect()
 }
 
 /// Returns Σ wᵢ·cᵢ.

@@ -1,7 +1,7 @@
 //! Adds channels of error bounds beside those of values, in plans that certify.
 
 use super::plan::{Feed, Pass};
-use trochoid_graph::{Bound, CheckedGraph, LITERAL, NodeId};
+use trochoid_graph::{Bound, CheckedGraph, NodeId, literal_error};
 
 /// Offset from channels of values to those of bounds, among the roots that a program hands to a stage.
 pub(crate) const BOUNDS: usize = 3;
@@ -20,7 +20,7 @@ pub(crate) fn with_bounds(pass: &mut Pass, graph: &CheckedGraph) {
                     Feed::Slot(slot)
                 }
                 Feed::Tap(root, channel) => Feed::Tap(*root, BOUNDS + channel),
-                Feed::Constant(value) => Feed::Constant(Bound::of(f64::from(value.abs()) * LITERAL).encode()),
+                Feed::Constant(value) => Feed::Constant(Bound::of(literal_error(*value)).encode()),
             };
             let bounds: Vec<Feed> = feeds.iter().map(bound).collect();
             feeds.extend(bounds);

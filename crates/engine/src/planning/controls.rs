@@ -7,7 +7,7 @@ use super::plan::PlannedOutput;
 use super::planner::Planner;
 use std::collections::HashMap;
 use std::sync::OnceLock;
-use trochoid_graph::{Kind, NodeId, Op, Program, Source};
+use trochoid_graph::{Kind, NodeId, Op, Program, Source, literal};
 
 /// Finds the controls of outputs, through the program and through the inputs of filters.
 pub(crate) struct Controls<'p> {
@@ -89,7 +89,7 @@ impl ControlsWalk<'_, '_> {
         for source in settled.map(|settled| settled.sources()).unwrap_or_default() {
             let below = match source {
                 Source::Color(color) => {
-                    self.output.constants.push([0, 1, 2].map(|c| color[c] as f32 + 0.0));
+                    self.output.constants.push([0, 1, 2].map(|c| literal(color[c]) + 0.0));
                     0
                 }
                 Source::Output { node, output } if planner.graph.node(*node).kinds[*output] == Kind::Color => {

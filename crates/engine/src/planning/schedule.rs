@@ -9,7 +9,7 @@ use crate::Switches;
 use crate::kernel::{CompiledProgram, Options, Origin, ValueRule, compile};
 use std::collections::{HashMap, HashSet};
 use trochoid_graph::{
-    Channel, ChannelSet, Kind, NodeId, Op, PortId, Program, Rate, Settled, Slot, Source, Stage, Variance,
+    Channel, ChannelSet, Kind, NodeId, Op, PortId, Program, Rate, Settled, Slot, Source, Stage, Variance, literal,
 };
 use trochoid_image::Shading;
 
@@ -183,9 +183,9 @@ impl Scheduler<'_, '_, '_> {
     ) -> Vec<Feed> {
         match self.handed_on(source) {
             Source::Number(values) | Source::Color(values) => {
-                values.iter().map(|v| Feed::Constant(*v as f32)).collect()
+                values.iter().map(|v| Feed::Constant(literal(*v))).collect()
             }
-            Source::Numbers(numbers) => numbers.iter().map(|v| Feed::Constant(*v as f32)).collect(),
+            Source::Numbers(numbers) => numbers.iter().map(|v| Feed::Constant(literal(*v))).collect(),
             Source::Output { node, output } => {
                 let kind = self.planner.graph.node(*node).kinds[*output];
                 if let Some(positions) = self.taps.get(&(*node, *output)) {

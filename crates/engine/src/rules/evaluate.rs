@@ -19,7 +19,7 @@ pub(crate) fn evaluate(op: &Op, of: &dyn Fn(u32) -> Values, slot: &dyn Fn(&Slot,
         Op::Step { x, threshold } => vec![r::step(scalar(*x), f64::from(*threshold))],
         Op::Complement(t) => vec![r::complement(scalar(*t))],
         Op::Product(t, u) => vec![r::product(scalar(*t), scalar(*u))],
-        Op::Partition(weights) => weights.iter().map(|w| scalar(*w)).collect(),
+        Op::Partition(weights) => r::partition(&weights.iter().map(|w| scalar(*w)).collect::<Values>()),
         Op::Normalize { values, floor } => {
             let values: Values = values.iter().map(|v| scalar(*v)).collect();
             r::normalize(&values, f64::from(*floor))

@@ -6,6 +6,7 @@ use crate::{EvalError, Plan};
 use std::collections::HashMap;
 use trochoid_graph::{Kind, Slot};
 use trochoid_image::Window;
+use trochoid_weights::sums;
 
 /// The caller's f32 buffers by node name, one slice per channel.
 ///
@@ -22,7 +23,7 @@ impl<'b> Buffers<'b> {
     }
 
     /// Adds the channels that replace a node's first output: three for a Color, one for a mask, n for Weights(n) and
-    /// for a Field of n components.
+    /// for a Field of n components. Weights(n) must sum to 1 within 0.001, and are divided by their sum.
     #[must_use]
     pub fn with(mut self, node: &str, channels: &[&'b [f32]]) -> Self {
         self.planes.insert(node.into(), channels.to_vec());
@@ -67,7 +68,7 @@ impl<'b> Buffers<'b> {
             && n > 2
         {
             let sum = |at: usize| planes.iter().map(|plane| f64::from(plane[at])).sum::<f64>();
-            if let Some(at) = (0..length).find(|&at| (sum(at) - 1.0).abs() > 1e-3) {
+            if let Some(at) = (0..length).find(|&at| sums::is_off(sum(at))) {
                 let reason = BufferFault::Sum { sample: at, sum: sum(at) };
                 return Err(EvalError::Buffer { node: node.into(), reason });
             }

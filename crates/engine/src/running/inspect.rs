@@ -6,11 +6,10 @@ use super::prepare::prepare;
 use super::run::programs;
 use crate::kernel::Chunks;
 use crate::rules::blame::blame;
-use crate::rules::error::{Operands, error};
 use crate::rules::evaluate::{Values, evaluate};
 use crate::{Buffers, Cache, EvalError, Monitor, Plan, Settings};
 use std::collections::HashMap;
-use trochoid_graph::{Bound, NodeId, Op, Program, Slot};
+use trochoid_graph::{NodeId, Op, Program, Slot};
 use trochoid_image::Window;
 
 /// A pixel and the controls that it is mixed from.
@@ -120,8 +119,7 @@ impl Plan<'_> {
                 let values: HashMap<&Slot, f64> =
                     slots.map(|(slot, plane)| (slot, f64::from(plane.row(0, 1)[0]))).collect();
                 // Planes that no pixel depends on are not filled; any value will do for them.
-                let inspection =
-                    Inspection::new(program, &|slot| (values.get(slot).copied().unwrap_or_default(), Bound::EXACT));
+                let inspection = Inspection::new(program, &|slot| values.get(slot).copied().unwrap_or_default());
                 found.add(&inspection, roots, share);
             }
         }
@@ -147,58 +145,27 @@ impl InspectedPixel {
     }
 }
 
-/// A program evaluated in f64 at one sample, with bounds on its errors.
+/// A program evaluated in f64 at one sample.
 #[derive(Clone, Debug)]
 pub struct Inspection {
     program: Program,
     values: Vec<Values>,
-    bounds: Vec<Vec<Bound>>,
-}
-
-/// Results computed so far.
-struct SampleResults<'a> {
-    values: &'a [Values],
-    bounds: &'a [Vec<Bound>],
-}
-
-impl Operands for SampleResults<'_> {
-    fn value(&self, position: u32, row: usize) -> f64 {
-        self.values[position as usize][row]
-    }
-
-    fn bound(&self, position: u32, row: usize) -> Bound {
-        self.bounds[position as usize][row]
-    }
 }
 
 impl Inspection {
-    /// Evaluates a program at a sample; `input` returns the value of each plane loaded, and a bound on its error.
-    pub fn new(program: &Program, input: &dyn Fn(&Slot) -> (f64, Bound)) -> Self {
+    /// Evaluates a program at a sample; `input` returns the value of each plane loaded.
+    pub fn new(program: &Program, input: &dyn Fn(&Slot) -> f64) -> Self {
         let mut values: Vec<Values> = Vec::with_capacity(program.ops().len());
-        let mut bounds: Vec<Vec<Bound>> = Vec::with_capacity(program.ops().len());
         for (op, _) in program.ops() {
             let channel = |slot: &Slot, channel: usize| input(&Slot { channel, ..*slot });
-            let value = evaluate(op, &|id| values[id as usize].clone(), &|slot, c| channel(slot, c).0);
-            let mut own = vec![Bound::EXACT; value.len()];
-            match op {
-                Op::Load(slot) => own[0] = channel(slot, slot.channel).1,
-                Op::LoadColor(slot) => own.iter_mut().enumerate().for_each(|(c, own)| *own = channel(slot, c).1),
-                _ => error(op, &SampleResults { values: &values, bounds: &bounds }, &value, &mut own),
-            }
-            values.push(value);
-            bounds.push(own);
+            values.push(evaluate(op, &|id| values[id as usize].clone(), &channel));
         }
-        Self { program: program.clone(), values, bounds }
+        Self { program: program.clone(), values }
     }
 
     /// Returns the value at a position of the program.
     pub fn value(&self, position: u32) -> &[f64] {
         &self.values[position as usize]
-    }
-
-    /// Returns the bounds on the error of f64 arithmetic at a position of the program.
-    pub fn bound(&self, position: u32) -> &[Bound] {
-        &self.bounds[position as usize]
     }
 
     /// Returns the control colors of a color and their weights, which sum to 1; controls of weight 0 are left out.

@@ -3,7 +3,9 @@
 use super::buffer_fault::BufferFault;
 use crate::kernel::{Chunks, Machine, Plane};
 use crate::{Buffers, EvalError, Plan, PlanError, Settings};
-use trochoid_graph::{CheckedGraph, Kind};
+use std::collections::BTreeMap;
+use trochoid_graph::{CheckedGraph, Kind, NodeId};
+use trochoid_weights::sums;
 
 /// An output's pointwise program with every front-end node bound to a buffer of the caller.
 #[derive(Debug)]
@@ -65,6 +67,15 @@ impl<'g> ShadingPlan<'g> {
             let planes = buffers.get(&node.name).unwrap_or_default();
             sources.push(planes.get(slot.channel).copied().unwrap_or_default());
         }
+        // Planes of weights, which are divided by their sum, by node.
+        let mut partitions: BTreeMap<NodeId, BTreeMap<usize, usize>> = BTreeMap::new();
+        for (index, slot) in pass.program.planes.iter().enumerate() {
+            if matches!(graph.node(slot.node).kinds[0], Kind::Weights(n) if n > 2) {
+                partitions.entry(slot.node).or_default().insert(slot.channel, index);
+            }
+        }
+        let partitions: Vec<Vec<usize>> =
+            partitions.into_values().map(|channels| channels.into_values().collect()).collect();
         let mut chunks = Chunks::of([&pass.program]);
         let mut machine = Machine::new(&pass.program, &mut chunks.all());
         let mut batch = vec![[0.0f32; BATCH]; sources.len()];
@@ -77,6 +88,9 @@ impl<'g> ShadingPlan<'g> {
                     *to = from + 0.0;
                 }
             }
+            for channels in &partitions {
+                divide(&mut batch, channels, length);
+            }
             let planes: Vec<Plane<'_>> =
                 batch.iter().map(|batch| Plane { samples: &batch[..length], start: 0, stride: length }).collect();
             machine.tile(&planes, length, 1, &mut |root, channel, _, row| {
@@ -86,5 +100,16 @@ impl<'g> ShadingPlan<'g> {
             start += length;
         }
         Ok(())
+    }
+}
+
+/// Divides the weights of a node in a batch, all of which are among `channels`, by their sum.
+fn divide(batch: &mut [[f32; BATCH]], channels: &[usize], length: usize) {
+    let rows: Vec<&[f32]> = channels.iter().map(|channel| &batch[*channel][..length]).collect();
+    let sums = sums::sums(&rows);
+    for channel in channels {
+        for (weight, sum) in batch[*channel].iter_mut().zip(&sums) {
+            *weight = sums::part(*weight, *sum, channels.len()) as f32;
+        }
     }
 }

@@ -1,9 +1,14 @@
 //! Tests the rules of every operation against what the operation computes.
 
+use crate::Instructions;
+use crate::kernel::{Options, Origin, Plane, compile};
+use crate::planning::bounds::BOUNDS;
 use crate::rules::interval::{Bounds, Interval, interval};
+use crate::running::certify::Trace;
 use crate::running::inspect::Inspection;
 use proptest::prelude::*;
-use trochoid_graph::{Bound, Color, NodeId, Op, Partition, Program, Scalar, Slot};
+use std::collections::HashMap;
+use trochoid_graph::{Bound, Color, NodeId, Op, Partition, Program, Scalar, Slot, Type, Variance};
 
 const NODE: NodeId = NodeId(0);
 
@@ -25,6 +30,10 @@ fn program(v: &[f32]) -> Program {
     let pair = Partition(push(Op::Partition(vec![both, rest])));
     let norm = Partition(push(Op::Normalize { values: vec![t, u, step], floor: 0.3 }));
     let weight = Scalar(push(Op::Weight(norm, 1)));
+    let fields = Partition(push(Op::Normalize { values: vec![x, y], floor: v[3].abs().max(1e-30) }));
+    for way in 0..3 {
+        push(Op::Weight(fields, way));
+    }
     let a = Color(push(Op::ConstantColor([0.1, 0.5, 0.9])));
     let b = Color(push(Op::ConstantColor([1.0, 0.0, 0.3])));
     let c = Color(push(Op::LoadColor(slot(2))));
@@ -39,28 +48,98 @@ fn slot(node: usize) -> Slot {
     Slot { node: NodeId(node), output: 0, channel: 0 }
 }
 
-fn inspect(program: &Program, inputs: &[f64], errors: &[f64]) -> Inspection {
-    Inspection::new(program, &|slot| {
-        (inputs[slot.node.0 + slot.channel], Bound::of(errors[slot.node.0 + slot.channel]))
-    })
+fn inspect(program: &Program, inputs: &[f64]) -> Inspection {
+    Inspection::new(program, &|slot| inputs[slot.node.0 + slot.channel])
+}
+
+/// Runs a program at one sample with bounds, and returns the values and bounds of every operation but partitions.
+fn traced(program: &Program, inputs: &[f32], bounds: &[Bound], instructions: Instructions) -> Traced {
+    let options = Options {
+        hoist: false,
+        fuse: false,
+        everything: true,
+        instructions,
+        native: false,
+        variance: &|_| Variance::Pixel,
+        rule: &|_| None,
+    };
+    let last = program.ops().len() as u32 - 1;
+    let mut compiled = compile(program, &[last], &options);
+    let is_row = |position: &u32| !matches!(program.ops()[*position as usize].0.ty(), Type::Partition(_));
+    let roots: Vec<u32> = (0..=last).filter(is_row).collect();
+    compiled.origin = Origin { program: program.clone(), roots: roots.clone() };
+    // Values, then bounds, as plans that certify have them.
+    let at = |slot: &Slot| slot.node.0 + slot.channel;
+    let mut samples: Vec<[f32; 1]> = compiled.planes.iter().map(|slot| [inputs[at(slot)]]).collect();
+    samples.extend(compiled.planes.iter().map(|slot| [bounds[at(slot)].encode()]));
+    compiled.planes.extend_from_within(..);
+    let planes: Vec<Plane<'_>> = samples.iter().map(|samples| Plane { samples, start: 0, stride: 1 }).collect();
+    let mut rows = Traced::new();
+    Trace::new(&compiled).tile(&planes, 1, 1, &mut |root, channel, _, row| {
+        let rows = rows.entry(roots[root]).or_insert_with(|| [Vec::new(), Vec::new()]);
+        rows[usize::from(channel >= BOUNDS)].push(row[0]);
+    });
+    rows
+}
+
+/// Values and encoded bounds by position.
+type Traced = HashMap<u32, [Vec<f32>; 2]>;
+
+/// Values of fields, masks and colors that are difficult for arithmetic.
+fn hostile() -> impl Strategy<Value = f32> {
+    prop_oneof![
+        0.0f32..1.5,
+        -3.0f32..3.0,
+        prop::sample::select(vec![
+            0.0,
+            1e-45,
+            -1e-40,
+            f32::MIN_POSITIVE,
+            1.0,
+            0.5,
+            65504.0,
+            -65504.0,
+            1e30,
+            f32::MAX,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+        ]),
+    ]
 }
 
 proptest! {
     #[test]
     fn errors_stay_within_their_bound(
         v in prop::collection::vec(-2.0f32..2.0, 4),
-        inputs in prop::collection::vec(0.0f64..1.5, 5),
-        errors in prop::collection::vec(0.0f64..0.2, 5),
-        signs in prop::collection::vec(-1.0f64..1.0, 5),
+        scale in prop::sample::select(vec![1.0f32, 1.0, 65504.0, 1e30, 1e-41]),
+        inputs in prop::collection::vec(hostile(), 5),
+        errors in prop::collection::vec(prop_oneof![Just(0.0), 0.0f64..1e-6, 0.0f64..0.2], 5),
+        signs in prop::collection::vec(prop_oneof![-1.0f64..1.0, Just(1.0), Just(-1.0)], 5),
     ) {
+        let v: Vec<f32> = v.iter().enumerate().map(|(i, v)| if i == 2 { *v } else { v * scale }).collect();
         let program = program(&v);
-        let stated = inspect(&program, &inputs, &errors);
-        let moved: Vec<f64> = inputs.iter().zip(&errors).zip(&signs).map(|((x, e), s)| x + e * s).collect();
-        let truth = inspect(&program, &moved, &errors);
-        for position in 0..program.ops().len() as u32 {
-            let values = stated.value(position).iter().zip(truth.value(position)).zip(stated.bound(position));
-            for ((computed, truth), bound) in values {
-                prop_assert!((computed - truth).abs() <= bound.size, "{:?}", program.ops()[position as usize].0);
+        // Colors are finite and ≥ 0, and only a finite number can be off.
+        let inputs: Vec<f32> =
+            inputs.iter().enumerate().map(|(i, x)| if i < 2 { *x } else { x.abs().min(f32::MAX) }).collect();
+        let errors: Vec<f64> = errors
+            .iter()
+            .zip(&inputs)
+            .map(|(e, x)| if x.is_finite() { e * f64::from(x.abs()).max(1e-3) } else { 0.0 })
+            .collect();
+        let bounds: Vec<Bound> = errors.iter().map(|error| Bound::of(*error)).collect();
+        let moved: Vec<f64> = (0..5)
+            .map(|i| f64::from(inputs[i]) + errors[i] * signs[i])
+            .enumerate()
+            .map(|(i, x)| if i < 2 { x } else { x.max(0.0) })
+            .collect();
+        let truth = inspect(&program, &moved);
+        let found = traced(&program, &inputs, &bounds, Instructions::Best);
+        prop_assert_eq!(&found, &traced(&program, &inputs, &bounds, Instructions::Baseline));
+        for (position, [values, bounds]) in &found {
+            for ((computed, truth), bound) in values.iter().zip(truth.value(*position)).zip(bounds) {
+                let (computed, bound) = (f64::from(*computed), Bound::decode(*bound));
+                let error = if computed == *truth { 0.0 } else { (computed - truth).abs() };
+                prop_assert!(error <= bound.size, "{:?}: {computed} and {truth}", program.ops()[*position as usize].0);
             }
         }
     }
@@ -74,7 +153,7 @@ proptest! {
     ) {
         let program = program(&v);
         let inputs: Vec<f64> = (0..5).map(|i| low[i] + width[i] * at[i]).collect();
-        let values = inspect(&program, &inputs, &[0.0; 5]);
+        let values = inspect(&program, &inputs);
         let mut bounds: Vec<Bounds> = Vec::new();
         for (op, _) in program.ops() {
             let of = |position: u32| bounds[position as usize].clone();
@@ -104,7 +183,7 @@ proptest! {
         inputs in prop::collection::vec(0.0f64..1.5, 5),
     ) {
         let program = program(&v);
-        let inspection = inspect(&program, &inputs, &[0.0; 5]);
+        let inspection = inspect(&program, &inputs);
         let last = program.ops().len() as u32 - 1;
         let blame = inspection.blame(last);
         let total: f64 = blame.iter().map(|share| share.weight).sum();

@@ -2,12 +2,14 @@
 
 use super::{Checker, FaultLocation};
 use crate::declare::KnobType;
+use crate::literal::{LITERAL_SUM_TOLERANCE, parts};
 use crate::spanned::{Json, Spanned, number_text};
 use crate::{Animated, Interpolation, Severity, Source};
 use trochoid_image::{WorkingSpace, parse_hex, srgb_decode};
 
 impl<'a> Checker<'a> {
-    /// Reads numbers as weights, which must be ≥ 0 with sum 1 up to the rounding of decimal fractions.
+    /// Reads numbers as weights, which must be ≥ 0 with sum 1 up to the rounding of decimal fractions, and divides them
+    /// by their sum.
     pub(super) fn literal_weights(&mut self, items: &'a [Spanned], place: FaultLocation<'_>) -> Option<Source> {
         let mut numbers = Vec::with_capacity(items.len());
         for item in items {
@@ -21,7 +23,7 @@ impl<'a> Checker<'a> {
             self.error(place, found, "weights ≥ 0 that sum to 1", remedy);
             return None;
         }
-        if (sum - 1.0).abs() > 1e-6 {
+        if (sum - 1.0).abs() > LITERAL_SUM_TOLERANCE {
             let scaled: Vec<String> = numbers.iter().map(|w| format!("{:.4}", w / sum)).collect();
             let found = format!("weights that sum to {sum}: equal colors of 0.6 would give {}", 0.6 * sum);
             let remedy = if sum > 0.0 {
@@ -32,7 +34,7 @@ impl<'a> Checker<'a> {
             self.error(place, found, "weights ≥ 0 that sum to 1", remedy);
             return None;
         }
-        Some(Source::Numbers(numbers))
+        parts(&numbers).map(Source::Numbers)
     }
 
     pub(super) fn number(&mut self, value: &Spanned, min: f64, max: f64, place: FaultLocation<'_>) -> Option<f64> {

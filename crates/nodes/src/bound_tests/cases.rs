@@ -58,6 +58,21 @@ pub(super) const LIT: &[Case] = &[
         nodes: r#""out": { "type": "Specular", "view": "v", "shininess": 0, "lights": ["sun"] }"#,
         tight: None,
     },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "Specular", "view": "v", "shininess": 1e6, "lights": ["sun", "spot"] }"#,
+        tight: None,
+    },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "Specular", "view": "v", "shininess": 1e6, "model": "reflection", "lights": ["lamp"] }"#,
+        tight: None,
+    },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "NonSpecular", "view": "v", "power": 100, "lights": ["sun", "lamp", "spot"] }"#,
+        tight: None,
+    },
     Case { key: "weights", nodes: r#""out": { "type": "Fresnel", "view": "v" }"#, tight: Some(10.0) },
     Case {
         key: "weights",
@@ -159,12 +174,22 @@ pub(super) const VIEWS: &[Case] = &[
         nodes: r#""out": { "type": "Silhouette", "view": "v", "cutoff": 0.2, "ramp": 0.8 }"#,
         tight: Some(10.0),
     },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "Silhouette", "view": "v", "cutoff": 0.5, "ramp": 1e-12 }"#,
+        tight: None,
+    },
     Case { key: "weights", nodes: r#""out": { "type": "Silhouette", "view": "v", "width": 8 }"#, tight: None },
     Case { key: "field", nodes: r#""out": { "type": "Curvature", "view": "v", "reach": 2 }"#, tight: None },
     Case {
         key: "weights",
         nodes: r#""out": { "type": "Sky", "view": "v", "from": -90, "to": 90 }"#,
         tight: Some(10.0),
+    },
+    Case {
+        key: "weights",
+        nodes: r#""out": { "type": "Sky", "view": "v", "from": -30, "to": -29.999999999999 }"#,
+        tight: None,
     },
     Case {
         key: "weights",

@@ -210,7 +210,7 @@ fn hostile(draws: &mut Draws, kind: Kind) -> Vec<Drawn> {
         0 => 0.0,
         1 => 1e6 * draws.signed(),
         2 => 1e-6 * draws.signed(),
-        3 => draws.one_of(&[1e30, -1e30, 1.0, -1.0, 0.5]),
+        3 => draws.one_of(&[1e30, -1e30, 1.0, -1.0, 0.5, 65504.0, 1e-45, -1e-40, 3e38]),
         _ => 3.0 * draws.signed(),
     };
     if kind != Kind::View {
@@ -219,7 +219,7 @@ fn hostile(draws: &mut Draws, kind: Kind) -> Vec<Drawn> {
                 let value = match kind {
                     Kind::Weights(_) if draws.chance(0.3) => draws.one_of(&[0.0, 1.0]),
                     Kind::Weights(_) => draws.unit(),
-                    Kind::Color => draws.one_of(&[0.0, 0.5, 3.0, 1e4]) * draws.unit(),
+                    Kind::Color => draws.one_of(&[0.0, 0.5, 3.0, 65504.0, 1e30, 1e-42]) * draws.unit(),
                     _ if draws.chance(0.03) => draws.one_of(&[f64::INFINITY, f64::NEG_INFINITY]),
                     _ => number(draws),
                 };
@@ -238,6 +238,7 @@ fn hostile(draws: &mut Draws, kind: Kind) -> Vec<Drawn> {
     let position = match draws.next() % 8 {
         0 => draws.one_of(&[[1.0, 4.0, 2.0], [2.0, 6.0, 3.0], [0.0, 5.0, 10.0]]),
         1 => draws.direction().map(|v| v * 1e6),
+        2 => draws.direction().map(|v| v * 1e15),
         _ => [0; 3].map(|_| 5.0 * draws.signed()),
     };
     let channel = |channel: &Channel| {
@@ -253,7 +254,7 @@ fn hostile(draws: &mut Draws, kind: Kind) -> Vec<Drawn> {
                 return Drawn { value: value as f32, bound };
             }
             Channel::Depth if draws.chance(0.1) => f64::INFINITY,
-            Channel::Depth => draws.one_of(&[1e-3, 1.0, 10.0, 1e5]) * draws.unit(),
+            Channel::Depth => draws.one_of(&[1e-40, 1e-3, 1.0, 10.0, 1e5, 1e30]) * draws.unit(),
             Channel::NormalX => normal[0],
             Channel::NormalY => normal[1],
             Channel::NormalZ => normal[2],

@@ -16,7 +16,7 @@ use trochoid_graph::*;
 /// # Source
 /// A Stack of Clamps (thesis 3.2.4.2), the highest threshold on top.
 #[derive(Clone, Node)]
-#[node(pointwise, end = Back, revision = 1, output(weights: Kind::ANY_WEIGHTS = "One weight per band, lowest band first."))]
+#[node(pointwise, end = Back, revision = 2, output(weights: Kind::ANY_WEIGHTS = "One weight per band, lowest band first."))]
 #[also_called("Posterize", "Threshold", "Quantize", "Step", "Toon", "CelShade")]
 pub(crate) struct Bands {
     /// Field to cut into bands.
@@ -69,11 +69,11 @@ impl Node for Bands {
 impl Pointwise for Bands {
     fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
         let x = lowering.scalar(&self.field);
-        let half = 0.5 * self.width as f32;
+        let half = self.width / 2.0;
         let mask = |at: &f64| {
-            let threshold = *at as f32;
-            let (min, max) = (threshold - half, threshold + half);
-            if min < max { lowering.build.clamp(x, min, max) } else { lowering.build.step(x, threshold) }
+            // In f64, so that each edge is rounded to f32 only once.
+            let (min, max) = (at - half, at + half);
+            if min < max { lowering.build.clamp(x, min, max) } else { lowering.build.step(x, *at) }
         };
         Value::Weights(Weights::ladder(self.thresholds.iter().map(mask).collect()))
     }

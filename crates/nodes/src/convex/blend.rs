@@ -9,12 +9,12 @@ use trochoid_graph::*;
 ///
 /// # Edge cases
 /// A color of weight 0 contributes exactly nothing. Blending equal colors gives that color. Weights written as numbers
-/// are rounded to multiples of 2⁻²⁴ that sum to exactly 1.
+/// are divided by their sum, which must be 1 within 10⁻⁶, and rounded to multiples of 2⁻²⁴ that sum to exactly 1.
 ///
 /// # Source
 /// Akleman, Liu, House, Barycentric Shaders, 2016, equation 1.
 #[derive(Clone, Node)]
-#[node(pointwise, end = Back, revision = 1, output(color: Kind::Color = "The blended color."))]
+#[node(pointwise, end = Back, revision = 2, output(color: Kind::Color = "The blended color."))]
 #[also_called("Average", "WeightedSum", "Combine")]
 pub(crate) struct Blend {
     /// Colors to blend, in the order of the weights.

@@ -49,12 +49,11 @@ impl Node for Clamp {
 impl Pointwise for Clamp {
     fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
         let x = lowering.scalar(&self.field);
-        let (min, max) = (self.min as f32, self.max as f32);
-        let mut t = lowering.build.clamp(x, min, max);
+        let mut t = lowering.build.clamp(x, self.min, self.max);
         if self.smooth {
             t = lowering.build.smooth(t);
         }
-        Value::Weights(Weights::mask(lowering.build.power(t, self.power as f32)))
+        Value::Weights(Weights::mask(lowering.build.power(t, self.power)))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Reference {

@@ -25,7 +25,7 @@ impl Node for Constant {}
 
 impl Pointwise for Constant {
     fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
-        Value::Color(lowering.build.control(self.color.map(|v| v as f32)))
+        Value::Color(lowering.build.control(self.color))
     }
 
     fn reference(&self, _inputs: &References<'_>) -> Reference {

@@ -33,7 +33,7 @@ impl Node for Normalize {
 impl Pointwise for Normalize {
     fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
         let values = self.fields.iter().map(|source| lowering.scalar(source)).collect();
-        Value::Weights(lowering.build.normalize(values, self.floor as f32))
+        Value::Weights(lowering.build.normalize(values, self.floor))
     }
 
     fn reference(&self, inputs: &References<'_>) -> Reference {

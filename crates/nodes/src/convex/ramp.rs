@@ -80,7 +80,7 @@ impl Pointwise for Ramp {
         // Where t = 1, a mix shows only its own color, so chaining the mixes gives the sum of hat functions.
         for (stop, at) in stops[1..].iter().zip(places.windows(2)) {
             let next = lowering.color(&stop.color);
-            let (min, max) = (at[0] as f32, at[1] as f32);
+            let (min, max) = (at[0], at[1]);
             let build = &mut lowering.build;
             let t = match self.interpolation {
                 Interpolation::Linear | Interpolation::Smooth if min >= max => build.step(x, max),

@@ -116,15 +116,15 @@ impl Node for Sheet {
 
 /// Returns a mask for each color after the first: how far it covers the colors before it.
 fn cover_masks(build: &mut Builder<'_>, x: Scalar, places: &[f64], between: Interpolation) -> Vec<Mask> {
-    let pairs = places.windows(2).map(|at| (at[0] as f32, at[1] as f32));
-    let cover = |(min, max): (f32, f32)| {
+    let cover = |at: &[f64]| {
+        let (min, max) = (at[0], at[1]);
         if min >= max {
             return build.step(x, max);
         }
         let t = build.clamp(x, min, max);
         between.eased(build, t)
     };
-    pairs.map(cover).collect()
+    places.windows(2).map(cover).collect()
 }
 
 /// Mixes each color over those before it.

@@ -140,7 +140,7 @@ impl PreparedFieldMath {
         let words = self.picture.area().div_ceil(64);
         let bits = repaired.entry((component, block.offset.map(f64::to_bits))).or_insert_with(|| vec![0; words]);
         for (index, value) in plane.iter_mut().enumerate().filter(|(_, value)| value.is_nan()) {
-            *value = self.node.nan as f32;
+            *value = literal(self.node.nan);
             let Some([x, y]) = block.pixel(index) else { continue };
             if self.picture.contains(x, y) {
                 let place = (y - self.picture.y0) as usize * self.picture.width() + (x - self.picture.x0) as usize;
@@ -194,7 +194,7 @@ impl Prepared for PreparedFieldMath {
             for (component, (span, wanted)) in spans.iter().zip(&mut wanted).enumerate() {
                 let (Some(wanted), Some(filled)) = (wanted, bounding.filled[0][component]) else { continue };
                 let bound = if span.low.is_nan() && !span.is_any() {
-                    Bound::of(self.node.nan.abs() * LITERAL)
+                    Bound::of(literal_error(literal(self.node.nan)))
                 } else {
                     span.bound(f64::from(filled[sample]))
                 };

@@ -49,14 +49,16 @@ impl Reading<'_> {
         };
         let (pixels, grid) = self.pixels(&selection, kind, laid)?;
         let whole = 4 * planes * pixels;
+        // Of weights that are divided by their sum, decoded pictures keep the quotients in f64 too.
+        let more = if matches!(kind, Kind::Weights(_)) && self.knobs.selected.channels.len() > 1 { 3 } else { 1 };
         let held = match grid {
-            _ if !laid => whole,
+            _ if !laid => more * whole,
             Held::Stream if kind != Kind::Color || whole > super::KEPT_COLORS => whole.min(KEPT as u64),
-            Held::Grid(count) if whole > super::KEPT_WHOLE && 2 * count <= pixels => 4 * planes * count,
-            _ => whole,
+            Held::Grid(count) if whole > super::KEPT_WHOLE && 2 * count <= pixels => more * 4 * planes * count,
+            _ => more * whole,
         };
         // While a whole picture is decoded, its channels are in memory too.
-        let besides = if held == whole { cost.held.saturating_sub(whole) } else { 0 };
+        let besides = if held >= whole { cost.held.saturating_sub(whole) } else { 0 };
         Ok(Cost { held, decoding: cost.decoding + besides })
     }
 

@@ -95,12 +95,20 @@ impl Grid {
     }
 }
 
+/// A channel of an output on a grid.
+pub(crate) struct KeptPlane {
+    pub(crate) channel: usize,
+    pub(crate) samples: Vec<f32>,
+    /// What the samples are rounded from; `None` if they are exact.
+    pub(crate) exact: Option<Vec<f64>>,
+}
+
 /// The kept part of a picture.
 pub(crate) struct PartialPicture {
     pub(crate) grid: Arc<Grid>,
     pub(crate) fit: Fit,
-    /// The output's wanted channels, with their samples on the grid.
-    pub(crate) planes: Vec<(usize, Vec<f32>)>,
+    /// The output's wanted channels.
+    pub(crate) planes: Vec<KeptPlane>,
     /// All colors of the picture, or the vertices of their hull.
     pub(crate) controls: Vec<Rgb>,
     pub(crate) repaired: u64,
@@ -150,8 +158,13 @@ impl Reading<'_> {
             let found = format!("{} bytes of samples", bytes(grid.count()));
             return Err(self.fault(info.part, found, &format!("at most {}", self.frame.memory_limit)));
         }
-        let mut planes: Vec<(usize, Vec<f32>)> =
-            made.targets.iter().map(|target| (*target, Vec::with_capacity(grid.count()))).collect();
+        let exact = made.recipe.as_ref().and_then(|recipe| recipe.exact());
+        let plane = |channel: &usize| KeptPlane {
+            channel: *channel,
+            samples: Vec::with_capacity(grid.count()),
+            exact: exact.map(|_| Vec::with_capacity(grid.count())),
+        };
+        let mut planes: Vec<KeptPlane> = made.targets.iter().map(plane).collect();
         let mut colors = (kind == Kind::Color).then(ColorCollector::default);
         let mut lines = vec![vec![0.0; info.data.width()]; made.at.len().max(planes.len())];
         let (mut repaired, mut fault) = (0, None);
@@ -169,6 +182,15 @@ impl Reading<'_> {
                 })?;
             }
             if let Some(recipe) = &made.recipe {
+                if let Some(exact) = exact.filter(|_| grid.has_row(y)) {
+                    let stored: Vec<&[f32]> = lines[..made.at.len()].iter().map(|line| &line[..]).collect();
+                    for (plane, line) in planes.iter_mut().zip(exact(&stored)) {
+                        plane
+                            .exact
+                            .iter_mut()
+                            .for_each(|plane| plane.extend(grid.across.kept.iter().map(|x| line[*x])));
+                    }
+                }
                 let mut pieces: Vec<&mut [f32]> = lines.iter_mut().map(|line| &mut line[..]).collect();
                 repaired += recipe.apply([info.data.x0, y], &mut pieces)?;
             }
@@ -176,8 +198,8 @@ impl Reading<'_> {
                 colors.add_row(r, g, b);
             }
             if grid.has_row(y) {
-                for ((_, plane), line) in planes.iter_mut().zip(&lines) {
-                    plane.extend(grid.across.kept.iter().map(|x| line[*x]));
+                for (plane, line) in planes.iter_mut().zip(&lines) {
+                    plane.samples.extend(grid.across.kept.iter().map(|x| line[*x]));
                 }
             }
             Ok(())

@@ -109,14 +109,44 @@ fn what_is_repaired_counts_in_equal_rows_too() {
 }
 
 #[test]
+fn weights_are_parts_of_their_sum_before_they_are_rounded() {
+    let folder = tempfile::tempdir().unwrap();
+    let bytes = |x: usize| [x % 100, (3 * x) % 90, 65 + x % 3];
+    let pixels: Vec<[f32; 3]> =
+        (0..WIDTH * HEIGHT).map(|at| bytes(at % WIDTH).map(|byte| byte as f32 / 255.0)).collect();
+    let image = PngImage::new(WIDTH as u32, HEIGHT as u32, Samples::rgb(&pixels));
+    write_png8(folder.path().join("a.png"), &image).unwrap();
+    for fit in ["nearest", "crop", "bilinear"] {
+        let knobs = format!(r#""as": "weights", "channels": ["R", "G", "B"], "repair": true, "fit": "{fit}""#);
+        let node = format!(r#""out": {{ "type": "Read", "file": "a.png", {knobs} }}"#);
+        let frame = Frame::new(graph("weights", &node, folder.path()).unwrap()).unwrap();
+        assert!(2 * frame.node("out").bytes() < 9 * WHOLE, "{fit}: not all is held");
+        for x in 0..4 {
+            let (truth, found) = (frame.truth([x as f64 + 0.5, 0.5]), frame.lowered([x as f64 + 0.5, 0.5]));
+            assert!((truth.iter().sum::<f64>() - 1.0).abs() < 1e-15, "{fit}: {truth:?}");
+            assert!(truth.iter().zip(&found).all(|(truth, found)| (truth - f64::from(*found)).abs() < 2e-7));
+            let at = match fit {
+                "nearest" => ((x as f64 + 0.5) * WIDTH as f64 / 4.0) as usize,
+                _ => x as usize,
+            };
+            let stored = bytes(at).map(|byte| f64::from(byte as f32 / 255.0));
+            let parts = stored.map(|weight| weight / stored.iter().sum::<f64>());
+            assert!(fit == "bilinear" || truth.iter().zip(parts).all(|(truth, part)| (truth - part).abs() < 1e-15));
+        }
+    }
+}
+
+#[test]
 fn what_will_be_held_is_told_beforehand() {
     let folder = tempfile::tempdir().unwrap();
     for knobs in [
         format!(r#"{RED}, "fit": "nearest""#),
         format!(r#"{RED}, "fit": "crop""#),
         r#""as": "color", "fit": "bilinear""#.into(),
+        r#""as": "weights", "channels": ["R", "G", "B"], "repair": true, "fit": "nearest""#.into(),
+        r#""as": "weights", "channels": ["R", "G"], "repair": true, "fit": "crop""#.into(),
     ] {
-        let key = if knobs.contains("color") { "color" } else { "field" };
+        let key = ["color", "weights", "field"].into_iter().find(|key| knobs.contains(key)).unwrap();
         let frame = frame(folder.path(), key, &knobs);
         let id = frame.graph.find("out").unwrap();
         let (node, wanted) = (frame.graph.settle(id, 1), [vec![true; frame.graph.node(id).kinds[0].channels()]]);

@@ -194,6 +194,15 @@ impl Fit {
     }
 }
 
+/// Returns the index, row by row, of the pixel of a window that is nearest to (x, y); `None` if the window is empty.
+pub(crate) fn index_of_nearest(window: Window, x: i64, y: i64) -> Option<usize> {
+    if window.is_empty() {
+        return None;
+    }
+    let (column, row) = (x.clamp(window.x0, window.x1 - 1) - window.x0, y.clamp(window.y0, window.y1 - 1) - window.y0);
+    Some(row as usize * window.width() + column as usize)
+}
+
 /// Samples of a channel.
 #[derive(Clone, Debug)]
 enum Pixels {
@@ -209,16 +218,24 @@ pub(crate) struct Layer {
     fit: Fit,
     /// Value outside the plane's window; if `None`, the nearest pixel repeats.
     outside: Option<f32>,
+    /// What the samples are rounded from; `None` if they are exact.
+    exact: Option<Vec<f64>>,
 }
 
 impl Layer {
     pub(crate) fn new(plane: Plane, fit: Fit, outside: Option<f32>) -> Self {
-        Self { pixels: Pixels::Whole(plane), fit, outside }
+        Self { pixels: Pixels::Whole(plane), fit, outside, exact: None }
     }
 
     /// Returns a layer of a picture of which only some pixels are kept.
     pub(crate) fn kept(grid: Arc<Grid>, samples: Vec<f32>, fit: Fit, outside: Option<f32>) -> Self {
-        Self { pixels: Pixels::Kept(grid, samples), fit, outside }
+        Self { pixels: Pixels::Kept(grid, samples), fit, outside, exact: None }
+    }
+
+    /// Sets what the samples are rounded from, sample by sample, if they are not exact.
+    #[must_use]
+    pub(crate) fn with_exact(self, exact: Option<Vec<f64>>) -> Self {
+        Self { exact, ..self }
     }
 
     /// Whether all pixels that a block needs are kept.
@@ -303,7 +320,7 @@ impl Layer {
 
     /// Returns the value at a position in the document, in pixels, in f64.
     pub(crate) fn reference(&self, at: [f64; 2]) -> f64 {
-        let mut texel = |x: i64, y: i64| Ok::<_, std::convert::Infallible>(vec![f64::from(self.texel(x, y))]);
+        let mut texel = |x: i64, y: i64| Ok::<_, std::convert::Infallible>(vec![self.exact(x, y)]);
         match self.fit.blend(at, &mut texel) {
             Ok(values) => values[0],
             Err(never) => match never {},
@@ -317,6 +334,21 @@ impl Layer {
             // `covers` was checked before: the pixel is kept.
             (_, Pixels::Kept(grid, samples)) => grid.place(x, y).map_or(f32::NAN, |place| samples[place]),
         }
+    }
+
+    /// Returns what the pixel nearest to (x, y) is rounded from.
+    fn exact(&self, x: i64, y: i64) -> f64 {
+        let Some(exact) = &self.exact else { return f64::from(self.texel(x, y)) };
+        let place = match &self.pixels {
+            Pixels::Whole(plane) => index_of_nearest(plane.window(), x, y),
+            Pixels::Kept(grid, _) => grid.place(x, y),
+        };
+        place.map_or(f64::NAN, |place| exact[place])
+    }
+
+    /// Returns the memory held, in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(self.samples()) + self.exact.as_ref().map_or(0, |exact| size_of_val(&exact[..]))
     }
 
     /// Returns the file's data window in the document's pixels.

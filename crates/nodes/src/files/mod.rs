@@ -21,17 +21,17 @@ mod texture;
 mod view_from_passes;
 
 pub(crate) use cost::{memory_of_passes, memory_of_picture};
-pub(crate) use kept::PartialPicture;
-pub(crate) use layer::{Fit, Layer};
+pub(crate) use kept::{KeptPlane, PartialPicture};
+pub(crate) use layer::{Fit, Layer, index_of_nearest};
 pub(crate) use legal::Rule;
 pub(crate) use on_demand::{FoundPass, Opened, find_pass};
 #[cfg(test)]
 pub(crate) use palette::{MANY_COLORS, distinct};
 pub(crate) use palette::{controls, walked};
-pub(crate) use reading::Reading;
+pub(crate) use reading::{Planes, Reading};
 pub(crate) use recipe::Recipe;
 pub(crate) use shared::SharedFile;
-pub(crate) use stream::{Rows, Stored, Stream};
+pub(crate) use stream::{Accuracy, Rows, Stored, Stream};
 
 use std::path::Path;
 use trochoid_graph::{BadData, FrameContext, NodeError, NodeType};

@@ -2,14 +2,15 @@
 
 use crate::files::knobs::{As, DecodeKnobs, FileKnobs, FitBy, Knobs, SelectionKnobs};
 use crate::files::{
-    Fit, KEPT_COLORS, KEPT_WHOLE, Layer, PartialPicture, Reading, Stream, controls, memory_of_picture, walked,
+    Accuracy, Fit, KEPT_COLORS, KEPT_WHOLE, KeptPlane, Layer, PartialPicture, Reading, Stream, controls,
+    memory_of_picture, walked,
 };
 use crate::filter;
 use crate::view::named;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use trochoid_graph::*;
-use trochoid_image::{Plane, Rgb, Window};
+use trochoid_image::{Rgb, Window};
 
 /// Reads a picture file: EXR, PNG, JPEG or TIFF.
 ///
@@ -103,9 +104,9 @@ impl Stage for Read {
             reading.kept(prepare, kind, wanted, KEPT_WHOLE)?
         {
             let mut layers: Vec<Option<Layer>> = (0..kind.channels()).map(|_| None).collect();
-            for (channel, samples) in planes {
+            for KeptPlane { channel, samples, exact } in planes {
                 let outside = outside.map(|color| color[channel]);
-                layers[channel] = Some(Layer::kept(grid.clone(), samples, fit, outside));
+                layers[channel] = Some(Layer::kept(grid.clone(), samples, fit, outside).with_exact(exact));
             }
             let (node, frame) = (self.clone(), prepare.frame.clone());
             let fallback = WholeFileFallback { node, frame, wanted: wanted.to_vec(), whole: OnceLock::new() };
@@ -127,13 +128,17 @@ impl Stage for Read {
 fn whole(reading: &Reading<'_>, kind: Kind, wanted: &[bool]) -> Result<(Layers, u64), NodeError> {
     let Reading { knobs, frame, path, outside } = *reading;
     let mut fit = None;
-    let (planes, repaired) = reading.planes(kind, wanted, &mut |picture| {
+    let planes = reading.planes(kind, wanted, &mut |picture| {
         fit = Some(Fit::new(knobs.fit, FitBy::WORDS, picture.display, [frame.format, frame.document_format], path)?);
         Ok(())
     })?;
+    let repaired = planes.repaired;
     let outside_of = |channel: usize| outside.map(|color| color[channel]);
-    let layer = |(channel, plane): (usize, Option<Plane>)| Some(Layer::new(plane?, fit?, outside_of(channel)));
-    Ok((planes.into_iter().enumerate().map(layer).collect(), repaired))
+    let layers = planes.channels().enumerate().map(|(channel, plane)| {
+        let (plane, exact) = plane?;
+        Some(Layer::new(plane, fit?, outside_of(channel)).with_exact(exact))
+    });
+    Ok((layers.collect(), repaired))
 }
 
 /// The channels of an output; `None` for unwanted ones.
@@ -231,7 +236,7 @@ impl Prepared for PreparedRead {
     fn bytes(&self) -> usize {
         let whole = self.fallback.as_ref().and_then(|fallback| fallback.whole.get()?.as_ref().ok());
         let layers = self.layers.iter().chain(whole.into_iter().flatten());
-        layers.flatten().map(|layer| size_of_val(layer.samples())).sum()
+        layers.flatten().map(Layer::bytes).sum()
     }
 }
 
@@ -253,6 +258,14 @@ impl PreparedStream {
         }
         Ok(Self { kind, stream, targets, controls })
     }
+
+    /// Bounds samples that are blends of pixels.
+    fn bound_blends(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) {
+        for (index, channel) in self.targets.iter().enumerate() {
+            let truth = |at| self.stream.reference(at).map_or(f64::NAN, |values| values[index]);
+            bounding.bound_at(outputs, SoleOutput, *channel, truth);
+        }
+    }
 }
 
 impl Prepared for PreparedStream {
@@ -270,13 +283,10 @@ impl Prepared for PreparedStream {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        if self.stream.is_exact() {
-            bounding.exact(outputs);
-            return Ok(());
-        }
-        for (index, channel) in self.targets.iter().enumerate() {
-            let truth = |at| self.stream.reference(at).map_or(f64::NAN, |values| values[index]);
-            bounding.bound_at(outputs, SoleOutput, *channel, truth);
+        match self.stream.accuracy() {
+            Accuracy::Exact => bounding.exact(outputs),
+            Accuracy::Rounded => bounding.rounded_once(outputs),
+            Accuracy::Blended => self.bound_blends(bounding, outputs),
         }
         Ok(())
     }

@@ -12,9 +12,7 @@ use trochoid_graph::{BadData, Choice, FrameContext, ItemName, Kind, NodeError, P
 use trochoid_image::{Plane, Rgb};
 use trochoid_io::Entry;
 use trochoid_io::{FileKind, Picture, PictureInfo, Selection};
-
-/// Largest allowed difference of a sum of weights from 1: the error of storing them in half precision.
-const SUM_TOLERANCE: f64 = 1e-3;
+use trochoid_weights::sums;
 
 /// One reading of a file with a node's knobs.
 pub(crate) struct Reading<'a> {
@@ -36,8 +34,31 @@ pub(super) struct ChannelPlan {
     pub(super) targets: Vec<usize>,
 }
 
-/// The planes of the output, `None` for unwanted ones, and the number of repaired values.
-pub(crate) type Planes = (Vec<Option<Plane>>, u64);
+/// The planes of an output.
+#[derive(Default)]
+pub(crate) struct Planes {
+    /// `None` for unwanted planes.
+    pub(crate) planes: Vec<Option<Plane>>,
+    /// What the planes are rounded from, sample by sample; empty if they are exact.
+    pub(crate) exact: Vec<Vec<f64>>,
+    /// Number of repaired values.
+    pub(crate) repaired: u64,
+}
+
+impl Planes {
+    fn new(planes: Vec<Plane>, repaired: u64) -> Self {
+        Self { planes: planes.into_iter().map(Some).collect(), exact: Vec::new(), repaired }
+    }
+
+    /// Returns each channel's plane with what it is rounded from, if it is not exact.
+    pub(crate) fn channels(self) -> impl Iterator<Item = Option<(Plane, Option<Vec<f64>>)>> {
+        let mut exact = self.exact.into_iter();
+        self.planes.into_iter().map(move |plane| {
+            let exact = exact.next();
+            plane.map(|plane| (plane, exact))
+        })
+    }
+}
 
 /// Callback that inspects a picture before its values are validated, and may refuse it.
 type Accept<'a> = dyn FnMut(&Picture) -> Result<(), NodeError> + 'a;
@@ -49,7 +70,9 @@ impl Reading<'_> {
     /// The file cannot be read, `accept` refuses it, or its values are not legal.
     pub(crate) fn planes(&self, kind: Kind, wanted: &[bool], accept: &mut Accept<'_>) -> Result<Planes, NodeError> {
         match kind {
-            _ if !wanted.contains(&true) => Ok(((0..kind.channels()).map(|_| None).collect(), 0)),
+            _ if !wanted.contains(&true) => {
+                Ok(Planes { planes: (0..kind.channels()).map(|_| None).collect(), ..Planes::default() })
+            }
             Kind::Color => self.color(accept),
             Kind::Field(_) => self.field(wanted, accept),
             _ => self.weights(accept),
@@ -265,7 +288,7 @@ impl Reading<'_> {
         let premultiplied = alpha.map(|alpha| Premultiplied { alpha, uncovered: self.outside });
         let mut conversion = Conversion::new(source, self.knobs.taken.encoding)?;
         repaired += convert(&mut conversion, &mut planes, premultiplied.as_ref())?;
-        Ok((planes.into_iter().map(Some).collect(), repaired))
+        Ok(Planes::new(planes.into(), repaired))
     }
 
     /// Returns the channels to select for a color: the named ones, and alpha if colors are divided by it.
@@ -327,7 +350,8 @@ impl Reading<'_> {
         let all: Vec<usize> = (0..picture.channels.len()).collect();
         let (planes, repaired) = self.take(&mut picture, &all, Rule::Field)?;
         let mut planes = planes.into_iter();
-        Ok((wanted.iter().map(|wanted| if *wanted { planes.next() } else { None }).collect(), repaired))
+        let planes = wanted.iter().map(|wanted| if *wanted { planes.next() } else { None }).collect();
+        Ok(Planes { planes, exact: Vec::new(), repaired })
     }
 
     fn weights(&self, accept: &mut Accept<'_>) -> Result<Planes, NodeError> {
@@ -335,21 +359,30 @@ impl Reading<'_> {
         accept(&picture)?;
         let all: Vec<usize> = (0..picture.channels.len()).collect();
         let (mut planes, mut repaired) = self.take(&mut picture, &all, Rule::Mask)?;
-        if planes.len() > 1 {
-            let sums = self.sums(&Names::from(&picture));
-            let window = planes[0].window();
-            let mut rows: Vec<_> =
-                planes.iter_mut().map(|plane| plane.samples_mut().chunks_mut(window.width())).collect();
-            for y in window.y0..window.y1 {
-                let mut lines: Vec<&mut [f32]> = rows.iter_mut().filter_map(Iterator::next).collect();
-                repaired += sums.normalize([window.x0, y], &mut lines)?;
-            }
+        if planes.len() == 1 {
+            return Ok(Planes::new(planes, repaired));
+        }
+        let sums = self.sums(&Names::from(&picture));
+        let window = planes[0].window();
+        let mut exact: Vec<Vec<f64>> = vec![Vec::new(); if planes.len() == 2 { 1 } else { planes.len() }];
+        let mut rows: Vec<_> = planes.iter_mut().map(|plane| plane.samples_mut().chunks_mut(window.width())).collect();
+        for y in window.y0..window.y1 {
+            let mut lines: Vec<&mut [f32]> = rows.iter_mut().filter_map(Iterator::next).collect();
+            let parts = parts(&lines.iter().map(|line| &**line).collect::<Vec<_>>());
+            exact.iter_mut().zip(parts).for_each(|(exact, parts)| exact.extend(parts));
+            repaired += sums.normalize([window.x0, y], &mut lines)?;
         }
         if planes.len() == 2 {
             // A mask is written as the weight of its second control.
             planes.remove(0);
         }
-        Ok((planes.into_iter().map(Some).collect(), repaired))
+        let is_exact = |(plane, exact): (&Plane, &Vec<f64>)| {
+            plane.samples().iter().zip(exact).all(|(sample, exact)| f64::from(*sample) == *exact)
+        };
+        if planes.iter().zip(&exact).all(is_exact) {
+            exact.clear();
+        }
+        Ok(Planes { exact, ..Planes::new(planes, repaired) })
     }
 }
 
@@ -368,7 +401,16 @@ pub(super) fn selected(error: trochoid_io::Error, knob: Option<ItemName>) -> Nod
     }
 }
 
-/// Divides weights by their sum.
+/// Divides weights by their sum, pixel by pixel, given one line for each of them. A mask is written as the weight of its
+/// second control.
+pub(crate) fn parts(lines: &[&[f32]]) -> Vec<Vec<f64>> {
+    let sums = sums::sums(lines);
+    let part = |(weight, sum): (&f32, &f64)| sums::part(*weight, *sum, lines.len());
+    let written = if lines.len() == 2 { &lines[1..] } else { lines };
+    written.iter().map(|line| line.iter().zip(&sums).map(part).collect()).collect()
+}
+
+/// Divides weights by their sum, and refuses sums that are not nearly 1.
 pub(crate) struct SumNormalizer {
     path: PathBuf,
     part: usize,
@@ -381,25 +423,19 @@ impl SumNormalizer {
     /// Divides the pixels from (`x`, `y`) on by their sum, one line for each channel. Returns the number of repaired
     /// pixels.
     pub(crate) fn normalize(&self, [x, y]: [i64; 2], lines: &mut [&mut [f32]]) -> Result<u64, NodeError> {
-        let mut sums = vec![0.0_f64; lines.first().map_or(0, |line| line.len())];
-        for line in lines.iter() {
-            sums.iter_mut().zip(&**line).for_each(|(sum, weight)| *sum += f64::from(*weight));
-        }
-        let is_off = |sum: &f64| (sum - 1.0).abs() > SUM_TOLERANCE;
-        let off = sums.iter().fold(0, |off, sum| off + u64::from(is_off(sum)));
+        let sums = sums::sums(&lines.iter().map(|line| &**line).collect::<Vec<_>>());
+        let off = sums.iter().fold(0, |off, sum| off + u64::from(sums::is_off(*sum)));
         if off > 0 && !self.repair {
-            let at = sums.iter().position(is_off).unwrap_or_default();
+            let at = sums.iter().position(|sum| sums::is_off(*sum)).unwrap_or_default();
             let (sum, x) = (sums[at], x + at as i64);
             let found = format_args!("weights in {} that sum to {sum}", self.names);
             let remedy = "set \"repair\": true to divide them by their sum";
             let bad = BadData::new(found, "the sum 1 within 0.001", remedy);
             return Err(bad.in_file(&self.path).in_part(self.part).at_pixel((x, y)).into());
         }
-        let equal = 1.0 / lines.len() as f64;
+        let count = lines.len();
         for line in lines.iter_mut() {
-            for (weight, sum) in line.iter_mut().zip(&sums) {
-                *weight = if *sum > 0.0 { f64::from(*weight) / sum } else { equal } as f32;
-            }
+            line.iter_mut().zip(&sums).for_each(|(weight, sum)| *weight = sums::part(*weight, *sum, count) as f32);
         }
         Ok(off)
     }

@@ -1,7 +1,7 @@
 //! Recipes: conversions of stored samples to the channels of an output, one piece of a row at a time.
 
 use super::color::Conversion;
-use super::reading::SumNormalizer;
+use super::reading::{SumNormalizer, parts};
 use std::sync::{Mutex, PoisonError};
 use trochoid_graph::NodeError;
 
@@ -13,9 +13,18 @@ pub(crate) trait Recipe: Send + Sync {
     /// # Errors
     /// Values are inconsistent with each other.
     fn apply(&self, at: [i64; 2], lines: &mut [&mut [f32]]) -> Result<u64, NodeError>;
+
+    /// Returns what `apply` rounds to f32, for recipes of which the references take that: one line for each channel of
+    /// the output, from one for each stored channel. The references of other recipes take what `apply` gives.
+    fn exact(&self) -> Option<ExactLines> {
+        None
+    }
 }
 
-/// Divides weights by their sum.
+/// Function from lines of legal stored samples to lines of an output.
+pub(crate) type ExactLines = fn(&[&[f32]]) -> Vec<Vec<f64>>;
+
+/// Divides weights by their sum; two weights make a mask, which is the second.
 pub(crate) struct Normalized(pub(crate) SumNormalizer);
 
 impl Recipe for Normalized {
@@ -26,6 +35,10 @@ impl Recipe for Normalized {
             first.copy_from_slice(second);
         }
         Ok(repaired)
+    }
+
+    fn exact(&self) -> Option<ExactLines> {
+        Some(parts)
     }
 }
 

@@ -50,6 +50,17 @@ pub(crate) struct Stream {
     fault: OnceLock<NodeError>,
 }
 
+/// How samples differ from the references.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Accuracy {
+    /// They are the same.
+    Exact,
+    /// They are the same, rounded to f32 once.
+    Rounded,
+    /// They are blends of pixels.
+    Blended,
+}
+
 /// A row for each channel; `None` for unwanted ones.
 pub(crate) type Targets<'t, 'a> = &'t mut [Option<&'a mut [f32]>];
 
@@ -83,14 +94,32 @@ impl Stream {
             let mut texel = vec![[0.0_f32]; self.outputs];
             let mut rows: Vec<Option<&mut [f32]>> = texel.iter_mut().map(|value| Some(&mut value[..])).collect();
             self.line(&mut scratch, x, y, &mut rows).map_err(|error| self.first_fault(error))?;
-            Ok(texel.into_iter().map(|[value]| f64::from(value)).collect())
+            let exact = self.exact(&mut scratch, x, y)?;
+            Ok(exact.unwrap_or_else(|| texel.into_iter().map(|[value]| f64::from(value)).collect()))
         };
         self.fit.blend(at, &mut texel)
     }
 
-    /// Whether every sample is an unblended pixel of the file.
-    pub(crate) fn is_exact(&self) -> bool {
-        self.fit.is_exact()
+    /// Returns what the channels of the pixel nearest to (x, y) are rounded from; `None` if they are exact.
+    fn exact(&self, scratch: &mut Scratch, x: i64, y: i64) -> Result<Option<Vec<f64>>, NodeError> {
+        let Some(exact) = self.recipe.as_ref().and_then(|recipe| recipe.exact()) else { return Ok(None) };
+        let data = self.stored.data;
+        let (x, y) = (x.clamp(data.x0, data.x1 - 1), y.clamp(data.y0, data.y1 - 1));
+        let mut stored = vec![[0.0_f32]; self.stored.names.len()];
+        for (channel, sample) in stored.iter_mut().enumerate() {
+            self.read(&mut scratch.held, channel, x, y, sample)?;
+        }
+        let lines: Vec<&[f32]> = stored.iter().map(|sample| &sample[..]).collect();
+        Ok(Some(exact(&lines).into_iter().flatten().collect()))
+    }
+
+    /// Returns how samples differ from the references.
+    pub(crate) fn accuracy(&self) -> Accuracy {
+        match &self.recipe {
+            _ if !self.fit.is_exact() => Accuracy::Blended,
+            Some(recipe) if recipe.exact().is_some() => Accuracy::Rounded,
+            _ => Accuracy::Exact,
+        }
     }
 
     /// Returns the number of values repaired in the rows requested so far.

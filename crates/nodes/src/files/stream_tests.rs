@@ -15,7 +15,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use trochoid_graph::{Block, Choice, FrameContext, NodeError, Pool, Prepare};
-use trochoid_image::{Format, Plane, Rgb, Window};
+use trochoid_image::{Format, Rgb, Window};
 
 type Channels<'c> = [(&'c str, Vec<f32>)];
 
@@ -70,7 +70,7 @@ impl Case {
     /// Decodes the picture, and returns its layers and the number of repaired values.
     fn layers(&self) -> Result<(Vec<Layer>, u64), NodeError> {
         let mut fit = None;
-        let (planes, repaired) = self.reading(|reading| {
+        let planes = self.reading(|reading| {
             reading.planes(self.kind, &vec![true; self.kind.channels()], &mut |picture| {
                 fit = Some(Fit::new(
                     self.node.fit,
@@ -82,10 +82,12 @@ impl Case {
                 Ok(())
             })
         })?;
-        let layer = |(channel, plane): (usize, Option<Plane>)| {
-            Layer::new(plane.unwrap(), fit.unwrap(), self.outside.map(|color| color[channel]))
-        };
-        Ok((planes.into_iter().enumerate().map(layer).collect(), repaired))
+        let repaired = planes.repaired;
+        let layers = planes.channels().enumerate().map(|(channel, plane)| {
+            let (plane, exact) = plane.unwrap();
+            Layer::new(plane, fit.unwrap(), self.outside.map(|color| color[channel])).with_exact(exact)
+        });
+        Ok((layers.collect(), repaired))
     }
 }
 

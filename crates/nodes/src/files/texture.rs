@@ -1,7 +1,7 @@
 //! Texture: a picture file looked up by texture coordinates.
 
 use crate::files::knobs::{As, DecodeKnobs, FileKnobs, Knobs, SelectionKnobs};
-use crate::files::{Reading, controls, memory_of_picture};
+use crate::files::{Planes, Reading, controls, index_of_nearest, memory_of_picture};
 use crate::filter::{blended, fill, value, weights};
 use crate::view::named;
 use std::path::PathBuf;
@@ -110,12 +110,12 @@ impl Stage for Texture {
         let wanted = prepare.wanted.first().map(Vec::as_slice).unwrap_or_default();
         let mut display = Window::default();
         let reading = Reading { knobs: self.knobs(), frame: prepare.frame, path: &path, outside: None };
-        let (planes, repaired) = reading.planes(kind, wanted, &mut |picture| {
+        let Planes { planes, exact, repaired } = reading.planes(kind, wanted, &mut |picture| {
             display = picture.display;
             Ok(())
         })?;
         let ranges = planes.iter().map(|_| OnceLock::new()).collect();
-        Ok(Box::new(PreparedTexture { node: self.clone(), kind, planes, display, repaired, ranges }))
+        Ok(Box::new(PreparedTexture { node: self.clone(), kind, planes, exact, display, repaired, ranges }))
     }
 }
 
@@ -148,6 +148,8 @@ struct PreparedTexture {
     node: Texture,
     kind: Kind,
     planes: Vec<Option<Plane>>,
+    /// What the planes are rounded from, sample by sample; empty if they are exact.
+    exact: Vec<Vec<f64>>,
     /// Display window: the range of u and v.
     display: Window,
     repaired: u64,
@@ -182,11 +184,20 @@ impl PreparedTexture {
         ([at(0, 0), at(1, 0), at(0, 1), at(1, 1)], [across, down])
     }
 
-    /// Returns the value of a plane at u and v, in f64.
-    fn truth(&self, plane: &Plane, u: f64, v: f64) -> f64 {
+    /// Returns the pixel of a channel that is nearest to (x, y), before it is rounded to f32.
+    fn texel(&self, channel: usize, [x, y]: [i64; 2]) -> f64 {
+        let Some(plane) = &self.planes[channel] else { return 0.0 };
+        match self.exact.get(channel) {
+            Some(exact) => index_of_nearest(plane.window(), x, y).map_or(0.0, |index| exact[index]),
+            None => f64::from(plane.nearest(x, y)),
+        }
+    }
+
+    /// Returns the value of a channel at u and v, in f64.
+    fn truth(&self, channel: usize, u: f64, v: f64) -> f64 {
         let (pixels, [across, down]) = self.taps(u, v);
         let weights = [(1.0 - across) * (1.0 - down), across * (1.0 - down), (1.0 - across) * down, across * down];
-        let texel = |[x, y]: [i64; 2]| f64::from(plane.nearest(x, y));
+        let texel = |pixel: [i64; 2]| self.texel(channel, pixel);
         let terms = pixels.iter().zip(weights).filter(|(_, w)| *w > 0.0);
         let sum: f64 = terms.map(|(pixel, w)| w * texel(*pixel)).sum();
         if sum.is_nan() { texel(pixels[0]) } else { sum }
@@ -196,7 +207,7 @@ impl PreparedTexture {
     fn span(&self, channel: usize, [u, v]: [Span; 2]) -> Span {
         let Some(plane) = &self.planes[channel] else { return Span::exactly(0.0) };
         if u.low == u.high && v.low == v.high {
-            let truth = self.truth(plane, u.low, v.low);
+            let truth = self.truth(channel, u.low, v.low);
             return Span::of(&[truth, truth]).with(u.clear && v.clear);
         }
         // Range of pixels that may contribute, before wrapping.
@@ -208,11 +219,14 @@ impl PreparedTexture {
         });
         let count = |[first, last]: [f64; 2]| last - first + 1.0;
         let few = count(across) * count(down) <= MOST;
-        let texels = if few { self.texels(plane, across, down) } else { Vec::new() };
+        let texels = if few { self.texels(channel, across, down) } else { Vec::new() };
         let (least, most) = extremes(texels.iter().flatten().copied());
         if texels.is_empty() || !(most - least).is_finite() {
             // The value is a blend of some pixels.
-            let all = || extremes(plane.samples().iter().map(|sample| f64::from(*sample)));
+            let all = || match self.exact.get(channel) {
+                Some(exact) => extremes(exact.iter().copied()),
+                None => extremes(plane.samples().iter().map(|sample| f64::from(*sample))),
+            };
             let (least, most) = *self.ranges[channel].get_or_init(all);
             return Span::unclear(least, most);
         }
@@ -232,12 +246,12 @@ impl PreparedTexture {
         let lost = 1e-13
             * (least.abs().max(most.abs())
                 + (u.middle().abs() * sides[0] + v.middle().abs() * sides[1]) * (most - least));
-        let middle = self.truth(plane, u.middle(), v.middle());
+        let middle = self.truth(channel, u.middle(), v.middle());
         Span { low: middle - off, high: middle + off, clear }.wider(lost)
     }
 
     /// Returns the rows of pixels in a range, with those beyond the edges wrapped.
-    fn texels(&self, plane: &Plane, across: [f64; 2], down: [f64; 2]) -> Vec<Vec<f64>> {
+    fn texels(&self, channel: usize, across: [f64; 2], down: [f64; 2]) -> Vec<Vec<f64>> {
         let pixels = |[first, last]: [f64; 2], side: usize, is_up: bool| -> Vec<i64> {
             let side = side as f64;
             let of = |at: i64| {
@@ -249,7 +263,7 @@ impl PreparedTexture {
         let columns = pixels(across, self.display.width(), false);
         let rows = pixels(down, self.display.height(), true);
         let [x0, y0] = [self.display.x0, self.display.y0];
-        rows.iter().map(|y| columns.iter().map(|x| f64::from(plane.nearest(x0 + x, y0 + y))).collect()).collect()
+        rows.iter().map(|y| columns.iter().map(|x| self.texel(channel, [x0 + x, y0 + y])).collect()).collect()
     }
 }
 
@@ -304,8 +318,7 @@ impl Prepared for PreparedTexture {
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let (u, v) = (inputs.scalar(&self.node.u), inputs.scalar(&self.node.v));
-        let of = |plane: &Option<Plane>| plane.as_ref().map_or(0.0, |plane| self.truth(plane, u, v));
-        Ok(vec![value(self.kind, self.planes.iter().map(of).collect())])
+        Ok(vec![value(self.kind, (0..self.planes.len()).map(|channel| self.truth(channel, u, v)).collect())])
     }
 
     fn repaired(&self) -> u64 {
@@ -313,7 +326,8 @@ impl Prepared for PreparedTexture {
     }
 
     fn bytes(&self) -> usize {
-        self.planes.iter().flatten().map(|plane| size_of_val(plane.samples())).sum()
+        let exact = self.exact.iter().map(|exact| size_of_val(&exact[..]));
+        self.planes.iter().flatten().map(|plane| size_of_val(plane.samples())).chain(exact).sum()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::files::knobs::FitBy;
 use crate::files::{
-    Fit, FoundPass, Opened, Recipe, Rows, Rule, SharedFile, Stored, Stream, find_pass, memory_of_passes,
+    Accuracy, Fit, FoundPass, Opened, Recipe, Rows, Rule, SharedFile, Stored, Stream, find_pass, memory_of_passes,
 };
 use crate::geometry::Up;
 use crate::view::named;
@@ -421,7 +421,7 @@ impl Prepared for PreparedView {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        if !self.passes.iter().all(|pass| pass.stream.is_exact()) {
+        if !self.passes.iter().all(|pass| pass.stream.accuracy() == Accuracy::Exact) {
             return Err(NoBound("its passes are blended"));
         }
         bounding.exact(outputs);

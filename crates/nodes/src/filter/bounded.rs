@@ -19,12 +19,14 @@ pub(crate) struct BoundedSum {
     /// Sum of the samples as given to the stage, in f64.
     pub(crate) value: f64,
     pub(crate) bound: Bound,
-    /// Sum of the magnitudes; rounding errors are relative to it.
+    /// Sum of the magnitudes.
     size: f64,
+    /// Bound on what rounding in f64 has lost: of each product and each sum, at most 2⁻⁵³ of the magnitudes so far.
+    lost: f64,
 }
 
 impl BoundedSum {
-    pub(crate) const NOTHING: Self = Self { value: 0.0, bound: Bound::EXACT, size: 0.0 };
+    pub(crate) const NOTHING: Self = Self { value: 0.0, bound: Bound::EXACT, size: 0.0, lost: 0.0 };
 
     /// Returns the same value with another bound.
     pub(crate) fn within(self, bound: Bound) -> Self {
@@ -36,21 +38,26 @@ impl BoundedSum {
         if weight == 0.0 {
             return self;
         }
+        let size = self.size + weight * other.size;
         Self {
             value: self.value + weight * other.value,
             bound: Bound::of(self.bound.size + weight * other.bound.size).with(self.bound.clear && other.bound.clear),
-            size: self.size + weight * other.size,
+            size,
+            lost: self.lost + weight * other.lost + f64::EPSILON * size,
         }
     }
 
     /// Returns how far a filled result may lie from the reference's sum, given a further error of up to `off`. If the
     /// sum is NaN, the bound is infinite.
+    ///
+    /// |y − Σ wx′| ≤ |y − Σ wx| + Σ w·dx, and both sums are rounded.
     pub(crate) fn of(self, filled: f32, off: f64) -> Bound {
         let filled = f64::from(filled);
+        let lost = 2.0 * self.lost + self.size * REFERENCE;
         if self.bound.size == 0.0 && off == 0.0 && filled == self.value {
-            return Bound::of(if self.size.is_finite() { self.size * REFERENCE } else { 0.0 }).with(self.bound.clear);
+            return Bound::of(if self.size.is_finite() { lost } else { 0.0 }).with(self.bound.clear);
         }
-        Bound::of((filled - self.value).abs() + self.bound.size + off + self.size * REFERENCE).with(self.bound.clear)
+        Bound::of((filled - self.value).abs() + self.bound.size + off + lost).with(self.bound.clear)
     }
 }
 
@@ -89,6 +96,6 @@ impl<'a> BoundedChannel<'a> {
         let index = (y.clamp(y0, y1 - 1) - y0) as usize * self.window.width() + (x.clamp(x0, x1 - 1) - x0) as usize;
         let value = f64::from(self.values[index]);
         let bound = Bound::decode(self.bounds[index]);
-        BoundedSum { value, bound: Bound { size: bound.size.min(self.most), ..bound }, size: value.abs() }
+        BoundedSum { value, bound: Bound { size: bound.size.min(self.most), ..bound }, size: value.abs(), lost: 0.0 }
     }
 }

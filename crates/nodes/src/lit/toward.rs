@@ -19,10 +19,19 @@ impl BoundedVector {
     /// Reads a vector from three channels of the view.
     pub(crate) fn of(bounding: &Bounding<'_>, view: &One<port::View>, channels: [Channel; 3], sample: usize) -> Self {
         let spans = channels.map(|channel| bounding.certain(view, channel, sample));
-        Self {
-            vector: DVec3::from(spans.map(Span::middle)),
-            within: DVec3::from(spans.map(Span::half)).length(),
-            clear: spans.iter().all(|span| span.clear),
+        let (vector, within) = (DVec3::from(spans.map(Span::middle)), DVec3::from(spans.map(Span::half)).length());
+        Self { vector, within, clear: spans.iter().all(|span| span.clear) }.rounded(vector.length())
+    }
+
+    /// Adds what a few operations on numbers of a size round, unless the vector is exact: then the reference does the
+    /// same operations on the same numbers.
+    fn rounded(self, size: f64) -> Self {
+        let within = self.within + 4.0 * f64::EPSILON * size;
+        match self.within {
+            0.0 => self,
+            // A coordinate is anything.
+            _ if within.is_nan() => Self { within: f64::INFINITY, ..self },
+            _ => Self { within, ..self },
         }
     }
 
@@ -42,11 +51,12 @@ pub(crate) struct BoundedDirection {
     clear: bool,
 }
 
-/// Largest angle, in radians, by which the rounding of a unit vector turns it.
-const ROUNDED: f64 = 4e-16;
+/// Largest angle, in radians, by which the rounding of a unit vector turns it, and of the operations that take the angle
+/// between two: each coordinate is off by less than 3·2⁻⁵³, the angle by less than √3 times as much, twice.
+const ROUNDED: f64 = 1.2e-15;
 
-/// Rounding error of a dot product of unit vectors.
-const LOST: f64 = 1e-15;
+/// Rounding error of a dot product of unit vectors: less than 8·2⁻⁵³.
+const LOST: f64 = 2e-15;
 
 impl BoundedDirection {
     /// Creates the direction of a vector; a degenerate vector points up.
@@ -81,7 +91,8 @@ impl BoundedDirection {
 
     /// Returns the direction from an uncertain point to an exact one.
     pub(crate) fn from(point: BoundedVector, place: DVec3) -> Self {
-        Self::along(BoundedVector { vector: place - point.vector, ..point })
+        let size = place.length() + point.vector.length();
+        Self::along(BoundedVector { vector: place - point.vector, ..point }.rounded(size))
     }
 
     /// Returns the angle between two directions, in radians.

@@ -33,8 +33,12 @@ impl Coding {
     /// sRGB encoding.
     pub(super) fn ends(self, reference: &[f64], errors: &[f64]) -> Vec<(f64, f64)> {
         let around = |value: f64, error: f64| {
-            // Infinities are exact, since the difference of two of them is undefined.
-            if value.is_finite() { (value - error, value + error) } else { (value, value) }
+            match (value.is_finite(), error.is_finite()) {
+                (true, _) => (value - error, value + error),
+                // Infinities are exact, since the difference of two of them is undefined, or nothing is known.
+                (false, true) => (value, value),
+                (false, false) => (f64::NEG_INFINITY, f64::INFINITY),
+            }
         };
         let each = |f: fn((f64, f64)) -> (f64, f64), values: &[f64], errors: &[f64]| {
             let ends = values.iter().zip(errors).map(|(value, error)| around(*value, *error));
@@ -192,5 +196,6 @@ mod tests {
         let depth = Coding::new(Kind::Field(1), WorkingSpace::Srgb, false);
         assert_eq!(depth.ends(&[f64::INFINITY], &[1.0]), [(f64::INFINITY, f64::INFINITY)]);
         assert_eq!(depth.ends(&[2.0], &[f64::INFINITY]), [(f64::NEG_INFINITY, f64::INFINITY)]);
+        assert_eq!(depth.ends(&[f64::INFINITY], &[f64::INFINITY]), [(f64::NEG_INFINITY, f64::INFINITY)]);
     }
 }

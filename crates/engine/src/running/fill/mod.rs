@@ -5,6 +5,7 @@
 //! asked for pixels outside of its image.
 
 mod extent;
+mod parts;
 mod runner;
 mod shared;
 
@@ -270,11 +271,11 @@ impl<'p> Fills<'p> {
         self.plan.bound[node.0]
     }
 
-    /// Returns the plane of a slot over a window; a buffer of the caller is read in place.
+    /// Returns the plane of a slot over a window; a buffer of the caller is read in place, unless it is divided.
     fn plane<'a>(&'a self, slot: &Slot, over: Window, fills: &'a [FillState<'_>]) -> Plane<'a> {
         let start =
             |within: Window, stride: usize| (over.y0 - within.y0) as usize * stride + (over.x0 - within.x0) as usize;
-        if self.is_bound(slot.node) {
+        if self.is_bound(slot.node) && !self.is_divided(slot.node) {
             if slot.channel >= self.plan.graph.node(slot.node).kinds[slot.output].channels() {
                 return Plane { samples: &self.exact, start: 0, stride: 0 };
             }
@@ -303,6 +304,9 @@ impl<'p> Fills<'p> {
     /// Fills one stage's planes.
     fn fill_stage(&mut self, index: usize, sample: Sample) -> Result<(), NodeError> {
         let node = self.fills[index].fill.node;
+        if self.is_divided(node) {
+            self.fill_parts(index);
+        }
         if self.is_bound(node) || self.known(node).is_some() {
             return Ok(());
         }

@@ -5,7 +5,7 @@ use super::{PixelEvaluation, PointOutputs, ReferenceFrame};
 use crate::{EvalError, Monitor};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use trochoid_graph::{Body, Kind, Reference, References, Source};
+use trochoid_graph::{Body, Kind, Reference, References, Source, literal};
 use trochoid_image::Rgb;
 
 /// Number of pixels that a thread takes at once.
@@ -90,7 +90,7 @@ impl ReferenceFrame<'_> {
         let graph = self.plan.graph;
         let spec = &graph.outputs()[self.plan.outputs[output].index];
         let mut colors = Vec::new();
-        let mut add = |color: &[f64]| colors.push([0, 1, 2].map(|c| color[c] as f32 + 0.0));
+        let mut add = |color: &[f64]| colors.push([0, 1, 2].map(|c| literal(color[c]) + 0.0));
         let mut seen = vec![false; graph.nodes().len()];
         let mut open = vec![spec.node];
         while let Some(id) = open.pop() {
