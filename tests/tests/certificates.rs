@@ -5,7 +5,7 @@ use trochoid::certificate::{self, CertificateInputs, Choice, Request};
 use trochoid::{Buffers, Cache, Certifier, CheckedGraph, Kind, OutputFile, Silent, registry, write_output};
 
 /// Returns the failures of the certificates of a graph's outputs, each of which has its own file.
-fn faults(graph: &CheckedGraph, frame: i64) -> Vec<String> {
+pub(crate) fn faults(graph: &CheckedGraph, frame: i64) -> Vec<String> {
     // A certificate may be in any folder, because its paths lead back to the inputs.
     let folder = tempfile::tempdir().unwrap();
     let picture = evaluate(graph, frame, &Buffers::new(), &settings(|_| ()));

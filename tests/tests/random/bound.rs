@@ -275,6 +275,7 @@ impl At<'_> {
                 let masks = self.numbers(masks);
                 if let [only] = masks[..] { Value::Number(complement(only)) } else { Value::Masks(masks, false) }
             }
+            Op::Other(..) => unreachable!("drawn only where bounds are certified"),
             Op::Invert(t) => Value::Number(complement(self.number(t))),
             Op::Multiply(masks) => Value::Number(self.numbers(masks).into_iter().fold(number(1.0), product)),
             Op::Screen(masks) => {

@@ -1,6 +1,6 @@
 //! Generation of random documents of back-end nodes.
 
-use super::pixels::{COLORS, FIELDS, HEIGHT, INPUTS, WIDTH, pick};
+use super::pixels::{COLORS, FIELDS, HEIGHT, INPUTS, Input, WIDTH, pick};
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt};
 
@@ -65,6 +65,8 @@ pub(crate) enum Op {
     Invert(Arg),
     Multiply(Vec<Arg>),
     Screen(Vec<Arg>),
+    /// Any other node: the text before each argument, and after the last.
+    Other(Vec<String>, Vec<Arg>),
 }
 
 /// Generated document.
@@ -77,8 +79,8 @@ pub(crate) struct Drawn {
     pub(crate) depth: usize,
 }
 
-struct Drawing<'r, R> {
-    random: &'r mut R,
+pub(super) struct Drawing<'r, R> {
+    pub(super) random: &'r mut R,
     nodes: Vec<(Op, Kind)>,
     /// The colors that literals are taken from.
     palette: Vec<[f32; 3]>,
@@ -86,8 +88,36 @@ struct Drawing<'r, R> {
     latest: f64,
 }
 
+/// What a document is drawn from.
+pub(super) struct Style<'s, R> {
+    pub(super) inputs: &'s [Input],
+    /// Numbers of nodes, of which one is chosen.
+    pub(super) counts: &'s [usize],
+    /// Draws a node.
+    pub(super) node: fn(&mut Drawing<'_, R>) -> (Op, Kind),
+    /// Members of the format beside its size.
+    pub(super) format: &'s str,
+    /// Members of each output beside its node.
+    pub(super) output: &'s str,
+    /// Kinds of outputs beside the last node's, which is a color.
+    pub(super) outputs: &'s [Kind],
+}
+
 impl Drawn {
-    pub(crate) fn draw(random: &mut impl Rng, file: &str) -> Self {
+    /// Draws back-end nodes, all of which [`bound`](super::bound) evaluates.
+    pub(crate) fn draw<R: Rng>(random: &mut R, file: &str) -> Self {
+        let style = Style {
+            inputs: &INPUTS,
+            counts: &[4, 12, 40, 150],
+            node: |drawing| drawing.node(),
+            format: "",
+            output: "",
+            outputs: &[Kind::Mask, Kind::Weights(0)],
+        };
+        Self::in_style(random, file, &style)
+    }
+
+    pub(super) fn in_style<R: Rng>(random: &mut R, file: &str, style: &Style<'_, R>) -> Self {
         let hostile = random.random_bool(0.5);
         let palette = (0..random.random_range(1..6))
             .map(|_| {
@@ -95,20 +125,20 @@ impl Drawn {
                 if hostile { std::array::from_fn(|_| pick(&COLORS, random)) } else { tame }
             })
             .collect();
-        let count = [4, 12, 40, 150].choose(random).copied().unwrap_or(4);
+        let count = style.counts.choose(random).copied().unwrap_or(4);
         let latest = [0.3, 0.75, 0.95].choose(random).copied().unwrap_or(0.5);
         let mut drawing = Drawing { random, nodes: Vec::new(), palette, latest };
-        for (name, kind, channels) in INPUTS {
+        for &(name, kind, channels) in style.inputs {
             let kind = match (kind, channels) {
                 ("field", _) => Kind::Field,
-                ("weights", 1) => Kind::Mask,
+                ("weights", 1 | 2) => Kind::Mask,
                 ("weights", n) => Kind::Weights(n),
                 _ => Kind::Color,
             };
             drawing.nodes.push((Op::Input(name), kind));
         }
         for _ in 0..count {
-            let drawn = drawing.node();
+            let drawn = (style.node)(&mut drawing);
             drawing.nodes.push(drawn);
             if drawing.random.random_bool(0.08)
                 && let Some(twin) = drawing.nodes.last().cloned()
@@ -118,7 +148,7 @@ impl Drawn {
         }
         let (a, b, t) = (drawing.color(), drawing.color(), drawing.mask());
         drawing.nodes.push((Op::Mix { a, b, t }, Kind::Color));
-        let outputs = drawing.outputs();
+        let outputs = drawing.outputs(style.outputs);
         let Drawing { random, nodes, .. } = drawing;
         let disabled: Vec<bool> = nodes
             .iter()
@@ -127,7 +157,8 @@ impl Drawn {
                 matches!(op, Op::Mix { a: Arg::Node(_), .. } | Op::Invert(Arg::Node(_))) && random.random_bool(0.06)
             })
             .collect();
-        let text = super::text::text(&nodes, &disabled, &outputs, (WIDTH, HEIGHT), file, random);
+        let format = format!(r#""width": {WIDTH}, "height": {HEIGHT}{}"#, style.format);
+        let text = super::text::text(&nodes, &disabled, &outputs, [&format, style.output, file], random);
         let mut depth = vec![0; nodes.len()];
         for (index, (op, _)) in nodes.iter().enumerate() {
             depth[index] = 1 + op.args().iter().filter_map(node).map(|node| depth[node]).max().unwrap_or(0);
@@ -154,18 +185,20 @@ impl Op {
             Self::Clamp { x, .. } | Self::Bands { x, .. } | Self::Invert(x) => vec![*x],
             Self::Ramp { t, stops, .. } => [*t].into_iter().chain(stops.iter().map(|stop| stop.1)).collect(),
             Self::Patch { u, v, colors } => [*u, *v].into_iter().chain(colors.iter().copied()).collect(),
-            Self::Normalize { fields: args, .. } | Self::Stack(args) | Self::Multiply(args) | Self::Screen(args) => {
-                args.clone()
-            }
+            Self::Normalize { fields: args, .. }
+            | Self::Stack(args)
+            | Self::Multiply(args)
+            | Self::Screen(args)
+            | Self::Other(_, args) => args.clone(),
         }
     }
 }
 
 impl<R: Rng> Drawing<'_, R> {
     /// Draws up to three outputs: the last node and others.
-    fn outputs(&mut self) -> Vec<usize> {
+    fn outputs(&mut self, kinds: &[Kind]) -> Vec<usize> {
         let mut outputs = vec![self.nodes.len() - 1];
-        for kind in [Kind::Mask, Kind::Weights(0)] {
+        for &kind in kinds {
             let fits =
                 |found: Kind| found == kind || (matches!(kind, Kind::Weights(_)) && matches!(found, Kind::Weights(_)));
             let all: Vec<usize> = (0..self.nodes.len()).filter(|&node| fits(self.nodes[node].1)).collect();
@@ -175,14 +208,18 @@ impl<R: Rng> Drawing<'_, R> {
     }
 
     /// Draws a node of a kind, preferably the latest.
-    fn find(&mut self, fits: impl Fn(Kind) -> bool) -> Option<usize> {
+    pub(super) fn find(&mut self, fits: impl Fn(Kind) -> bool) -> Option<usize> {
         let all: Vec<usize> = (0..self.nodes.len()).filter(|&node| fits(self.nodes[node].1)).collect();
         let latest = &all[all.len().saturating_sub(1)..];
         let from = if self.random.random_bool(self.latest) { latest } else { &all[..] };
         from.choose(self.random).copied()
     }
 
-    fn color(&mut self) -> Arg {
+    pub(super) fn kind(&self, node: usize) -> Kind {
+        self.nodes[node].1
+    }
+
+    pub(super) fn color(&mut self) -> Arg {
         let literal = self.palette.choose(self.random).copied().unwrap_or_default();
         match self.find(|kind| kind == Kind::Color) {
             Some(node) if self.random.random_bool(0.7) => Arg::Node(node),
@@ -190,11 +227,11 @@ impl<R: Rng> Drawing<'_, R> {
         }
     }
 
-    fn colors(&mut self, count: usize) -> Vec<Arg> {
+    pub(super) fn colors(&mut self, count: usize) -> Vec<Arg> {
         (0..count).map(|_| self.color()).collect()
     }
 
-    fn mask(&mut self) -> Arg {
+    pub(super) fn mask(&mut self) -> Arg {
         let literals = [0.0, 1.0, 0.5, 0.25, 0.625, 2f64.powi(-24), 2f64.powi(-149), 0.5 - 2f64.powi(-25)];
         let literal = literals.choose(self.random).copied().unwrap_or(0.5);
         match self.find(|kind| kind == Kind::Mask) {
@@ -207,7 +244,7 @@ impl<R: Rng> Drawing<'_, R> {
         (0..self.random.random_range(2..5)).map(|_| self.mask()).collect()
     }
 
-    fn scalar(&mut self) -> Arg {
+    pub(super) fn scalar(&mut self) -> Arg {
         match self.find(|kind| kind == Kind::Field) {
             Some(node) if self.random.random_bool(0.6) => Arg::Node(node),
             _ => self.mask(),
@@ -227,7 +264,7 @@ impl<R: Rng> Drawing<'_, R> {
         places
     }
 
-    fn node(&mut self) -> (Op, Kind) {
+    pub(super) fn node(&mut self) -> (Op, Kind) {
         match self.random.random_range(0..16) {
             0..4 => (Op::Mix { a: self.color(), b: self.color(), t: self.mask() }, Kind::Color),
             4 | 5 => (self.blend(), Kind::Color),

@@ -4,7 +4,9 @@
 //! more than the bound of [`bound`]; buffers and files give the same bits; and so do all settings.
 
 mod bound;
+mod certified;
 mod draw;
+mod more;
 mod one_plan;
 mod pixels;
 mod refused;

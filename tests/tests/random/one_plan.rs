@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use trochoid::{Account, Buffers, Cache, Certifier, CheckedGraph, Plan, Settings, Silent, Switches};
 
 /// What a plan does with each node, in words, by the node's new name.
-fn accounts(
+pub(super) fn accounts(
     graph: &CheckedGraph,
     outputs: &[&str],
     settings: &Settings,
@@ -31,7 +31,7 @@ fn accounts(
 }
 
 /// Bits of the pictures, and of the bounds of their errors, by output.
-fn results(graph: &CheckedGraph) -> BTreeMap<String, [Vec<Vec<u32>>; 2]> {
+pub(super) fn results(graph: &CheckedGraph) -> BTreeMap<String, [Vec<Vec<u32>>; 2]> {
     let frame = evaluate(graph, FRAME, &Buffers::new(), &settings(|_| ()));
     let certifier = Certifier::new(graph, &[], FRAME, &[], &settings(|_| ())).unwrap();
     let certified = certifier.certify(&Buffers::new(), &mut Cache::new(), &Silent).unwrap();

@@ -6,7 +6,7 @@ use trochoid::{Buffers, CheckedGraph};
 
 pub(crate) const WIDTH: usize = 16;
 pub(crate) const HEIGHT: usize = 3;
-const AREA: usize = WIDTH * HEIGHT;
+pub(super) const AREA: usize = WIDTH * HEIGHT;
 
 /// Values of fields and thresholds.
 pub(crate) const FIELDS: [f32; 16] = [
@@ -46,8 +46,11 @@ const MASKS: [f32; 12] = [
 pub(crate) const COLORS: [f32; 12] =
     [0.0, -0.0, 1e-45, 1e-40, f32::MIN_POSITIVE, 0.18, 1.0, 1.0f32.next_up(), 2.5, 65504.0, f32::MAX / 4.0, f32::MAX];
 
-/// The inputs of a graph: name, kind in the document, channels.
-pub(crate) const INPUTS: [(&str, &str, usize); 8] = [
+/// An input of a graph: name, kind in the document, channels.
+pub(crate) type Input = (&'static str, &'static str, usize);
+
+/// The inputs of every graph.
+pub(crate) const INPUTS: [Input; 8] = [
     ("f0", "field", 1),
     ("f1", "field", 1),
     ("m0", "weights", 1),
@@ -58,10 +61,14 @@ pub(crate) const INPUTS: [(&str, &str, usize); 8] = [
     ("c2", "color", 3),
 ];
 
+/// Inputs of graphs that only read files: weights with sums that are off, and data that is repaired.
+pub(crate) const MORE: [Input; 5] =
+    [("p2", "weights", 2), ("w5", "weights", 5), ("xf", "field", 1), ("xw", "weights", 3), ("xc", "color", 3)];
+
 /// The planes of all inputs.
 pub(crate) struct Pixels {
     /// Channel name, such as `c0_1`, and its samples.
-    planes: Vec<(String, Vec<f32>)>,
+    pub(super) planes: Vec<(String, Vec<f32>)>,
 }
 
 impl Pixels {

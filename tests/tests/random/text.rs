@@ -1,16 +1,16 @@
 //! Text of a generated graph as a document.
 
 use super::draw::{Arg, Kind, Op};
-use super::pixels::INPUTS;
+use super::pixels::{INPUTS, MORE};
 use rand::{Rng, RngExt};
 
-/// Returns the document; some numbers and colors are keyed such that frame 2 has the value drawn.
+/// Returns the document, given its format, what outputs have beside their nodes, and the file of its passes; some
+/// numbers and colors are keyed such that frame 2 has the value drawn.
 pub(crate) fn text(
     nodes: &[(Op, Kind)],
     disabled: &[bool],
     outputs: &[usize],
-    (width, height): (usize, usize),
-    file: &str,
+    [format, output_text, file]: [&str; 3],
     random: &mut impl Rng,
 ) -> String {
     let list: Vec<String> = nodes
@@ -25,12 +25,16 @@ pub(crate) fn text(
     let outputs: Vec<String> = outputs
         .iter()
         .map(|&output| {
-            let key = if nodes[output].1 == Kind::Color { "color" } else { "weights" };
-            format!(r#""out{output}": {{ "{key}": "{}" }}"#, name(nodes, output))
+            let key = match nodes[output].1 {
+                Kind::Color => "color",
+                Kind::Field => "field",
+                Kind::Mask | Kind::Weights(_) => "weights",
+            };
+            format!(r#""out{output}": {{ "{key}": "{}"{output_text} }}"#, name(nodes, output))
         })
         .collect();
     format!(
-        "{{ \"trochoid\": 1, \"format\": {{ \"width\": {width}, \"height\": {height} }},\n\"nodes\": {{\n{} }},\n\"outputs\": {{ {} }} }}",
+        "{{ \"trochoid\": 1, \"format\": {{ {format} }},\n\"nodes\": {{\n{} }},\n\"outputs\": {{ {} }} }}",
         list.join(",\n"),
         outputs.join(", ")
     )
@@ -65,9 +69,13 @@ fn body(op: &Op, nodes: &[(Op, Kind)], file: &str, random: &mut impl Rng) -> Str
     let mut one = |a: &Arg| arg(a, nodes, random);
     match op {
         Op::Input(name) => {
-            let (_, kind, channels) = INPUTS.iter().find(|input| input.0 == *name).unwrap();
+            let (_, kind, channels) = INPUTS.iter().chain(&MORE).find(|input| input.0 == *name).unwrap();
             let channels: Vec<String> = (0..*channels).map(|channel| format!(r#""{name}_{channel}""#)).collect();
-            format!(r#""type": "Read", "file": "{file}", "as": "{kind}", "channels": [{}]"#, channels.join(", "))
+            let repair = if name.starts_with('x') { r#", "repair": true"# } else { "" };
+            format!(
+                r#""type": "Read", "file": "{file}", "as": "{kind}", "channels": [{}]{repair}"#,
+                channels.join(", ")
+            )
         }
         Op::Mix { a, b, t } => {
             format!(r#""type": "Mix", "a": {}, "b": {}, "weight": {}"#, one(a), one(b), one(t))
@@ -105,6 +113,11 @@ fn body(op: &Op, nodes: &[(Op, Kind)], file: &str, random: &mut impl Rng) -> Str
         Op::Normalize { fields, floor } => {
             let fields: Vec<String> = fields.iter().map(&mut one).collect();
             format!(r#""type": "Normalize", "fields": [{}], "floor": {floor:?}"#, fields.join(", "))
+        }
+        Op::Other(pieces, args) => {
+            let between = args.iter().map(&mut one).chain([String::new()]);
+            // Textures read the file of the passes, too.
+            pieces.iter().zip(between).map(|(piece, arg)| piece.replace("FILE", file) + &arg).collect()
         }
         Op::Invert(mask) => format!(r#""type": "Invert", "weight": {}"#, one(mask)),
         Op::Stack(masks) | Op::Multiply(masks) | Op::Screen(masks) => {
