@@ -185,10 +185,9 @@ impl Reading<'_> {
                 if let Some(exact) = exact.filter(|_| grid.has_row(y)) {
                     let stored: Vec<&[f32]> = lines[..made.at.len()].iter().map(|line| &line[..]).collect();
                     for (plane, line) in planes.iter_mut().zip(exact(&stored)) {
-                        plane
-                            .exact
-                            .iter_mut()
-                            .for_each(|plane| plane.extend(grid.across.kept.iter().map(|x| line[*x])));
+                        if let Some(exact) = &mut plane.exact {
+                            exact.extend(grid.across.kept.iter().map(|x| line[*x]));
+                        }
                     }
                 }
                 let mut pieces: Vec<&mut [f32]> = lines.iter_mut().map(|line| &mut line[..]).collect();

@@ -2,6 +2,7 @@
 
 mod changes;
 mod forgeries;
+mod signatures;
 
 use super::image::StoredImage;
 use super::*;
@@ -33,6 +34,20 @@ const DOCUMENT: &str = r##"{ "trochoid": 1, "format": { "width": 70, "height": 6
     "mask": { "weights": "soft", "file": "mask.####.exr" },
     "three": { "weights": "three", "file": "three.####.exr" },
     "wave": { "field": "wave", "file": "three.####.exr" } } }"##;
+
+/// Half a sky over a flat sea, without and with waves: depths that are infinite, colors, and weights of three.
+const SKY: &str = r##"{ "trochoid": 1, "format": { "width": 24, "height": 16, "samples": 4 },
+  "nodes": {
+    "camera": { "type": "Camera", "position": [0, 3, 10], "target": [0, 3, 0], "fov": 50 },
+    "depth": { "type": "Depth", "view": "view" },
+    "far": { "type": "Clamp", "field": "depth", "min": 5, "max": 60 },
+    "mix": { "type": "Mix", "a": "#102040", "b": "#f8f0d0", "weight": "far" },
+    "sea": { "type": "GerstnerSea", "count": 0 },
+    "view": { "type": "Render", "camera": "camera", "surfaces": ["sea"] }
+  },
+  "outputs": {
+    "beauty": { "color": "mix", "file": "beauty.exr" },
+    "depth": { "field": "depth", "file": "depth.exr" } } }"##;
 
 /// Folder with a document and its rendered files.
 struct Studio {
