@@ -152,3 +152,23 @@ fn files_are_opened_in_one_place() {
     let gone: Vec<_> = allowed.difference(&found).collect();
     assert!(gone.is_empty(), "these no longer open files, and need no exception: {gone:?}");
 }
+
+/// The evaluator of the manuals judges what it computes itself: only `manual/mod.rs`, which compares, uses Trochoid or
+/// other modules of the tests.
+#[test]
+fn the_evaluator_of_the_manuals_shares_no_code() {
+    let mut files = Vec::new();
+    sources(&root().join("tests/tests/manual"), &mut files);
+    assert!(files.len() > 10, "{} files", files.len());
+    for (place, text) in files.iter().filter(|(place, _)| !place.ends_with("/mod.rs")) {
+        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+        for line in code {
+            let foreign =
+                ["trochoid_", "trochoid::", "crate::", "include!", "extern"].iter().find(|word| line.contains(**word));
+            assert!(foreign.is_none(), "{place} uses {foreign:?}: {line}");
+            let used = line.trim_start().strip_prefix("use ").map(|used| used.split("::").next().unwrap());
+            let allowed = ["super", "std", "rand", "rand_pcg", "serde_json"];
+            assert!(used.is_none_or(|used| allowed.contains(&used)), "{place} uses {used:?}");
+        }
+    }
+}

@@ -25,6 +25,7 @@ mod keeping;
 mod library;
 mod light_paths;
 mod lines;
+mod manual;
 mod memory;
 mod merging;
 mod painter;

@@ -8,11 +8,12 @@ use trochoid_scene::shading::fresnel;
 /// A mask of the fraction of light that the surface reflects, which grows toward grazing angles.
 ///
 /// # Formula
-/// F₀ + (1 − F₀)(1 − cos θ)⁵ with F₀ = ((η − 1)/(η + 1))²; cos θ = N · V, or H · V if `cosine` is half
+/// F₀ + (1 − F₀)(1 − cos θ)⁵ with F₀ = ((η − 1)/(η + 1))²; cos θ = N · V, or, if `cosine` is half, H · V,
+/// times the intensity of the light at this point
 ///
 /// # Edge cases
 /// 0 where no surface is seen. With `cosine` view, 1 where the surface faces away from the eye. η = 1 reflects at
-/// grazing angles only.
+/// grazing angles only. Where light and eye are in opposite directions, H · V is 0.
 ///
 /// # Source
 /// Thesis 3.2.3.3; Schlick, An Inexpensive BRDF Model for Physically-based Rendering, 1994.

@@ -11,7 +11,8 @@ use trochoid_scene::shading::blinn;
 ///
 /// # Formula
 /// half: (N · H)ˢ, computed as exp(s · log1p(−½|N − H|²)), with H halfway between light and eye. reflection: (R · V)ˢ.
-/// s = `shininess`, reduced where waves smaller than the pixel footprint were filtered out.
+/// s = `shininess`/(1 + m·`shininess`·σ²), with m = ½ (half) or 2 (reflection), and σ² the slope variance of waves
+/// smaller than the pixel footprint, which were filtered out. Times the intensity of the light at this point.
 ///
 /// # Edge cases
 /// 0 where no surface is seen, where the surface faces away from the light, and where light and eye are in opposite

@@ -18,7 +18,7 @@ use trochoid_image::{Format, Window};
 /// by bend·a² where the flow turns: w = opacity · min(1, 2.2(1 − a²)(1 − b²)) · (1 − 0.55·bristle·(1 − hair)) · (1 −
 /// 0.8·bristle·max(a, 0)·hair), hair(b) in [0, 1]. Seeds are the points of square grids on the surface at rest, one per
 /// cell of side 2^ℓ, taken from the two levels ℓ nearest to one point per `spacing`² pixels; the levels fade into each
-/// other.
+/// other. Everything else about strokes is under Definitions in the book.
 ///
 /// # Edge cases
 /// Seeds are fixed on the surface, so strokes move with it and neither boil nor swim; where no surface is seen, they

@@ -16,10 +16,11 @@ use trochoid_sea::{
 /// hand.
 ///
 /// # Formula
-/// θ = k(d · p₀) − ωt + φ;  x −= h·d·sin θ,  y += a·cos θ.  a ∝ L, scaled so that 4 × RMS of the sum is `height`; ω =
-/// √(gk). Waves too short for a pixel fade by exp(−(kσ)²/2), σ = footprint/2. A group's waves have k = d(2π/L +
-/// p/`along`) + e·q/`across`, |p|, |q| ≤ 1.8, a ∝ exp(−(p² + q²)/2), Σa = `height`, and their crests meet at its
-/// focus.
+/// θ = k(d · p₀) − ωt + φ;  (x, z) −= h·d·sin θ,  y += a·cos θ.  a ∝ L, scaled so that 4 × RMS of the sum is `height`;
+/// ω = √(gk). h = `sharpness`/k for a wave set by hand; for n random ones, h = q/k with q =
+/// `sharpness`·√(2/n)/min(√(2n), 2.5). Waves too short for a pixel fade by exp(−(kσ)²/2), σ = footprint/2. A group's
+/// waves have k = d(2π/L + p/`along`) + e·q/`across`, |p|, |q| ≤ 1.8, a ∝ exp(−(p² + q²)/2), Σa = `height`, and their
+/// crests meet at its focus. How waves are drawn at random, and what a footprint is: see Definitions in the book.
 ///
 /// # Edge cases
 /// `count` 0 without `waves` and `groups` is a flat sea. Sharpness 0 gives a sum of sinusoids; above 1, crests fold

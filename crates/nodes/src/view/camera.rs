@@ -8,7 +8,7 @@ use trochoid_scene as scene;
 ///
 /// # Formula
 /// The ray of a pixel leaves `position` through the picture plane; `fov` is the horizontal angle. Orthographic rays
-/// are parallel, and the picture is `height` meters high.
+/// are parallel, and the picture is `height` meters high. Exactly: see Definitions in the book.
 ///
 /// # Edge cases
 /// If position and target are equal, the camera looks along −Z. If it looks straight up or down, −Z or +Z points up in

@@ -14,8 +14,9 @@ use trochoid_scene::DVec3;
 ///
 /// # Edge cases
 /// 0 where nothing is seen, and where no neighboring pixel sees the same surface. Changes are taken over `reach`
-/// pixels to both sides, so the footprint grows with distance, and finer bends are smoothed away. Where one wave
-/// stands in front of another, the jump in position gives nearly 0.
+/// pixels to both sides, so the footprint grows with distance, and finer bends are smoothed away; if only one of two
+/// neighbors sees the same surface, to that side alone. Where one wave stands in front of another, the jump in position
+/// gives nearly 0. It is 0 where EG − F² ≤ 10⁻⁶·EG.
 ///
 /// # Source
 /// Weingarten's equations; do Carmo, Differential Geometry of Curves and Surfaces, 3-3.

@@ -9,7 +9,8 @@ use trochoid_graph::*;
 /// N/|N|
 ///
 /// # Edge cases
-/// (0, 1, 0) where nothing is seen or the normal is degenerate.
+/// (0, 1, 0) where nothing is seen or the normal is degenerate. The normal of a sea points into the air, also in folds,
+/// and that of an open model toward the eye.
 ///
 /// # Source
 /// The standard normal pass.

@@ -10,7 +10,8 @@ use trochoid_scene as scene;
 /// A view of surfaces from a camera, sample by sample, to the horizon.
 ///
 /// # Formula
-/// Each sample sees the nearest surface along its ray. Only the channels requested by passes are computed.
+/// Each sample sees the nearest surface along its ray. Only the channels requested by passes are computed. Where
+/// samples lie, what a ray is, and to which side normals point: see Definitions in the book.
 ///
 /// # Edge cases
 /// Where nothing is seen, coverage is 0, depth +∞, the normal (0, 1, 0), the surface −1, and everything else 0.

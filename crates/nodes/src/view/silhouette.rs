@@ -15,9 +15,10 @@ use trochoid_scene::shading::unit_or_up;
 /// round edge e falls like the root of the distance.
 ///
 /// # Edge cases
-/// Where nothing is seen, the mask is 0 and e is 1. ∇ uses the neighboring pixels that see the same surface; without
-/// any, or where e² does not change, a line is drawn only where e = 0. Ramp 0 is a hard cutoff. Toward the horizon,
-/// all faces of a sea are seen edge-on, and the line thickens accordingly.
+/// Where nothing is seen, the mask is 0 and e is 1. ∇ is half the difference between the two neighboring pixels on an
+/// axis, or the difference to the one that sees the same surface; without any, or where e² does not change, a line is
+/// drawn only where e = 0. Ramp 0 is a hard cutoff. Toward the horizon, all faces of a sea are seen edge-on, and the
+/// line thickens accordingly.
 ///
 /// # Source
 /// Toon shading by thresholds: edge = max(0, n · v), black below 0.01, or by a one-dimensional ramp: connect `edge` to

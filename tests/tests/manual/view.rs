@@ -1,0 +1,218 @@
+//! What a camera sees at a place: "What is seen" of the definitions.
+
+use super::camera::{Camera, Place, point};
+use super::document::{Document, list, number, three};
+use super::first_hit::first_hit;
+use super::sea::Sea;
+use super::vector::{Vector, cross, dot, length, minus, plus, times, unit};
+use serde_json::Value as Json;
+
+/// What a sample sees; with the values that the manuals give for nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    /// Index of the surface among those of the view; −1 for none.
+    pub(super) surface: f64,
+    pub(super) depth: f64,
+    pub(super) position: Vector,
+    pub(super) normal: Vector,
+    pub(super) rest: Vector,
+    pub(super) height: f64,
+    pub(super) uv: [f64; 2],
+    pub(super) slope_variance: f64,
+    pub(super) jacobian: f64,
+    /// Whether the sample is so close to a contour that what it sees is open.
+    pub(super) is_near_contour: bool,
+}
+
+impl Seen {
+    const NOTHING: Self = Self {
+        surface: -1.0,
+        depth: f64::INFINITY,
+        position: [0.0; 3],
+        normal: [0.0, 1.0, 0.0],
+        rest: [0.0; 3],
+        height: 0.0,
+        uv: [0.0; 2],
+        slope_variance: 0.0,
+        jacobian: 1.0,
+        is_near_contour: false,
+    };
+
+    pub(super) fn is_something(&self) -> bool {
+        self.surface >= 0.0
+    }
+}
+
+/// A view: a camera and surfaces.
+pub(super) struct View {
+    pub(super) camera: Camera,
+    pub(super) surfaces: Vec<Surface>,
+}
+
+pub(super) enum Surface {
+    Sea(Sea),
+    /// A flat patch: a corner, and the sides to two others.
+    Sail([Vector; 3]),
+}
+
+impl View {
+    pub(super) fn new(node: &Json, document: &Document) -> Self {
+        let wired = |source: &Json| document.node(document.wire(source).unwrap().0);
+        let surface = |source| {
+            let node = wired(source);
+            if node["type"] == "GerstnerSea" {
+                return Surface::Sea(Sea::new(node, document.time));
+            }
+            let points = list(&list(node, "patches")[0], "points").iter().map(|point| three(point, "at", [0.0; 3]));
+            let [a, b, c]: [Vector; 3] = points.take(3).collect::<Vec<_>>().try_into().unwrap();
+            Surface::Sail([a, minus(b, a), minus(c, a)])
+        };
+        Self {
+            camera: Camera::new(wired(&node["camera"]), document),
+            surfaces: list(node, "surfaces").iter().map(surface).collect(),
+        }
+    }
+
+    pub(super) fn see(&self, document: &Document, place: Place) -> Seen {
+        let ray = self.camera.ray(point(document, place));
+        let mut found = (f64::INFINITY, Seen::NOTHING);
+        let mut contour = false;
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let (distance, mut seen) = match surface {
+                Surface::Sea(sea) => {
+                    let first = first_hit(sea, &self.camera, &ray);
+                    contour |= first.is_near_contour;
+                    let Some((distance, rest, sum)) = first.hit else { continue };
+                    let (normal, position) = (sum.normal(), sum.point);
+                    let air = if dot(normal, ray.along) > 0.0 { -1.0 } else { 1.0 };
+                    let seen = Seen {
+                        depth: self.camera.depth(position),
+                        position,
+                        normal: times(air, unit(normal)),
+                        rest: [rest[0], sea.level, rest[1]],
+                        height: position[1] - sea.level,
+                        uv: rest,
+                        slope_variance: sum.slope_variance,
+                        jacobian: normal[1],
+                        ..Seen::NOTHING
+                    };
+                    (distance, seen)
+                }
+                Surface::Sail([corner, across, down]) => {
+                    let normal = cross(*across, *down);
+                    let distance = dot(minus(*corner, ray.from), normal) / dot(ray.along, normal);
+                    let position = ray.at(distance);
+                    let within = minus(position, *corner);
+                    // Shares of the two sides.
+                    let area = dot(normal, normal);
+                    let u = dot(cross(within, *down), normal) / area;
+                    let v = dot(cross(*across, within), normal) / area;
+                    contour |= distance > 0.0 && [u, v].iter().any(|x| x.abs() < 1e-9 || (x - 1.0).abs() < 1e-9);
+                    if distance <= 0.0 || !(0.0..=1.0).contains(&u) || !(0.0..=1.0).contains(&v) {
+                        continue;
+                    }
+                    let toward = if dot(normal, ray.along) > 0.0 { -1.0 } else { 1.0 };
+                    let seen = Seen {
+                        depth: self.camera.depth(position),
+                        position,
+                        normal: times(toward, unit(normal)),
+                        rest: position,
+                        height: position[1],
+                        uv: [u, v],
+                        ..Seen::NOTHING
+                    };
+                    (distance, seen)
+                }
+            };
+            seen.surface = index as f64;
+            contour |= (distance - found.0).abs() < 1e-5;
+            if distance < found.0 {
+                found = (distance, seen);
+            }
+        }
+        found.1.is_near_contour = contour;
+        found.1
+    }
+}
+
+/// A light, by its JSON.
+pub(super) struct Light {
+    kind: Kind,
+    /// The direction of a directional light, the position of another one.
+    at: Vector,
+    target: Vector,
+    angle: f64,
+    soft: f64,
+}
+
+#[derive(PartialEq)]
+enum Kind {
+    Directional,
+    Point,
+    Spot,
+}
+
+impl Light {
+    pub(super) fn new(node: &Json) -> Self {
+        let three = |key, default| three(node, key, default);
+        let (kind, at) = match node["kind"].as_str() {
+            Some("point") => (Kind::Point, three("position", [0.0, 10.0, 0.0])),
+            Some("spot") => (Kind::Spot, three("position", [0.0, 10.0, 0.0])),
+            _ => (Kind::Directional, three("direction", [0.3, 1.0, 0.5])),
+        };
+        let degrees = |key, default| number(node, key, default).to_radians();
+        Self { kind, at, target: three("target", [0.0; 3]), angle: degrees("angle", 30.0), soft: degrees("soft", 5.0) }
+    }
+
+    /// Returns the direction to the light from a point, and how much of it arrives.
+    fn toward(&self, point: Vector) -> (Vector, f64) {
+        if self.kind == Kind::Directional {
+            return (unit(self.at), 1.0);
+        }
+        let direction = unit(minus(self.at, point));
+        if self.kind == Kind::Point {
+            return (direction, 1.0);
+        }
+        let axis = unit(minus(self.target, self.at));
+        let away = times(-1.0, direction);
+        let off = length(cross(axis, away)).atan2(dot(axis, away));
+        let t = ((self.angle - off) / self.soft).clamp(0.0, 1.0);
+        (direction, t * t * (3.0 - 2.0 * t))
+    }
+}
+
+/// Returns the mask of several lights at a point, each by a function of its direction.
+pub(super) fn lit(node: &Json, lights: &[Light], point: Vector, of: impl Fn(Vector) -> f64) -> f64 {
+    let masks = lights.iter().map(|light| {
+        let (direction, intensity) = light.toward(point);
+        intensity * of(direction)
+    });
+    let masks: Vec<f64> = masks.collect();
+    match node["combine"].as_str() {
+        Some("max") => masks.into_iter().fold(0.0, f64::max),
+        Some("mean") => masks.iter().sum::<f64>() / masks.len() as f64,
+        _ => 1.0 - masks.iter().map(|mask| 1.0 - mask).product::<f64>(),
+    }
+}
+
+/// (N · H)ˢ or (R · V)ˢ, with s widened by waves that were filtered out.
+pub(super) fn highlight(node: &Json, seen: &Seen, light: Vector, eye: Vector) -> f64 {
+    let (n, s) = (seen.normal, number(node, "shininess", 60.0));
+    if dot(n, light) <= 0.0 {
+        return 0.0;
+    }
+    let (cosine, widening) = if node["model"] == "reflection" {
+        let mirrored = minus(times(2.0 * dot(n, light), n), light);
+        (dot(mirrored, eye), 2.0)
+    } else {
+        (dot(n, unit(plus(light, eye))), 0.5)
+    };
+    cosine.max(0.0).powf(s / (1.0 + widening * s * seen.slope_variance))
+}
+
+/// F₀ + (1 − F₀)(1 − cos θ)⁵.
+pub(super) fn schlick(node: &Json, cosine: f64) -> f64 {
+    let eta = number(node, "eta", 1.333);
+    let least = ((eta - 1.0) / (eta + 1.0)).powi(2);
+    least + (1.0 - least) * (1.0 - cosine.clamp(0.0, 1.0)).powi(5)
+}
