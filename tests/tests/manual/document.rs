@@ -1,6 +1,7 @@
 //! A document's JSON, as far as the evaluator reads it.
 
 use super::camera::Place;
+use super::keys::at_frame;
 use serde_json::Value as Json;
 use std::collections::HashMap;
 
@@ -34,7 +35,7 @@ impl Document {
             is_encoded: json["working_space"] == "srgb",
             time: (frame - first) as f64 / fps,
             names: nodes.keys().cloned().collect(),
-            nodes: nodes.values().cloned().collect(),
+            nodes: nodes.values().map(|node| at_frame(node, frame)).collect(),
             indices: nodes.keys().cloned().zip(0..).collect(),
             outputs: json["outputs"].as_object().unwrap().clone().into_iter().collect(),
         }

@@ -85,6 +85,7 @@ pub(super) fn draw(family: Family, random: &mut Pcg64Mcg) -> Json {
             outputs.insert(name.into(), json!({ kind: node }));
         }
     }
+    draw.key_some();
     json!({
         "trochoid": 1,
         "format": { "width": width, "height": height, "samples": samples, "shading": shading },
@@ -436,5 +437,34 @@ impl Draw<'_> {
         }
         let name = self.node(strokes);
         self.colors.push(name);
+    }
+
+    /// Keys some knobs, whose values then differ from frame to frame by a few percent.
+    fn key_some(&mut self) {
+        const KNOBS: [&str; 9] =
+            ["position", "target", "fov", "roll", "direction", "power", "shininess", "eta", "size"];
+        let mut nodes = std::mem::take(&mut self.nodes);
+        for node in nodes.values_mut().flat_map(Json::as_object_mut) {
+            for (_, value) in node.iter_mut().filter(|(key, _)| KNOBS.contains(&key.as_str())) {
+                let is_number = value.is_number() || value.is_array();
+                if is_number && self.chance(0.2) {
+                    *value = self.keyed(value);
+                }
+            }
+        }
+        self.nodes = nodes;
+    }
+
+    fn keyed(&mut self, value: &Json) -> Json {
+        let keys = [1, 4, 9, 30].map(|frame| {
+            let varied = |draw: &mut Self, number: &Json| number.as_f64().unwrap() * draw.number(1.0, 1.03);
+            let value: Json = match value.as_array() {
+                Some(list) => list.iter().map(|number| varied(self, number)).collect(),
+                None => varied(self, value).into(),
+            };
+            json!([frame, value])
+        });
+        let interpolation = self.pick(&["linear", "hold", "monotone"]);
+        json!({ "keys": keys, "interpolation": interpolation })
     }
 }
