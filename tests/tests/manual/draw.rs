@@ -12,6 +12,8 @@ pub(super) enum Family {
     Flat,
     /// Seas, without or with a sail, their passes, back-end nodes and filters.
     Sea,
+    /// A toon sea, without or with a sail, like seas.
+    Toon,
     /// Strokes over a flat picture.
     Painted,
     /// Strokes on seas.
@@ -47,9 +49,9 @@ pub(super) fn draw(family: Family, random: &mut Pcg64Mcg) -> Json {
         shares: none(),
     };
     draw.coordinates();
-    let has_view = matches!(family, Family::Sea | Family::PaintedSea);
+    let has_view = !matches!(family, Family::Flat | Family::Painted);
     if has_view {
-        draw.world();
+        draw.world(family == Family::Toon);
         draw.passes();
     }
     draw.formulas();
@@ -86,11 +88,13 @@ pub(super) fn draw(family: Family, random: &mut Pcg64Mcg) -> Json {
         }
     }
     draw.key_some();
+    // The same as "literal" only at 60 frames per second.
+    let is_resampled = draw.nodes.values().any(|node| node["mode"] == "resampled");
     json!({
         "trochoid": 1,
         "format": { "width": width, "height": height, "samples": samples, "shading": shading },
         "working_space": space,
-        "frames": { "first": 1, "last": 100, "fps": 24 },
+        "frames": { "first": 1, "last": 100, "fps": if is_resampled { 60 } else { 24 } },
         "nodes": draw.nodes,
         "outputs": outputs
     })
@@ -206,8 +210,33 @@ impl Draw<'_> {
         self.node(sea)
     }
 
+    /// Adds a toon sea, with its rift among the fields.
+    fn toon(&mut self) -> String {
+        let bursts: Vec<Json> = (0..self.random.random_range(1..=3))
+            .map(|_| {
+                let path: Vec<f64> = (0..8).map(|_| self.number(0.0, 10.0)).collect();
+                json!({ "path": path, "duration": self.number(0.5, 4.0), "offset": self.number(0.0, 3.0),
+                    "height": self.number(0.2, 0.9), "peak": self.number(0.5, 1.4), "along": self.number(1.0, 3.0),
+                    "across": self.number(1.0, 3.0), "fade": self.number(0.0, 0.4) })
+            })
+            .collect();
+        let c1 = self.number(0.1, 0.9);
+        let mut sea = json!({ "type": "ToonSea", "mode": self.pick(&["literal", "resampled"]), "columns": 23, "rows": 21, "spacing": 0.45,
+            "x": self.number(-6.0, -4.0), "z": self.number(-7.0, -4.0), "level": self.number(-0.2, 0.2), "c1": c1,
+            "c2": ((0.99 - c1) * self.number(0.3, 1.0)), "boundary": self.pick(&["replicate", "periodic", "fixed"]),
+            "preroll": self.random.random_range(0..40), "oriented": self.chance(0.7), "bursts": bursts,
+            "rift": self.pick(&["sum", "nearest"]), "rift_distance": self.number(0.5, 2.0),
+            "rift_gain": self.number(0.01, 0.2), "rift_decay": self.number(0.0, 0.1) });
+        if self.chance(0.3) {
+            (sea["bursts"][0]["start"], sea["bursts"][0]["end"]) = ((-0.1).into(), 0.1.into());
+        }
+        let rift = self.node(json!({ "type": "Rift", "view": "view" }));
+        self.fields.push(rift);
+        self.node(sea)
+    }
+
     /// Adds camera, lights and surfaces as `camera`, `sun`, `lamp`, `view`.
-    fn world(&mut self) {
+    fn world(&mut self, is_toon: bool) {
         let is_parallel = self.chance(0.2);
         let camera = json!({ "type": "Camera",
             "position": [self.number(-2.0, 2.0), self.number(2.8, 7.0), self.number(8.0, 14.0)],
@@ -223,8 +252,8 @@ impl Draw<'_> {
             "target": [self.number(-2.0, 2.0), 0, self.number(-3.0, 3.0)],
             "angle": self.number(20.0, 50.0), "soft": self.number(5.0, 20.0) });
         self.nodes.insert("lamp".into(), lamp);
-        let mut surfaces = vec![self.sea(0.0)];
-        if self.chance(0.3) {
+        let mut surfaces = vec![if is_toon { self.toon() } else { self.sea(0.0) }];
+        if !is_toon && self.chance(0.3) {
             surfaces.push(self.sea(-0.3));
         }
         if self.chance(0.5) {

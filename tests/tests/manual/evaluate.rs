@@ -42,13 +42,14 @@ pub(super) fn count(counter: &Cell<u64>) {
 const CLOSE: f64 = 1e-6;
 
 /// Nodes that share the value of a pixel's first sample, if their inputs are smooth.
-const SHARING: [&str; 17] = [
+const SHARING: [&str; 18] = [
     "Depth",
     "Height",
     "Normal",
     "Position",
     "Rest",
     "RestDistance",
+    "Rift",
     "UV",
     "ObjectMask",
     "NonSpecular",
@@ -95,8 +96,8 @@ impl<'d> Evaluator<'d> {
 
     /// Returns whether a wire carries a Field, rather than a color, a mask or Weights.
     fn is_field(&self, source: &Json) -> bool {
-        const FIELDS: [&str; 9] =
-            ["FieldMath", "Depth", "Position", "Normal", "Height", "Rest", "RestDistance", "UV", "Curvature"];
+        const FIELDS: [&str; 10] =
+            ["FieldMath", "Depth", "Position", "Normal", "Height", "Rest", "RestDistance", "Rift", "UV", "Curvature"];
         let Some((index, _)) = self.document.wire(source) else { return false };
         let node = self.document.node(index);
         match node["type"].as_str().unwrap() {

@@ -12,13 +12,14 @@ impl Evaluator<'_> {
     pub(super) fn pass(&self, index: usize, place: Place, output: &str) -> Option<Vec<f64>> {
         let node = self.document.node(index);
         let kind = node["type"].as_str().unwrap();
-        const PASSES: [&str; 17] = [
+        const PASSES: [&str; 18] = [
             "Depth",
             "Position",
             "Normal",
             "Height",
             "Rest",
             "RestDistance",
+            "Rift",
             "UV",
             "NonSpecular",
             "Specular",
@@ -52,6 +53,7 @@ impl Evaluator<'_> {
             "Rest" => seen.rest.to_vec(),
             "RestDistance" => vec![length(minus(seen.position, seen.rest))],
             "UV" => seen.uv.to_vec(),
+            "Rift" => vec![seen.rift],
             "Sky" if output != "reflected" => {
                 vec![elevated(node, view().camera.ray(point(self.document, place)).along)]
             }

@@ -4,6 +4,7 @@ use super::camera::{Camera, Place, point};
 use super::document::{Document, list, number, three};
 use super::first_hit::first_hit;
 use super::sea::Sea;
+use super::toon::Toon;
 use super::vector::{Vector, cross, dot, length, minus, plus, times, unit};
 use serde_json::Value as Json;
 
@@ -20,6 +21,7 @@ pub(super) struct Seen {
     pub(super) uv: [f64; 2],
     pub(super) slope_variance: f64,
     pub(super) jacobian: f64,
+    pub(super) rift: f64,
     /// Whether the sample is so close to a contour that what it sees is open.
     pub(super) is_near_contour: bool,
 }
@@ -35,6 +37,7 @@ impl Seen {
         uv: [0.0; 2],
         slope_variance: 0.0,
         jacobian: 1.0,
+        rift: 0.0,
         is_near_contour: false,
     };
 
@@ -51,6 +54,7 @@ pub(super) struct View {
 
 pub(super) enum Surface {
     Sea(Sea),
+    Toon(Toon),
     /// A flat patch: a corner, and the sides to two others.
     Sail([Vector; 3]),
 }
@@ -62,6 +66,9 @@ impl View {
             let node = wired(source);
             if node["type"] == "GerstnerSea" {
                 return Surface::Sea(Sea::new(node, document.time));
+            }
+            if node["type"] == "ToonSea" {
+                return Surface::Toon(Toon::new(node, document.time));
             }
             let points = list(&list(node, "patches")[0], "points").iter().map(|point| three(point, "at", [0.0; 3]));
             let [a, b, c]: [Vector; 3] = points.take(3).collect::<Vec<_>>().try_into().unwrap();
@@ -97,6 +104,24 @@ impl View {
                         ..Seen::NOTHING
                     };
                     (distance, seen)
+                }
+                Surface::Toon(sea) => {
+                    let (hit, is_close) = sea.first(&ray);
+                    contour |= is_close;
+                    let Some(hit) = hit else { continue };
+                    let position = ray.at(hit.distance);
+                    let air = if dot(hit.normal, ray.along) > 0.0 { -1.0 } else { 1.0 };
+                    let seen = Seen {
+                        depth: self.camera.depth(position),
+                        position,
+                        normal: times(air, unit(hit.normal)),
+                        rest: [position[0], sea.level, position[2]],
+                        height: position[1] - sea.level,
+                        uv: [position[0], position[2]],
+                        rift: hit.rift,
+                        ..Seen::NOTHING
+                    };
+                    (hit.distance, seen)
                 }
                 Surface::Sail([corner, across, down]) => {
                     let normal = cross(*across, *down);
