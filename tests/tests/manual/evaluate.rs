@@ -42,7 +42,7 @@ pub(super) fn count(counter: &Cell<u64>) {
 const CLOSE: f64 = 1e-6;
 
 /// Nodes that share the value of a pixel's first sample, if their inputs are smooth.
-const SHARING: [&str; 18] = [
+const SHARING: [&str; 16] = [
     "Depth",
     "Height",
     "Normal",
@@ -59,8 +59,6 @@ const SHARING: [&str; 18] = [
     "CrestFoam",
     "FoldFoam",
     "FieldMath",
-    "Noise",
-    "Scumble",
 ];
 
 /// Nodes with a value of their own at each sample, from which nothing that comes from them shares.

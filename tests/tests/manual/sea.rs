@@ -2,7 +2,7 @@
 
 use super::camera::Camera;
 use super::document::{list, number};
-use super::vector::{Vector, cross};
+use super::vector::{Vector, cross, plus, times};
 use rand::Rng;
 use rand_pcg::Pcg64;
 use serde_json::Value as Json;
@@ -92,12 +92,10 @@ impl Sea {
             let (sin, cos) = (k * (dx * x + dz * z) - wave.frequency * self.time + wave.phase).sin_cos();
             let moved = [-h * dx * sin, a * cos, -h * dz * sin];
             let change = [-h * dx * cos, -a * sin, -h * dz * cos];
-            for axis in 0..3 {
-                sum.point[axis] += left * moved[axis];
-                sum.by_footprint[axis] -= k * k * footprint / 4.0 * left * moved[axis];
-                sum.along_x[axis] += left * k * dx * change[axis];
-                sum.along_z[axis] += left * k * dz * change[axis];
-            }
+            sum.point = plus(sum.point, times(left, moved));
+            sum.by_footprint = plus(sum.by_footprint, times(-k * k * footprint / 4.0 * left, moved));
+            sum.along_x = plus(sum.along_x, times(left * k * dx, change));
+            sum.along_z = plus(sum.along_z, times(left * k * dz, change));
             sum.slope_variance += 0.5 * (a * k) * (a * k) * (1.0 - left * left);
         }
         sum

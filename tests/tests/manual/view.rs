@@ -1,6 +1,6 @@
 //! What a camera sees at a place: "What is seen" of the definitions.
 
-use super::camera::{Camera, Place, point};
+use super::camera::{Camera, Place, Ray, point};
 use super::document::{Document, list, number, three};
 use super::first_hit::first_hit;
 use super::sea::Sea;
@@ -59,104 +59,100 @@ pub(super) enum Surface {
     Sail([Vector; 3]),
 }
 
+/// What a ray meets of a surface first, and whether a contour is too near to tell.
+struct Met {
+    first: Option<(f64, Seen)>,
+    is_near_contour: bool,
+}
+
 impl View {
     pub(super) fn new(node: &Json, document: &Document) -> Self {
         let wired = |source: &Json| document.node(document.wire(source).unwrap().0);
-        let surface = |source| {
-            let node = wired(source);
-            if node["type"] == "GerstnerSea" {
-                return Surface::Sea(Sea::new(node, document.time));
-            }
-            if node["type"] == "ToonSea" {
-                return Surface::Toon(Toon::new(node, document.time));
-            }
-            let points = list(&list(node, "patches")[0], "points").iter().map(|point| three(point, "at", [0.0; 3]));
-            let [a, b, c]: [Vector; 3] = points.take(3).collect::<Vec<_>>().try_into().unwrap();
-            Surface::Sail([a, minus(b, a), minus(c, a)])
-        };
         Self {
             camera: Camera::new(wired(&node["camera"]), document),
-            surfaces: list(node, "surfaces").iter().map(surface).collect(),
+            surfaces: list(node, "surfaces").iter().map(|source| Surface::new(wired(source), document)).collect(),
         }
     }
 
     pub(super) fn see(&self, document: &Document, place: Place) -> Seen {
         let ray = self.camera.ray(point(document, place));
-        let mut found = (f64::INFINITY, Seen::NOTHING);
-        let mut contour = false;
+        let mut nearest = (f64::INFINITY, Seen::NOTHING);
+        let mut is_near_contour = false;
         for (index, surface) in self.surfaces.iter().enumerate() {
-            let (distance, mut seen) = match surface {
-                Surface::Sea(sea) => {
-                    let first = first_hit(sea, &self.camera, &ray);
-                    contour |= first.is_near_contour;
-                    let Some((distance, rest, sum)) = first.hit else { continue };
-                    let (normal, position) = (sum.normal(), sum.point);
-                    let air = if dot(normal, ray.along) > 0.0 { -1.0 } else { 1.0 };
+            let met = surface.meet(&self.camera, &ray);
+            is_near_contour |= met.is_near_contour;
+            let Some((distance, seen)) = met.first else { continue };
+            // Two surfaces that cut each other.
+            is_near_contour |= (distance - nearest.0).abs() < 1e-5;
+            if distance < nearest.0 {
+                nearest = (distance, Seen { surface: index as f64, ..seen });
+            }
+        }
+        Seen { is_near_contour, ..nearest.1 }
+    }
+}
+
+impl Surface {
+    fn new(node: &Json, document: &Document) -> Self {
+        match node["type"].as_str().unwrap() {
+            "GerstnerSea" => Self::Sea(Sea::new(node, document.time)),
+            "ToonSea" => Self::Toon(Toon::new(node, document.time)),
+            _ => {
+                let points = list(&list(node, "patches")[0], "points").iter().map(|point| three(point, "at", [0.0; 3]));
+                let [a, b, c]: [Vector; 3] = points.take(3).collect::<Vec<_>>().try_into().unwrap();
+                Self::Sail([a, minus(b, a), minus(c, a)])
+            }
+        }
+    }
+
+    fn meet(&self, camera: &Camera, ray: &Ray) -> Met {
+        // Cameras are above the water: all normals point to where the ray comes from.
+        let seen = |position: Vector, normal: Vector, level: f64| Seen {
+            depth: camera.depth(position),
+            position,
+            normal: times(if dot(normal, ray.along) > 0.0 { -1.0 } else { 1.0 }, unit(normal)),
+            height: position[1] - level,
+            ..Seen::NOTHING
+        };
+        match self {
+            Self::Sea(sea) => {
+                let met = first_hit(sea, camera, ray);
+                let first = met.hit.map(|(distance, rest, sum)| {
+                    let normal = sum.normal();
                     let seen = Seen {
-                        depth: self.camera.depth(position),
-                        position,
-                        normal: times(air, unit(normal)),
                         rest: [rest[0], sea.level, rest[1]],
-                        height: position[1] - sea.level,
                         uv: rest,
                         slope_variance: sum.slope_variance,
                         jacobian: normal[1],
-                        ..Seen::NOTHING
+                        ..seen(sum.point, normal, sea.level)
                     };
                     (distance, seen)
-                }
-                Surface::Toon(sea) => {
-                    let (hit, is_close) = sea.first(&ray);
-                    contour |= is_close;
-                    let Some(hit) = hit else { continue };
-                    let position = ray.at(hit.distance);
-                    let air = if dot(hit.normal, ray.along) > 0.0 { -1.0 } else { 1.0 };
-                    let seen = Seen {
-                        depth: self.camera.depth(position),
-                        position,
-                        normal: times(air, unit(hit.normal)),
-                        rest: [position[0], sea.level, position[2]],
-                        height: position[1] - sea.level,
-                        uv: [position[0], position[2]],
-                        rift: hit.rift,
-                        ..Seen::NOTHING
-                    };
-                    (hit.distance, seen)
-                }
-                Surface::Sail([corner, across, down]) => {
-                    let normal = cross(*across, *down);
-                    let distance = dot(minus(*corner, ray.from), normal) / dot(ray.along, normal);
-                    let position = ray.at(distance);
-                    let within = minus(position, *corner);
-                    // Shares of the two sides.
-                    let area = dot(normal, normal);
-                    let u = dot(cross(within, *down), normal) / area;
-                    let v = dot(cross(*across, within), normal) / area;
-                    contour |= distance > 0.0 && [u, v].iter().any(|x| x.abs() < 1e-9 || (x - 1.0).abs() < 1e-9);
-                    if distance <= 0.0 || !(0.0..=1.0).contains(&u) || !(0.0..=1.0).contains(&v) {
-                        continue;
-                    }
-                    let toward = if dot(normal, ray.along) > 0.0 { -1.0 } else { 1.0 };
-                    let seen = Seen {
-                        depth: self.camera.depth(position),
-                        position,
-                        normal: times(toward, unit(normal)),
-                        rest: position,
-                        height: position[1],
-                        uv: [u, v],
-                        ..Seen::NOTHING
-                    };
-                    (distance, seen)
-                }
-            };
-            seen.surface = index as f64;
-            contour |= (distance - found.0).abs() < 1e-5;
-            if distance < found.0 {
-                found = (distance, seen);
+                });
+                Met { first, is_near_contour: met.is_near_contour }
+            }
+            Self::Toon(sea) => {
+                let (hit, is_near_contour) = sea.first(ray);
+                let first = hit.map(|hit| {
+                    let [x, y, z] = ray.at(hit.distance);
+                    let (rest, uv) = ([x, sea.level, z], [x, z]);
+                    (hit.distance, Seen { rest, uv, rift: hit.rift, ..seen([x, y, z], hit.normal, sea.level) })
+                });
+                Met { first, is_near_contour }
+            }
+            Self::Sail([corner, across, down]) => {
+                let normal = cross(*across, *down);
+                let distance = dot(minus(*corner, ray.from), normal) / dot(ray.along, normal);
+                let position = ray.at(distance);
+                // Shares of the two sides.
+                let within = minus(position, *corner);
+                let area = dot(normal, normal);
+                let uv = [dot(cross(within, *down), normal) / area, dot(cross(*across, within), normal) / area];
+                let is_met = distance > 0.0 && uv.iter().all(|share| (0.0..=1.0).contains(share));
+                let is_near_contour = distance > 0.0 && uv.iter().any(|x| x.abs() < 1e-9 || (x - 1.0).abs() < 1e-9);
+                let first = is_met.then(|| (distance, Seen { rest: position, uv, ..seen(position, normal, 0.0) }));
+                Met { first, is_near_contour }
             }
         }
-        found.1.is_near_contour = contour;
-        found.1
     }
 }
 
