@@ -16,10 +16,8 @@ impl Evaluator<'_> {
                 let is_box = node["filter"] == "box";
                 let across = kernel(size, is_box);
                 let down = kernel(number(node, "size_y", size), is_box);
-                Some(sum(down
-                    .iter()
-                    .flat_map(|(j, v)| across.iter().map(move |(k, w)| (v * w, (*k, *j))))
-                    .map(|(weight, (k, j))| (weight, at(k, j)))))
+                let weights = down.iter().flat_map(|(j, v)| across.iter().map(move |(k, w)| (*k, *j, v * w)));
+                Some(sum(weights.map(|(k, j, weight)| (weight, at(k, j)))))
             }
             "Warp" => {
                 let reach = number(node, "reach", 32.0);
@@ -41,10 +39,12 @@ fn kernel(size: f64, is_box: bool) -> Vec<(i64, f64)> {
     let radius = if is_box { size.ceil() } else { (4.0 * size).ceil() } as i64;
     let weight = |k: i64| {
         let k = k as f64;
-        match () {
-            () if is_box => (size + 1.0 - k.abs()).min(1.0),
-            () if k == 0.0 => 1.0,
-            () => (-k * k / (2.0 * size * size)).exp(),
+        if is_box {
+            (size + 1.0 - k.abs()).min(1.0)
+        } else if k == 0.0 {
+            1.0
+        } else {
+            (-k * k / (2.0 * size * size)).exp()
         }
     };
     let total: f64 = (-radius..=radius).map(weight).sum();
