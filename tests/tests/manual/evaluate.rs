@@ -13,13 +13,16 @@ pub(super) struct Evaluator<'d> {
     pub(super) document: &'d Document,
     views: RefCell<HashMap<usize, Rc<View>>>,
     /// Values that are known, each with whether it is near a jump.
-    known: RefCell<HashMap<(usize, String, Place), (Vec<f64>, bool)>>,
+    known: RefCell<HashMap<Asked, (Vec<f64>, bool)>>,
     sights: RefCell<HashMap<(usize, Place), Seen>>,
     smooth: RefCell<HashMap<usize, Option<Vec<usize>>>>,
     /// Whether a value on the way was near a jump: a contour, a threshold, the edge of a stroke.
     is_near_jump: Cell<bool>,
     pub(super) counts: Counts,
 }
+
+/// A node, the word behind the dot, and a place.
+type Asked = (usize, String, Place);
 
 /// How often what the tests are about has occurred.
 #[derive(Debug, Default)]

@@ -122,7 +122,7 @@ impl Toon {
             let next = above(at(step as f64));
             if let ([before, Some(here)], Some(next)) = (last, next) {
                 if (here < 0.0) != (next < 0.0) {
-                    let distance = bisected([at((step - 1) as f64), at(step as f64)], &above);
+                    let distance = bisected([at((step - 1) as f64), at(step as f64)], above);
                     let place = cells(ray.at(distance));
                     let [_, dx, dz] = self.between(&self.heights, place);
                     let rift = self.between(&self.rift, place)[0];
