@@ -241,7 +241,7 @@ impl Draw<'_> {
         let camera = json!({ "type": "Camera",
             "position": [self.number(-2.0, 2.0), self.number(2.8, 7.0), self.number(8.0, 14.0)],
             "target": [self.number(-2.0, 2.0), self.number(-1.0, 1.5), self.number(-8.0, 2.0)],
-            "roll": if self.chance(0.3) { self.number(-30.0, 30.0) } else { 0.0 },
+            "roll": if self.chance(0.5) { self.number(-30.0, 30.0) } else { 0.0 },
             "projection": if is_parallel { "orthographic" } else { "perspective" },
             "height": self.number(3.0, 7.0), "fov": self.number(20.0, 65.0) });
         self.nodes.insert("camera".into(), camera);
@@ -294,7 +294,7 @@ impl Draw<'_> {
                 "ramp": self.number(0.05, 0.4) }),
             json!({ "type": "Silhouette", "view": view, "width": self.number(0.5, 2.0) }),
         ];
-        for _ in 0..4 {
+        for _ in 0..5 {
             let node = masks.swap_remove(self.random.random_range(0..masks.len()));
             let is_sky = node["type"] == "Sky";
             let name = self.node(node);
@@ -476,7 +476,7 @@ impl Draw<'_> {
         for node in nodes.values_mut().flat_map(Json::as_object_mut) {
             for (_, value) in node.iter_mut().filter(|(key, _)| KNOBS.contains(&key.as_str())) {
                 let is_number = value.is_number() || value.is_array();
-                if is_number && self.chance(0.2) {
+                if is_number && self.chance(0.35) {
                     *value = self.keyed(value);
                 }
             }
@@ -493,7 +493,7 @@ impl Draw<'_> {
             };
             json!([frame, value])
         });
-        let interpolation = self.pick(&["linear", "hold", "monotone"]);
+        let interpolation = self.pick(&["linear", "hold", "monotone", "monotone"]);
         json!({ "keys": keys, "interpolation": interpolation })
     }
 }
