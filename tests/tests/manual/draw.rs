@@ -34,6 +34,8 @@ struct Draw<'r> {
     colors: Vec<String>,
     /// Weights of three shares.
     shares: Vec<String>,
+    /// Masks of what a view sees, each of which is an output.
+    passes: Vec<String>,
 }
 
 /// Returns a random document.
@@ -47,6 +49,7 @@ pub(super) fn draw(family: Family, random: &mut Pcg64Mcg) -> Json {
         vectors: none(),
         colors: none(),
         shares: none(),
+        passes: none(),
     };
     draw.coordinates();
     let has_view = !matches!(family, Family::Flat | Family::Painted);
@@ -85,6 +88,11 @@ pub(super) fn draw(family: Family, random: &mut Pcg64Mcg) -> Json {
     for (name, kind, node) in shown.into_iter().take(if is_painted { 1 } else { usize::MAX }) {
         if let Some(node) = node {
             outputs.insert(name.into(), json!({ kind: node }));
+        }
+    }
+    if !is_painted {
+        for pass in &draw.passes {
+            outputs.insert(pass.replace('.', "_"), json!({ "weights": pass }));
         }
     }
     draw.key_some();
@@ -292,18 +300,21 @@ impl Draw<'_> {
             json!({ "type": "ObjectMask", "view": view, "indices": [1] }),
             json!({ "type": "Silhouette", "view": view, "cutoff": self.number(0.05, 0.4),
                 "ramp": self.number(0.05, 0.4) }),
-            json!({ "type": "Silhouette", "view": view, "width": self.number(0.5, 2.0) }),
         ];
-        for _ in 0..5 {
-            let node = masks.swap_remove(self.random.random_range(0..masks.len()));
+        // It looks at more pixels.
+        if self.chance(0.3) {
+            masks.push(json!({ "type": "Silhouette", "view": view, "width": self.number(0.5, 2.0) }));
+        }
+        for node in masks {
             let is_sky = node["type"] == "Sky";
             let name = self.node(node);
             if is_sky {
-                self.masks.push(format!("{name}.reflected"));
+                self.passes.push(format!("{name}.reflected"));
             }
-            self.masks.push(name);
+            self.passes.push(name);
         }
-        self.masks.push("view.coverage".into());
+        self.passes.push("view.coverage".into());
+        self.masks.extend(self.passes.clone());
         let depth = self.node(json!({ "type": "Depth", "view": view }));
         let near = self.number(4.0, 8.0);
         let far = near + self.number(4.0, 20.0);
