@@ -48,7 +48,7 @@ pub(super) fn page(report: &Report<'_>) -> Outcome<String> {
         &format!(
             "The cost of each of the settings, and how far its pixels can be (certified) and are (measured){pixels} from \
              the f64 reference, where no sample is ambiguous; lower and farther left is better. Lines across reach from \
-             the shortest to the longest of all runs. Lines up and down are intervals of the error that 99 % of all \
+             the shortest to the longest of all runs. Lines up and down are intervals of the error that 90 % of all \
              pixels do not exceed, with ambiguous samples."
         ),
         &plot(report, plots::time(report)?, "Error against time"),

@@ -12,9 +12,9 @@ const LABEL: usize = 28;
 const NUMBER: usize = 10;
 const WIDTH: usize = 100;
 /// Widths of places, of quantiles and of shares with their intervals.
-const PLACE: usize = 14;
-const QUANTILE: usize = 26;
-const SHARE: usize = 28;
+const PLACE: usize = 13;
+const QUANTILE: usize = 31;
+const SHARE: usize = 26;
 /// Number of savings that are listed.
 const SAVINGS: usize = 3;
 
@@ -22,8 +22,10 @@ const SAVINGS: usize = 3;
 pub(super) fn table(report: &Report<'_>) -> String {
     let ladder = report.ladder;
     let format = ladder.format;
-    let mut text: String =
-        report.summary().iter().map(|sentence| wrap(&printable(&format!("{sentence}\n")), 0)).collect();
+    let mut text = String::new();
+    for sentence in report.summary() {
+        text.push_str(&wrap(&printable(&sentence), 0));
+    }
     let samples = count(format.samples() as usize, "sample");
     let size = format!("{} × {} pixels, {samples}", format.width(), format.height());
     let facts = format!("{}: frame {}, {size}, {}", report.scene, ladder.frame, count(ladder.threads, "thread"));
