@@ -245,7 +245,7 @@ impl<'a> Report<'a> {
         if ladder.is_whole {
             return None;
         }
-        let mut left = vec!["the bounds of all pixels, as a map".to_owned()];
+        let mut left = vec!["the bounds of all pixels with their map".to_owned()];
         let nodes = ladder.savings.iter().filter(|saving| saving.is_node).count();
         if nodes > 0 {
             left.push(format!("the time saved by leaving out {}", count(nodes, "node")));

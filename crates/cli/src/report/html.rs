@@ -83,8 +83,11 @@ pub(super) fn page(report: &Report<'_>) -> Outcome<String> {
         section(
             &mut page,
             "Error by pass",
-            "The share of each pass: how much the bound falls, averaged over pixels without ambiguous samples, if only \
-             this pass has no errors of its own.",
+            &format!(
+                "The share of each pass: how much the bound falls, averaged over a few pixels without ambiguous samples, \
+                 if only this pass has no errors of its own. Sums are in units of {}.",
+                report.space.name()
+            ),
             &figure(&svg, "Error by pass"),
         );
     }
@@ -165,7 +168,7 @@ fn maps(report: &Report<'_>) -> Outcome<String> {
     let below = match &scale {
         Some(scale) => figure(&plots::bar(scale)?, "Scale of errors"),
         None if mapped().next().is_some() => "<p>All bounds are 0.</p>".into(),
-        None => "<p>Left to <code>--whole</code>: the bounds of all pixels, as a map.</p>".into(),
+        None => "<p>Left to <code>--whole</code>: the bounds of all pixels with their map.</p>".into(),
     };
     Ok(format!("<div class=\"pictures\">\n{all}</div>\n{below}"))
 }
