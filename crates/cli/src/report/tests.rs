@@ -133,7 +133,7 @@ fn what_holds_at_some_pixels_is_said_to_do_so_wherever_it_stands() {
         "16 of 576 pixels were drawn, one in each of as many equal parts of the picture, and 16 of the ",
         // 1 − 0.025^(1/16)
         "What holds at all of them fails at no more than 20.6 % of the picture's pixels, with a confidence of 95 %.",
-        "Left to --whole: the bounds of all pixels with their map, the time saved by leaving out 2 nodes and the time over",
+        "Left to --whole: the bounds of all pixels with their map, the time saved by leaving out 1 node and the time over",
     ] {
         assert!(says(words), "no \"{words}\" in {summary:?}");
     }
