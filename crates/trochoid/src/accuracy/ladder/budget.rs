@@ -149,6 +149,8 @@ pub(super) fn doublings(count: usize, new: usize, seconds: f64, left: Option<f64
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may panic")]
+
     use super::*;
     use std::sync::Mutex;
     use trochoid_engine::Silent;

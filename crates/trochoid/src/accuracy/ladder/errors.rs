@@ -141,6 +141,8 @@ pub(super) fn distance(value: f64, truth: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may panic")]
+
     use super::*;
 
     fn known(x: i64, display: f64, is_clear: bool) -> Known {

@@ -210,6 +210,8 @@ fn median_ratio(draws: &[usize], bounds: &[Known], errors: &[Known]) -> Option<f
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may panic")]
+
     use super::super::looked::SettingsBounds;
     use super::*;
     use trochoid_engine::{Audit, Frame, Phases};

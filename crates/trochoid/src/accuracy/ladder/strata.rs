@@ -47,11 +47,8 @@ impl Strata {
             let middle = part.start[along] + part.size[along];
             let mut other = *part;
             // Halves of powers of 2 are exact, so that each point lies in exactly one of them.
-            if part.point[along] < middle {
-                other.start[along] = middle
-            } else {
-                part.start[along] = middle
-            }
+            let empty = if part.point[along] < middle { &mut other } else { &mut *part };
+            empty.start[along] = middle;
             other.point = draw(&mut self.random, other.start, other.size);
             new.push(other);
         }
