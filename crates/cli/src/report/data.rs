@@ -158,9 +158,10 @@ impl<'a> Report<'a> {
                 Some(Limit::Pass { node, ty }) => format!("“{node}” ({ty}) limits it"),
                 Some(Limit::Unbounded { node, ty, .. }) => format!("“{node}” ({ty}) has no error bound"),
                 Some(Limit::Unseen) => "visibility is not certain anywhere".into(),
-                Some(Limit::Rounding) | None => "f32 rounding limits it".into(),
+                Some(Limit::Rounding) => "f32 rounding limits it".into(),
+                None => "there was no time to certify every method".into(),
             };
-            format!("{} is refused, because {why}", Tolerance::Error(refused.tolerance))
+            format!("{} is not met, because {why}", Tolerance::Error(refused.tolerance))
         });
         let met = finest.map(|(attempt, rung)| {
             let (asked, by) = (Tolerance::Error(attempt.tolerance), self.met_by(rung));

@@ -111,7 +111,7 @@ fn tolerances(text: &mut String, report: &Report<'_>) {
         let by = match (attempt.rung, &attempt.limit) {
             (Some(rung), _) => format!("{} in {}", report.met_by(rung), seconds(ladder.rungs[rung].times.median())),
             (None, Some(limit)) => format!("nothing: {limit}"),
-            (None, None) => "nothing".into(),
+            (None, None) => "nothing: there was no time to certify every method".into(),
         };
         let asked = Tolerance::Error(attempt.tolerance).to_string();
         let line = format!("  {asked:12}{:12}{}", number(Some(attempt.allowed)), printable(&by));
