@@ -289,9 +289,10 @@ fn take(frame: &mut CodeFrame<'_>, inputs: KernelInputs<'_>, x: usize, source: &
     }
 }
 
-/// Runs a loop as a function of its own, with the same instruction set: a single function of all loops takes the
-/// compiler minutes.
-#[inline(never)]
+/// Runs a loop with the same instruction set; as a function of its own in builds for tests, because a single function
+/// of all loops takes the compiler minutes, and inline in others, because the call takes a tenth of a mix.
+#[cfg_attr(debug_assertions, inline(never))]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn apart<S: Simd, R>(simd: S, run: impl FnOnce() -> R) -> R {
     simd.vectorize(run)
 }
