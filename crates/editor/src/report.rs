@@ -7,7 +7,7 @@ use crate::state::State;
 use egui::{Color32, Grid, Rect, RichText, ScrollArea, Sense, Ui, vec2};
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
 use std::sync::mpsc::{Receiver, channel};
-use trochoid::accuracy::{LadderRequest, Request, TargetError, climb};
+use trochoid::accuracy::{Effort, LadderRequest, Request, TargetError, climb};
 use trochoid::{Format, FormatError, Loaded, NodeReport, Settings, Silent, State as Became, Tolerance};
 
 /// State of the panel that no other panel shares.
@@ -37,7 +37,7 @@ enum Unmeasured {
 /// Measurement of one setting.
 struct Step {
     name: String,
-    /// Seconds, and the largest certified error over samples that are not in doubt.
+    /// Seconds, and the largest certified error as displayed, over pixels without ambiguous samples that were looked at.
     seconds: f64,
     error: f64,
 }
@@ -161,8 +161,8 @@ fn accuracy_ui(report: &mut Report, ui: &mut Ui, state: &State) {
     ui.horizontal(|ui| {
         let result = state.evaluated.result.as_ref().filter(|_| report.measuring.is_none());
         let button = egui::Button::new("Measure");
-        let help = "Certifies strips of the picture in the viewer with each setting of accuracy, at a quarter of its size. Takes some \
-                    seconds to minutes; `trochoid report` makes the whole page.";
+        let help = "Certifies pixels of the picture in the viewer with each setting of accuracy, at a quarter of its size, for about \
+                    20 seconds; `trochoid report` makes the whole page.";
         if ui.add_enabled(result.is_some(), button).on_hover_text(help).clicked()
             && let Some(result) = result
         {
@@ -222,6 +222,9 @@ fn measure(result: &crate::evaluate::Result, revision: u64, context: egui::Conte
 /// Factor by which the measured picture is smaller.
 const SHRINK: u32 = 4;
 
+/// Seconds in which it is measured.
+const SECONDS: f64 = 20.0;
+
 /// Measures every accuracy setting, coarsest first.
 fn ladder(result: &crate::evaluate::Result) -> Result<Vec<Step>, Unmeasured> {
     let (lens, subject) = (&result.lens, &result.subject);
@@ -241,15 +244,19 @@ fn ladder(result: &crate::evaluate::Result) -> Result<Vec<Step>, Unmeasured> {
     let asked = LadderRequest {
         request,
         format: Some(format.with_shading(whole.shading())),
-        pixels: 0,
-        whole: false,
+        effort: Effort::Within(SECONDS),
+        seed: 1,
         tolerances: &[],
     };
     let ladder = climb(&load, &asked, &Silent)?;
-    let steps = ladder.rungs.iter().filter(|rung| rung.is_method && rung.certified.max.is_finite()).map(|rung| Step {
-        name: if rung.set.is_empty() { "current settings".into() } else { rung.set.join(", ") },
-        seconds: rung.seconds,
-        error: rung.certified.max,
+    let methods = ladder.rungs.iter().filter(|rung| rung.is_method);
+    let steps = methods.filter_map(|rung| {
+        let largest = rung.certified.as_ref()?.clear_max?;
+        Some(Step {
+            name: if rung.set.is_empty() { "current settings".into() } else { rung.set.join(", ") },
+            seconds: rung.times.median(),
+            error: largest.size.display,
+        })
     });
     let steps: Vec<Step> = steps.collect();
     if steps.is_empty() {

@@ -46,6 +46,7 @@ pub mod accuracy;
 #[cfg(feature = "io")]
 pub mod certificate;
 mod costs;
+mod display;
 #[cfg(feature = "io")]
 mod exr_layer;
 #[cfg(feature = "io")]

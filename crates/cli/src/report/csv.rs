@@ -1,6 +1,7 @@
 //! `report.csv`: one line per rung.
 
-use super::data::{Report, columns};
+use super::data::Report;
+use super::json::columns;
 use serde_json::Value;
 use std::error::Error;
 
@@ -13,7 +14,7 @@ pub(super) fn table(report: &Report<'_>) -> Result<Vec<u8>, Box<dyn Error>> {
     for (index, rung) in report.ladder.rungs.iter().enumerate() {
         let columns = columns(report, rung);
         if index == 0 {
-            writer.write_record(columns.iter().map(|(name, _)| *name))?;
+            writer.write_record(columns.iter().map(|(name, _)| name.as_str()))?;
         }
         writer.write_record(columns.iter().map(|(_, value)| field(value)))?;
     }

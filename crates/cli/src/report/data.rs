@@ -1,26 +1,28 @@
-//! The contents of a report: labels, sentences, columns, and JSON.
+//! The contents of a report: labels, sentences, and what was left out.
 
-use super::numbers::{percent, seconds, short};
-use serde_json::{Map, Value, json};
-use trochoid::accuracy::{Ladder, Limit, Rung, Saving};
-use trochoid::{CheckedGraph, Shading, Tolerance, VERSION, WorkingSpace};
+use super::numbers::{count, percent, place, seconds, short, thousands};
+use trochoid::accuracy::{EIGHT_BIT, ErrorAt, ErrorFigures, Ladder, Limit, Rung, Saving};
+use trochoid::{CheckedGraph, Kind, Tolerance, WorkingSpace};
 
 /// Ladder, with what is needed to describe it.
 pub(super) struct Report<'a> {
     pub(super) ladder: &'a Ladder,
     pub(super) scene: String,
+    pub(super) kind: Kind,
     pub(super) space: WorkingSpace,
-    /// Whether the whole picture is certified, not only strips.
-    pub(super) whole: bool,
+    /// Seconds that the report was to take; `None` if there was no limit.
+    pub(super) within: Option<f64>,
     /// Label of each rung, which tells its settings apart from the others.
     pub(super) labels: Vec<String>,
 }
 
 impl<'a> Report<'a> {
-    pub(super) fn new(graph: &CheckedGraph, ladder: &'a Ladder, whole: bool) -> Self {
+    pub(super) fn new(graph: &CheckedGraph, ladder: &'a Ladder, within: Option<f64>) -> Self {
         let scene = graph.name().to_owned();
+        let kind = graph.outputs().iter().find(|output| output.name == ladder.output).map(|output| output.kind);
         let sets: Vec<&[String]> = ladder.rungs.iter().map(|rung| rung.set.as_slice()).collect();
-        Self { ladder, scene, space: graph.space(), whole, labels: labels(&sets) }
+        let kind = kind.unwrap_or(Kind::Color);
+        Self { ladder, scene, kind, space: graph.space(), within, labels: labels(&sets) }
     }
 
     /// Each rung with its label.
@@ -28,27 +30,38 @@ impl<'a> Report<'a> {
         self.ladder.rungs.iter().zip(self.labels.iter().map(String::as_str))
     }
 
-    /// Returns the area in which errors are certified and measured: the whole picture, or strips of it.
+    /// Returns the pixels whose errors are certified, and that tolerances are judged on: all of them, or some.
     pub(super) fn scope(&self) -> &'static str {
-        if self.whole { "whole" } else { "strips" }
+        if self.ladder.is_whole { "whole" } else { "pixels" }
     }
 
-    /// Returns the suffix of figures that hold only on the strips; empty if they hold everywhere.
-    pub(super) fn on_strips(&self) -> &'static str {
-        if self.whole { "" } else { " on the strips" }
+    /// Returns the suffix of figures that hold only at the pixels that were looked at; empty if they hold everywhere.
+    pub(super) fn at_pixels(&self) -> &'static str {
+        if self.ladder.is_whole { "" } else { " at the pixels looked at" }
+    }
+
+    /// Returns what errors are errors of.
+    pub(super) fn unit(&self) -> &'static str {
+        if self.kind == Kind::Color { "display values from 0 to 1 (sRGB)" } else { "weights from 0 to 1" }
     }
 
     /// Returns a sentence on why nothing is certified, if that is the case.
     pub(super) fn uncertain(&self) -> Option<String> {
-        let certain = self.ladder.rungs.iter().any(|rung| rung.certified.max.is_finite());
+        if self.ladder.rungs.iter().any(|rung| certified(rung).is_some()) {
+            return None;
+        }
+        let output = &self.ladder.output;
+        if self.ladder.rungs.iter().all(|rung| rung.certified.is_none()) {
+            return Some(format!("Nothing is certified of “{output}”: there was no time for a single pixel."));
+        }
         let limit = self.ladder.attempts.iter().find_map(|attempt| attempt.limit.as_ref());
         let because = match limit {
             Some(Limit::Unbounded { node, ty, why }) => format!(", because “{node}” ({ty}) has no error bound: {why}"),
             Some(Limit::Unseen) => ", because visibility is not certain anywhere".into(),
             _ => String::new(),
         };
-        let (output, strips) = (&self.ladder.output, self.on_strips());
-        (!certain).then(|| format!("Nothing is certified of “{output}”{strips}: all samples are ambiguous{because}."))
+        let pixels = self.at_pixels();
+        Some(format!("Nothing is certified of “{output}”{pixels}: all of them are ambiguous{because}."))
     }
 
     /// Returns the omitted work, largest savings first.
@@ -61,33 +74,69 @@ impl<'a> Report<'a> {
 
     /// Returns the most useful results in a few sentences.
     pub(super) fn summary(&self) -> Vec<String> {
-        let methods: Vec<_> = self.rungs().filter(|(rung, _)| rung.is_method).collect();
-        let known = methods.iter().filter(|(rung, _)| rung.certified.max.is_finite());
-        let best = known.min_by(|a, b| a.0.certified.max.total_cmp(&b.0.certified.max));
-        let Some((best, label)) = best else {
-            return self.uncertain().into_iter().collect();
-        };
-        let mut first = format!(
-            "{} is certified to {}{} in {} per frame, with {} of its samples{} ambiguous",
-            in_words(label, &self.ladder.output),
-            short(best.certified.max),
-            self.on_strips(),
-            seconds(best.seconds),
-            percent(best.ambiguous),
-            if self.whole { "" } else { " there" },
-        );
-        if let Some((coarse, label)) = methods.first().filter(|(coarse, _)| coarse.set != best.set) {
-            let bound = match coarse.certified.max {
-                max if max.is_finite() => format!("is certified only to {}", short(max)),
-                _ => "is not certified anywhere".into(),
-            };
-            first.push_str(&format!("; {label} takes {} and {bound}", seconds(coarse.seconds)));
+        let mut all: Vec<String> = self.broken().into_iter().collect();
+        all.extend(self.best());
+        if self.ladder.rungs.iter().any(|rung| rung.certified.is_some()) {
+            all.push(self.reached());
         }
-        let mut all = vec![first + ".", self.reached()];
-        if !self.whole {
-            all.push(STRIPS.into());
-        }
+        all.extend(self.basis());
+        let unseen = self.ladder.unseen.iter().map(|unseen| {
+            let nodes: Vec<String> = unseen.nodes.iter().map(|node| format!("“{node}”")).collect();
+            format!("“{}” shows nothing of {}.", unseen.view, nodes.join(", "))
+        });
+        all.extend(unseen);
+        all.extend(self.shortfall());
+        all.extend(self.left_to_whole());
         all
+    }
+
+    /// Returns a sentence on bounds that do not hold.
+    fn broken(&self) -> Option<String> {
+        let broken = self.rungs().flat_map(|(rung, label)| rung.broken.iter().map(move |broken| (broken, label)));
+        let (first, label) = broken.clone().next()?;
+        Some(format!(
+            "{} {} not hold. At pixel {}, {label}, the error is {:.2e} in {}, and the bound {:.2e}: this is a fault of \
+             Trochoid; please report it.",
+            count(broken.clone().count(), "bound"),
+            if broken.count() == 1 { "does" } else { "do" },
+            place(first.pixel),
+            first.error,
+            self.space.name(),
+            first.bound,
+        ))
+    }
+
+    /// Returns a sentence on the most accurate and on the coarsest method.
+    fn best(&self) -> Option<String> {
+        let methods: Vec<_> = self.rungs().filter(|(rung, _)| rung.is_method).collect();
+        let known = methods.iter().filter_map(|(rung, label)| Some((*rung, *label, certified(rung)?)));
+        let best = known.min_by(|a, b| a.2.size.display.total_cmp(&b.2.size.display));
+        let Some((best, label, bound)) = best else { return self.uncertain() };
+        let mut first = format!(
+            "{} is certified to {}{} in {} per frame",
+            in_words(label, &self.ladder.output),
+            short(bound.size.display),
+            self.at_pixels(),
+            seconds(best.times.median()),
+        );
+        if let Some(measured) = best.measured.as_ref().and_then(|measured| measured.clear_max) {
+            first.push_str(&format!(" (measured: {})", short(measured.size.display)));
+        }
+        if let Some(ambiguous) = best.ambiguous {
+            let share = match ambiguous.low == ambiguous.high {
+                true => percent(ambiguous.value),
+                false => format!("{} to {}", percent(ambiguous.low), percent(ambiguous.high)),
+            };
+            first.push_str(&format!(", where no sample is ambiguous; {share} of the pixels have ambiguous samples"));
+        }
+        if let Some((coarse, label)) = methods.first().filter(|(coarse, _)| coarse.set != best.set) {
+            let bound = match certified(coarse) {
+                Some(bound) => format!("is certified only to {}", short(bound.size.display)),
+                None => "is not certified anywhere".into(),
+            };
+            first.push_str(&format!("; {label} takes {} and {bound}", seconds(coarse.times.median())));
+        }
+        Some(first + ".")
     }
 
     /// Returns the name of the settings of a rung that meets a tolerance.
@@ -109,13 +158,14 @@ impl<'a> Report<'a> {
                 Some(Limit::Pass { node, ty }) => format!("“{node}” ({ty}) limits it"),
                 Some(Limit::Unbounded { node, ty, .. }) => format!("“{node}” ({ty}) has no error bound"),
                 Some(Limit::Unseen) => "visibility is not certain anywhere".into(),
-                Some(Limit::Rounding) | None => "f32 rounding limits it".into(),
+                Some(Limit::Rounding) => "f32 rounding limits it".into(),
+                None => "there was no time to certify every method".into(),
             };
-            format!("{} is refused, because {why}", Tolerance::Error(refused.tolerance))
+            format!("{} is not met, because {why}", Tolerance::Error(refused.tolerance))
         });
         let met = finest.map(|(attempt, rung)| {
             let (asked, by) = (Tolerance::Error(attempt.tolerance), self.met_by(rung));
-            format!("a tolerance of {asked} is met{} by {by}", self.on_strips())
+            format!("a tolerance of {asked} is met{} by {by}", self.at_pixels())
         });
         let sentence = match (met, refused) {
             (Some(met), Some(refused)) => format!("{met}; {refused}"),
@@ -124,6 +174,110 @@ impl<'a> Report<'a> {
         };
         capital(&sentence) + "."
     }
+
+    /// Returns sentences on the pixels that were looked at, and on what they are worth.
+    fn basis(&self) -> Vec<String> {
+        let ladder = self.ladder;
+        let at = ladder.looked_at;
+        if at.all == 0 {
+            return Vec::new();
+        }
+        let drawn = match at.picture == at.total {
+            true => format!("All {} pixels were looked at", thousands(at.total)),
+            false => format!(
+                "{} of {} pixels were drawn, one in each of as many equal parts of the picture",
+                thousands(at.picture),
+                thousands(at.total)
+            ),
+        };
+        let apart = match at.differing {
+            0 => "; all settings give the same picture".into(),
+            differing if at.apart == differing => {
+                format!(", and all {} where settings differ", thousands(differing))
+            }
+            differing => format!(", and {} of the {} where settings differ", thousands(at.apart), thousands(differing)),
+        };
+        let mut all = vec![format!("{drawn}{apart}.")];
+        if !ladder.is_whole && at.picture < at.total {
+            // Of as many pixels, none exceeds the largest of all that were looked at.
+            let figures = ladder.rungs.iter().find_map(|rung| rung.certified.as_ref());
+            let beyond = figures.and_then(|figures| figures.picture.above(figures.max?.size.display));
+            if let Some(beyond) = beyond {
+                all.push(format!(
+                    "What holds at all of them fails at no more than {} of the picture's pixels, with a confidence of 95 %.",
+                    percent(beyond.high)
+                ));
+            }
+        }
+        if self.within.is_some() {
+            all.push(format!("--pixels {} --seed {} repeats these figures.", at.picture, ladder.seed));
+        }
+        all
+    }
+
+    /// Returns a sentence on what did not fit into the time.
+    pub(super) fn shortfall(&self) -> Option<String> {
+        let (within, short) = (self.within?, &self.ladder.shortfall);
+        let mut missing: Vec<String> = Vec::new();
+        if !short.settings.is_empty() {
+            let sets: Vec<String> = short.settings.iter().map(|set| set.join(" ")).collect();
+            missing.push(format!("rendering with {}", sets.join(" or ")));
+        }
+        if short.bounds > 0 {
+            missing.push(format!("the bounds of {}", of(short.bounds, self.ladder.rungs.len())));
+        }
+        if short.references {
+            missing.push("any reference, so that no error is measured".into());
+        }
+        if short.certify > short.bounds {
+            missing.push(format!("the time of certifying {}", of(short.certify, self.ladder.rungs.len())));
+        }
+        if short.passes && short.bounds == 0 {
+            missing.push("the error of all passes".into());
+        }
+        let last = missing.pop()?;
+        let list = if missing.is_empty() { last } else { format!("{} and {last}", missing.join(", ")) };
+        Some(format!("{} did not suffice for {list}: more --seconds do, or --pixels without a limit.", seconds(within)))
+    }
+
+    /// Returns a sentence on what `--whole` adds.
+    pub(super) fn left_to_whole(&self) -> Option<String> {
+        let ladder = self.ladder;
+        if ladder.is_whole {
+            return None;
+        }
+        let mut left = vec!["the bounds of all pixels with their map".to_owned()];
+        let nodes = ladder.savings.iter().filter(|saving| saving.is_node).count();
+        if nodes > 0 {
+            left.push(format!("the time saved by leaving out {}", count(nodes, "node")));
+        }
+        if ladder.costly > 0 {
+            left.push(format!("the time over the values of {}", count(ladder.costly, "knob")));
+        }
+        let last = left.pop()?;
+        let list = if left.is_empty() { last } else { format!("{} and {last}", left.join(", ")) };
+        Some(format!("Left to --whole: {list}."))
+    }
+}
+
+/// Returns the largest bound of pixels without ambiguous samples.
+pub(super) fn certified(rung: &Rung) -> Option<ErrorAt> {
+    rung.certified.as_ref().and_then(|figures| figures.clear_max)
+}
+
+/// Returns the largest error of pixels without ambiguous samples.
+pub(super) fn measured(rung: &Rung) -> Option<ErrorAt> {
+    rung.measured.as_ref().and_then(|figures| figures.clear_max)
+}
+
+/// Returns the share of pixels that are off by more than an 8-bit display may show.
+pub(super) fn beyond(figures: &Option<ErrorFigures>) -> [Option<trochoid::accuracy::Estimate>; 2] {
+    let Some(figures) = figures else { return [None; 2] };
+    [&figures.picture, &figures.apart].map(|sample| sample.above(EIGHT_BIT))
+}
+
+fn of(some: usize, all: usize) -> String {
+    if some == all { "all settings".into() } else { format!("{some} of {all} settings") }
 }
 
 fn in_words(label: &str, output: &str) -> String {
@@ -135,13 +289,8 @@ fn capital(text: &str) -> String {
     chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }
 
-/// Sentence on the limits of certifying strips.
-pub(super) const STRIPS: &str = "Errors are certified and measured only on strips, an eighth of the picture in total; \
-                                 elsewhere they may be larger. --whole certifies the whole picture, and so does \
-                                 trochoid plan.";
-
 /// Label of a document without accuracy knobs.
-const AS_IT_IS: &str = "as it is";
+pub(super) const AS_IT_IS: &str = "as it is";
 
 /// Returns short labels for lists of assignments. A label has the knobs with their values, without the names of nodes
 /// and without assignments that all rungs share. A label that is not unique is replaced by the full assignments.
@@ -167,108 +316,4 @@ fn labels(sets: &[&[String]]) -> Vec<String> {
     let told_apart = |label: &String| short.iter().filter(|other| *other == label).count() == 1;
     let full = |(label, set): (&String, &&[String])| if told_apart(label) { label.clone() } else { set.join(", ") };
     short.iter().zip(sets).map(full).collect()
-}
-
-/// Returns a number as JSON: null if it is not finite.
-fn finite(value: f64) -> Value {
-    if value.is_finite() { json!(value) } else { Value::Null }
-}
-
-/// Returns the row of a rung: names and values of its columns. All rungs have the same names.
-pub(super) fn columns(report: &Report<'_>, rung: &Rung) -> Vec<(&'static str, Value)> {
-    let ladder = report.ladder;
-    let settings = if rung.set.is_empty() { AS_IT_IS.to_owned() } else { rung.set.join(" ") };
-    vec![
-        ("scene", json!(report.scene)),
-        ("output", json!(ladder.output)),
-        ("frame", json!(ladder.frame)),
-        ("settings", json!(settings)),
-        ("is_method", json!(rung.is_method)),
-        ("scope", json!(report.scope())),
-        ("certified_max", finite(rung.certified.max)),
-        ("certified_p999", finite(rung.certified.p999)),
-        ("certified_median", finite(rung.certified.median)),
-        ("measured_max", finite(rung.measured.max)),
-        ("measured_rms", finite(rung.measured.rms)),
-        ("measured_p999", finite(rung.measured.p999)),
-        ("measured_median", finite(rung.measured.median)),
-        ("measured_pixels", json!(rung.measured_pixels)),
-        ("certified_over_measured", finite(rung.ratio)),
-        ("ambiguous", finite(rung.ambiguous)),
-        ("ambiguous_beyond_8_bit", finite(rung.ambiguous_beyond_8_bit)),
-        ("hull_exits", json!(rung.hull_exits)),
-        ("nan_count", json!(rung.nan)),
-        ("seconds", finite(rung.seconds)),
-        ("seconds_spread", finite(rung.spread)),
-        ("seconds_predicted", finite(rung.predicted)),
-        ("predicted_over_taken", finite(rung.predicted / rung.seconds)),
-        ("bytes", json!(rung.bytes)),
-        ("threads", json!(ladder.threads)),
-        ("pareto", json!(rung.is_best)),
-    ]
-}
-
-/// Returns a limit as JSON: a pass, with the reason if it has no error bound; or a word for another limit.
-fn limited_by(limit: &Limit) -> Value {
-    match limit {
-        Limit::Pass { node, ty } => json!({ "node": node, "type": ty }),
-        Limit::Unbounded { node, ty, why } => json!({ "node": node, "type": ty, "why": why }),
-        Limit::Rounding => json!("rounding"),
-        Limit::Unseen => json!("what is seen"),
-    }
-}
-
-/// Returns the whole report except for its pictures as JSON.
-pub(super) fn to_json(report: &Report<'_>) -> Value {
-    let ladder = report.ladder;
-    let rungs = ladder.rungs.iter().map(|rung| {
-        let mut row: Map<String, Value> =
-            columns(report, rung).into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-        row.insert("set".into(), json!(rung.set));
-        let passes = rung.passes.iter();
-        let passes = passes.map(|pass| json!({ "node": pass.node, "type": pass.ty, "drop": finite(pass.drop) }));
-        row.insert("passes".into(), passes.collect());
-        Value::Object(row)
-    });
-    let attempts = ladder.attempts.iter().map(|attempt| {
-        let met = attempt.rung.map(|index| &ladder.rungs[index]);
-        json!({
-            "tolerance": finite(attempt.tolerance),
-            "allowed": finite(attempt.allowed),
-            "scope": report.scope(),
-            "met": met.is_some(),
-            "set": met.map(|rung| &rung.set),
-            "certified_max": met.map(|rung| finite(rung.certified.max)),
-            "limited_by": attempt.limit.as_ref().map(limited_by),
-        })
-    });
-    let savings = ladder.savings.iter().map(|saving| {
-        let seconds = saving.seconds.map(finite);
-        json!({ "node": saving.node, "type": saving.ty, "why": saving.why, "seconds": seconds })
-    });
-    let scalings = ladder.scalings.iter().map(|scaling| {
-        let points = scaling.points.iter();
-        let points = points.map(|(value, seconds)| json!({ "value": finite(*value), "seconds": finite(*seconds) }));
-        json!({ "knob": scaling.knob, "points": points.collect::<Vec<_>>() })
-    });
-    json!({
-        "trochoid": VERSION,
-        "scene": report.scene,
-        "output": ladder.output,
-        "frame": ladder.frame,
-        "format": {
-            "width": ladder.format.width(),
-            "height": ladder.format.height(),
-            "samples": ladder.format.samples(),
-            "shading": match ladder.format.shading() { Shading::Pixel => "pixel", Shading::Sample => "sample" },
-        },
-        "space": report.space.name(),
-        "threads": ladder.threads,
-        "whole": report.whole,
-        "summary": report.summary(),
-        "rungs": rungs.collect::<Vec<_>>(),
-        "attempts": attempts.collect::<Vec<_>>(),
-        "savings": savings.collect::<Vec<_>>(),
-        "scalings": scalings.collect::<Vec<_>>(),
-    })
 }

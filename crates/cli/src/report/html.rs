@@ -1,8 +1,8 @@
 //! `report.html`: one page that needs no other files, no network, and no scripts.
 
-use super::data::Report;
+use super::data::{Report, certified};
 use super::escape::escape;
-use super::numbers::{count, short};
+use super::numbers::{count, place, short};
 use super::plots::{self, Outcome};
 use super::{pictures, tables};
 use std::fmt::Write as _;
@@ -26,41 +26,56 @@ pub(super) fn page(report: &Report<'_>) -> Outcome<String> {
     );
     let _ = writeln!(
         page,
-        "<p class=\"facts\">Output “{}”, frame {}, {} × {} pixels of {}, {}. Errors are in units of {}, where colors \
-         range from 0 to 1.</p>",
+        "<p class=\"facts\">Output “{}”, frame {}, {} × {} pixels of {}, {}. Errors are in {}; intervals, \
+         in brackets, contain the true figure with a confidence of 95 %.</p>",
         escape(&ladder.output),
         ladder.frame,
         format.width(),
         format.height(),
         count(format.samples() as usize, "sample"),
         count(ladder.threads, "thread"),
-        report.space.name(),
+        report.unit(),
     );
-    let strips = report.on_strips();
-    let _ = writeln!(page, "<p class=\"summary\">{}</p>", escape(&report.summary().join(" ")));
+    let pixels = report.at_pixels();
+    let _ = writeln!(page, "<div class=\"summary\">");
+    for sentence in report.summary() {
+        let _ = writeln!(page, "<p>{}</p>", escape(&sentence));
+    }
+    let _ = writeln!(page, "</div>");
     section(
         &mut page,
         "Error against time",
         &format!(
-            "The cost of each of the settings, and how far its pixels can be (certified) and are (measured){strips} from \
-             the f64 reference; lower and farther left is better."
+            "The cost of each of the settings, and how far its pixels can be (certified) and are (measured){pixels} from \
+             the f64 reference, where no sample is ambiguous; lower and farther left is better. Lines across reach from \
+             the shortest to the longest of all runs. Lines up and down are intervals of the error that 90 % of all \
+             pixels do not exceed, with ambiguous samples."
         ),
         &plot(report, plots::time(report)?, "Error against time"),
     );
+    if let Some(svg) = plots::times(report)? {
+        section(
+            &mut page,
+            "Rendering and certifying",
+            "Time of rendering a frame, and of certifying all of its pixels.",
+            &figure(&svg, "Time of rendering and certifying"),
+        );
+    }
     section(
         &mut page,
         "Certified against measured",
         "A bound holds if its point lies on or above the line; the farther above, the more conservative the bound.",
-        &plot(report, plots::measured(report)?, "Certified against measured errors"),
+        &plot(report, plots::measured_and_certified(report)?, "Certified against measured errors"),
     );
     section(
         &mut page,
         "Tolerance requested and achieved",
         &format!(
             "Each tolerance of displayed values, as the error that it allows in the working space, against the certified \
-             error{strips} of the fastest method that meets it; if a tolerance is refused, against the smallest certified \
+             error{pixels} of the fastest method that meets it; if a tolerance is refused, against the smallest certified \
              error. Methods are the settings that <code>trochoid plan</code> chooses from; coarser and finer meshes are not \
-             among them, because they change which samples are ambiguous."
+             among them, because they change which samples are ambiguous. <code>plan</code> itself certifies each sample of \
+             the whole picture."
         ),
         &plot(report, plots::asked(report)?, "Tolerance requested against error achieved"),
     );
@@ -68,14 +83,23 @@ pub(super) fn page(report: &Report<'_>) -> Outcome<String> {
         section(
             &mut page,
             "Error by pass",
-            "The share of each pass: how much the bound falls, averaged over pixels without ambiguous samples, if only \
-             this pass has no errors of its own.",
+            &format!(
+                "The share of each pass: how much the bound falls, averaged over a few pixels without ambiguous samples, \
+                 if only this pass has no errors of its own. Sums are in units of {}.",
+                report.space.name()
+            ),
             &figure(&svg, "Error by pass"),
         );
     }
     let work = match plots::scalings(report)? {
         Some(svg) => figure(&svg, "Run time by knobs"),
-        None => "<p>No node that this output needs has a knob that increases its work.</p>".into(),
+        None if report.ladder.costly == 0 => {
+            "<p>No node that this output needs has a knob that increases its work.</p>".into()
+        }
+        None => {
+            let knobs = count(report.ladder.costly, "knob");
+            format!("<p>Left to <code>--whole</code>: the time over the values of {knobs}.</p>")
+        }
     };
     section(
         &mut page,
@@ -87,8 +111,8 @@ pub(super) fn page(report: &Report<'_>) -> Outcome<String> {
     section(
         &mut page,
         "Picture and error",
-        "The picture and its certified error: the largest bound of each pixel's channels, which holds for ambiguous \
-         samples, too.",
+        "The picture and its certified error in display values: the largest bound of each pixel's channels, which holds for \
+         ambiguous samples, too.",
         &maps(report)?,
     );
     section(
@@ -101,8 +125,8 @@ pub(super) fn page(report: &Report<'_>) -> Outcome<String> {
     section(
         &mut page,
         "All settings",
-        "All figures by settings, coarsest first. In color: no other settings are both faster and certified to a smaller \
-         error. In italics: coarser and finer meshes, which <code>trochoid plan</code> does not choose from.",
+        "All figures by settings, coarsest first. In color: no other settings are certified to a smaller error in a time \
+         that is no longer beyond the spread. In italics: coarser and finer meshes, which <code>trochoid plan</code> does not choose from.",
         &tables::rungs(report),
     );
     let _ = writeln!(page, "<footer>Trochoid {VERSION}</footer>\n</body>\n</html>");
@@ -144,17 +168,15 @@ fn maps(report: &Report<'_>) -> Outcome<String> {
     let below = match &scale {
         Some(scale) => figure(&plots::bar(scale)?, "Scale of errors"),
         None if mapped().next().is_some() => "<p>All bounds are 0.</p>".into(),
-        None => {
-            "<p>Only strips, an eighth of the picture in total, were certified: <code>--whole</code> certifies the \
-             whole picture, and maps its errors here.</p>"
-                .into()
-        }
+        None => "<p>Left to <code>--whole</code>: the bounds of all pixels with their map.</p>".into(),
     };
     Ok(format!("<div class=\"pictures\">\n{all}</div>\n{below}"))
 }
 
 fn worst(rung: &Rung) -> String {
-    format!(": at most {} where not ambiguous", short(rung.certified.max))
+    certified(rung).map_or_else(String::new, |at| {
+        format!(": at most {} where not ambiguous, at {}", short(at.size.display), place(at.pixel))
+    })
 }
 
 fn picture(data: &str, name: &str) -> String {

@@ -1,18 +1,31 @@
 //! `trochoid report`: error against run time, as data, as a table, and as a page of plots.
 //!
-//! `report.json` has `trochoid`, the version; `scene`, `output`, `frame`, `format`, `space`, `threads`; `whole`,
-//! whether the whole picture is certified; `summary`, sentences; `rungs`, a list of settings, each with the columns of
-//! `report.csv`, with `set`, and with `passes`, a list of `{node, type, drop}`; `attempts`, a list of `{tolerance,
-//! allowed, scope, met, set, certified_max, limited_by}`, where `limited_by` is a pass, `{node, type}`, with `why` if
-//! it has no error bound, or "rounding" or "what is seen"; `savings`, a list of `{node, type, why, seconds}`;
-//! `scalings`, a list of `{knob, points: [{value, seconds}]}`.
+//! `report.json` has `trochoid`, the version; `scene`, `output`, `frame`, `format`, `space`, the working space; `unit`,
+//! the unit of errors; `threads`; `seed`; `whole`, whether the bounds of all pixels are known; `within_seconds`, the limit
+//! of time, if there was one; `pixels`, with `picture` (drawn in as many equal parts of the picture), `apart` (drawn where
+//! settings differ), `looked_at` (all of them, each once), `total`, and `differing` (pixels of the picture where settings
+//! differ); `confidence`, of all intervals; `summary`, sentences; `missing`, what did not fit into the time, with
+//! `settings`, a list of assignments, `rungs_without_bounds`, `references`, `rungs_without_certify_seconds`, `passes`;
+//! `left_to_whole`, a sentence; `unseen`, a list of `{view, nodes}`; `rungs`, a list of settings, each with the columns of
+//! `report.csv`, with `set`, with `passes`, a list of `{node, type, drop}`, and with `broken`, a list of `{pixel, bound,
+//! error}`, which is empty unless bounds do not hold; `attempts`, a list of `{tolerance, allowed, scope, met, set,
+//! certified, limited_by}`, where `limited_by` is a pass, `{node, type}`, with `why` if it has no error bound, or
+//! "rounding" or "what is seen"; `savings`, a list of `{node, type, why, seconds}`; `scalings`, a list of `{knob, points:
+//! [{value, seconds}]}`.
 //!
-//! Columns of a rung: `scene`, `output`, `frame`, `settings`, `is_method` (whether `plan` may choose them), `scope`
-//! ("whole" or "strips": the area in which errors are certified and measured, and tolerances met); `certified_max`,
-//! `certified_p999`, `certified_median`; `measured_max`, `measured_rms`, `measured_p999`, `measured_median`, over
-//! `measured_pixels`; `certified_over_measured`; `ambiguous` and `ambiguous_beyond_8_bit`, shares of samples;
-//! `hull_exits`, `nan_count`; `seconds`, `seconds_spread`, `seconds_predicted`, `predicted_over_taken`; `bytes`,
-//! `threads`, `pareto`. Errors are in units of the working space. Unknown values are null, in CSV empty fields.
+//! Columns of a rung: `scene`, `output`, `frame`, `seed`, `settings`, `is_method` (whether `plan` may choose them), `scope`
+//! ("whole" or "pixels": whether errors are certified, and tolerances judged, at all pixels or at those looked at). Bounds
+//! start with `certified`, errors with `measured`: `_max`, the largest of all pixels looked at, and `_clear_max`, of those
+//! without ambiguous samples, each also in units of the working space (`_working`), with the pixel (`_x`, `_y`); then of
+//! the `_pixels` drawn in the picture, and, after `_apart`, of those drawn where settings differ, `_median`, `_p99`,
+//! `_p999`, `_rms`, and `_beyond_8_bit`, the share above 1/255. Then `ambiguous_pixels` and `ambiguous_pixels_beyond_8_bit`,
+//! shares of pixels; `certified_over_measured` and `certified_over_measured_apart`, medians; `bounds_broken`,
+//! `pixels_outside_hull`, `pixels_no_number`, counts of pixels; `render_seconds`, a median, `render_seconds_least`,
+//! `render_seconds_most`, `render_runs`, `render_seconds_predicted`, `predicted_over_taken`; `certify_seconds`,
+//! `certify_is_predicted`, `certify_over_render`; `bytes`, `threads`, `pareto`. Figures that are estimated have the ends of
+//! their intervals in `_low` and `_high`. Errors are in `unit`; `allowed`, `certified` of attempts, `drop`, `bound` and
+//! `error` of broken bounds, and columns in `_working`, are in units of the working space. Unknown values are null, in CSV
+//! empty fields.
 //!
 //! The picture and, with `--whole`, maps of its error bounds are in `report.html` only.
 
@@ -20,6 +33,7 @@ mod csv;
 mod data;
 mod escape;
 mod html;
+mod json;
 mod numbers;
 mod pictures;
 mod plots;
@@ -28,7 +42,7 @@ mod tables;
 mod tests;
 mod text;
 
-use crate::failure::{FAILED, Failure};
+use crate::failure::{FAILED, Failure, MISSED};
 use crate::files::{self, FileOptions};
 use crate::progress::Progress;
 use crate::remedies;
@@ -36,23 +50,27 @@ use crate::shell::{self, printable};
 use crate::{interrupt, outputs};
 use data::Report;
 use std::path::PathBuf;
-use trochoid::accuracy::{self, Ladder, LadderRequest, Request, TargetError};
+use trochoid::accuracy::{self, Effort, Ladder, LadderRequest, Request, TargetError};
 use trochoid::{CheckedGraph, EvalError, Form, Format, Kind, Settings, Tolerance};
 
 /// Options of `trochoid report`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Renders the output with settings from the coarsest to the most accurate; certifies and times each, and compares pixels \
-with the f64 references. Writes report.html, report.json and report.csv. The references are slow: a sixth of a second per \
-pixel for a sea of 300 waves, and a minute before the first pixel for a toon sea.
+Renders the output in turns with settings from the coarsest to the most accurate, bounds the errors of pixels, and compares \
+the same pixels with the f64 references. Writes report.html, report.json and report.csv.
 
-Error bounds are certified and tolerances are judged on strips, an eighth of the picture in total; elsewhere errors may \
-be larger. --whole certifies the whole picture and draws a map of its errors. A tolerance is met by the fastest method \
-that `trochoid plan` may choose; coarser and finer meshes are measured for comparison.
+Pixels are drawn by a seed: one in each of equal parts of the picture, which gives figures of all pixels with intervals; \
+and as many where the settings differ, so that errors of few pixels are seen. As many pixels are looked at as fit into \
+--seconds; the report says how many, and --pixels repeats its figures. What the time does not suffice for, or what is left \
+to --whole, is said, too.
+
+A tolerance is met by the fastest method that `trochoid plan` may choose; coarser and finer meshes are measured for \
+comparison. If an error exceeds its bound, the exit code is 3.
 
 Examples:
   trochoid report storm.json --frame 36 -o report
-  trochoid report storm.json --size 320 --pixels 40 --whole -o report")]
+  trochoid report storm.json --size 320 --pixels 1024 -o report
+  trochoid report storm.json --whole -o report")]
 pub(crate) struct Args {
     /// The document
     #[arg(value_name = "GRAPH")]
@@ -66,12 +84,19 @@ pub(crate) struct Args {
     /// Longest side of the measured pictures, in pixels; 0 means the document's size
     #[arg(long, value_name = "PIXELS", default_value_t = 640)]
     size: u32,
-    /// Number of pixels to compare with the references
-    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pixels: u32,
-    /// Certify the whole picture, and draw a map of its errors
-    #[arg(long)]
+    /// Seconds in which the report is made, up to a single step of its work
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    seconds: u32,
+    /// Number of pixels to draw, instead of as many as fit into --seconds; rounded up to a power of 2
+    #[arg(long, value_name = "N", conflicts_with = "seconds", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    pixels: Option<u32>,
+    /// Certify all pixels and draw a map, measure what is left out and what knobs cost, without a limit of time; draws
+    /// 4096 pixels for the references, unless --pixels says otherwise
+    #[arg(long, conflicts_with = "seconds")]
     whole: bool,
+    /// Seed of the pixels that are drawn
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
     /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3; may be repeated
     #[arg(long, value_name = "NODE.KNOB=VALUE")]
     set: Vec<String>,
@@ -118,21 +143,36 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     Failure::all(faults)?;
     interrupt::watch()?;
     let ladder = measure(args, graph, output, frame)?;
-    let report = Report::new(graph, &ladder, args.whole);
-    let json = format!("{:#}\n", data::to_json(&report));
+    let report = Report::new(graph, &ladder, args.within());
+    let json = format!("{:#}\n", json::to_json(&report));
     let html = html::page(&report).map_err(|error| Failure::new(FAILED, format!("report.html: {error}")))?;
     let csv = csv::table(&report).map_err(|error| Failure::new(FAILED, format!("report.csv: {error}")))?;
     for ((file, form), bytes) in files.iter().zip(FORMS).zip([json.as_bytes(), &csv, html.as_bytes()]) {
         trochoid::write_guarded(file, bytes, form, args.files.over.overwrite)?;
     }
     if args.json {
-        return shell::print(&json);
+        shell::print(&json)?;
+    } else if !args.quiet {
+        let written = printable(&files[2].display().to_string());
+        let table = text::table(&report);
+        shell::print(&format!("{table}\nwritten: {written}, with report.json and report.csv beside it\n"))?;
     }
-    if args.quiet {
-        return Ok(());
+    if report.ladder.rungs.iter().all(|rung| rung.broken.is_empty()) { Ok(()) } else { Err(Failure::silent(MISSED)) }
+}
+
+impl Args {
+    fn effort(&self) -> Effort {
+        match (self.whole, self.pixels) {
+            (true, pixels) => Effort::Whole(pixels.map_or(Effort::MOST, |pixels| pixels as usize)),
+            (false, Some(pixels)) => Effort::Pixels(pixels as usize),
+            (false, None) => Effort::Within(f64::from(self.seconds)),
+        }
     }
-    let written = printable(&files[2].display().to_string());
-    shell::print(&format!("{}\nwritten: {written}, with report.json and report.csv beside it\n", text::table(&report)))
+
+    /// Returns the limit of time, if there is one.
+    fn within(&self) -> Option<f64> {
+        if let Effort::Within(seconds) = self.effort() { Some(seconds) } else { None }
+    }
 }
 
 /// Returns the index of the output, which is the first Color if none is named.
@@ -167,8 +207,7 @@ fn measure(args: &Args, graph: &CheckedGraph, output: usize, frame: i64) -> Resu
     progress.begin(0, frame);
     let small = smaller(graph.format(), args.size);
     let climb = |format: Option<Format>| {
-        let pixels = args.pixels as usize;
-        let asked = LadderRequest { request, format, pixels, whole: args.whole, tolerances: &TOLERANCES };
+        let asked = LadderRequest { request, format, effort: args.effort(), seed: args.seed, tolerances: &TOLERANCES };
         accuracy::climb(&load, &asked, &progress)
     };
     let found = match climb(small) {

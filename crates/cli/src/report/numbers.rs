@@ -1,5 +1,7 @@
 //! Formatting of numbers for readers.
 
+use trochoid::accuracy::Estimate;
+
 /// Formats a number with two digits: `0.085`, `8.5×10⁻⁵`.
 pub(super) fn short(value: f64) -> String {
     if value == 0.0 {
@@ -57,6 +59,31 @@ pub(super) fn mebibytes(bytes: usize) -> String {
     format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
 }
 
+/// Formats the place of a pixel: `(12, 34)`.
+pub(super) fn place([x, y]: [i64; 2]) -> String {
+    format!("({x}, {y})")
+}
+
+/// Formats an estimate with its interval: `0.085 [0.071, 0.10]`; just the figure, if it is exact.
+pub(super) fn interval(estimate: Option<Estimate>, format: fn(f64) -> String) -> String {
+    let Some(Estimate { value, low, high }) = estimate else { return "–".into() };
+    match low == high {
+        true => format(value),
+        false if high.is_infinite() => format!("{} [{}, ?]", format(value), format(low)),
+        false => format!("{} [{}, {}]", format(value), format(low), format(high)),
+    }
+}
+
+/// Formats a large count: `230 400`, with narrow spaces.
+pub(super) fn thousands(number: usize) -> String {
+    let digits = number.to_string();
+    let group = |(index, digit): (usize, char)| {
+        let is_first = index > 0 && (digits.len() - index) % 3 == 0 && digits.len() > 4;
+        is_first.then_some('\u{202f}').into_iter().chain([digit])
+    };
+    digits.chars().enumerate().flat_map(group).collect()
+}
+
 /// Formats a count: "1 sample", "4 samples".
 pub(super) fn count(number: usize, what: &str) -> String {
     format!("{number} {what}{}", if number == 1 { "" } else { "s" })
@@ -85,5 +112,12 @@ mod tests {
         let all = [0.000_31, 0.0031, 0.031, 0.31, 3.1, 31.0].map(seconds);
         assert_eq!(all, ["0.31 ms", "3.1 ms", "31 ms", "0.31 s", "3.1 s", "31 s"]);
         assert_eq!([0.0, 1e-6, 0.0145, 0.9].map(percent), ["0.00 %", "< 0.01 %", "1.45 %", "90.0 %"]);
+        assert_eq!(
+            [7, 4096, 23_040, 1_234_567].map(thousands),
+            ["7", "4096", "23\u{202f}040", "1\u{202f}234\u{202f}567"]
+        );
+        let estimate = |low: f64, high: f64| interval(Some(Estimate { value: 0.5, low, high }), short);
+        assert_eq!([estimate(0.25, 1.0), estimate(0.5, 0.5)], ["0.50 [0.25, 1]", "0.50"]);
+        assert_eq!([estimate(0.25, f64::INFINITY), interval(None, short)], ["0.50 [0.25, ?]", "–"]);
     }
 }

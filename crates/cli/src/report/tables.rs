@@ -1,10 +1,10 @@
 //! The tables of the page.
 
-use super::data::Report;
+use super::data::{Report, beyond};
 use super::escape::escape;
-use super::numbers::{mebibytes, percent, seconds, short};
+use super::numbers::{interval, mebibytes, percent, place, seconds, short};
 use std::fmt::Write as _;
-use trochoid::accuracy::Rung;
+use trochoid::accuracy::{ErrorAt, ErrorSample, Rung};
 
 /// Returns the table of omitted work, with reasons and time saved.
 pub(super) fn savings(report: &Report<'_>) -> String {
@@ -29,45 +29,54 @@ pub(super) fn savings(report: &Report<'_>) -> String {
     table + "</tbody></table></div>"
 }
 
-/// Groups of columns whose figures apply to the strips if only strips are certified.
-const CERTIFIED: &str = "certified";
-const MEASURED: &str = "measured";
-const RATIO: &str = "ratio";
-const DOUBT: &str = "ambiguous samples";
-
 /// Groups of columns of the full table.
 const GROUPS: &[(&str, &[&str])] = &[
-    (CERTIFIED, &["largest", "99.9 %", "median"]),
-    (MEASURED, &["largest", "RMS", "99.9 %", "median", "pixels"]),
-    (RATIO, &["cert. ÷ meas."]),
-    (DOUBT, &["all", "> 1/255"]),
-    ("pixels", &["outside hull", "not a number"]),
-    ("time", &["median", "spread", "predicted", "÷ median"]),
+    ("certified, where not ambiguous", &["largest", "at pixel"]),
+    ("certified", &["largest", "at pixel", "99 % of the pixels", "median"]),
+    ("measured, where not ambiguous", &["largest", "at pixel"]),
+    ("measured", &["largest", "at pixel", "RMS", "99 % of the pixels", "median", "pixels > 1/255"]),
+    ("measured where settings differ", &["RMS", "99 % of the pixels", "pixels > 1/255"]),
+    ("certified ÷ measured, median", &["all pixels", "where settings differ"]),
+    ("pixels with ambiguous samples", &["all", "certified > 1/255"]),
+    ("pixels of the picture", &["outside the hull", "no number"]),
+    ("time of rendering", &["median", "least to most", "runs", "predicted", "÷ median"]),
+    ("time of certifying", &["whole picture", "÷ rendering"]),
     ("memory", &["held"]),
 ];
 
 fn cells(rung: &Rung) -> Vec<String> {
-    let (certified, measured) = (rung.certified, rung.measured);
-    vec![
-        short(certified.max),
-        short(certified.p999),
-        short(certified.median),
-        short(measured.max),
-        short(measured.rms),
-        short(measured.p999),
-        short(measured.median),
-        rung.measured_pixels.to_string(),
-        short(rung.ratio),
-        percent(rung.ambiguous),
-        percent(rung.ambiguous_beyond_8_bit),
-        rung.hull_exits.to_string(),
-        rung.nan.to_string(),
-        seconds(rung.seconds),
-        seconds(rung.spread),
-        seconds(rung.predicted),
-        short(rung.predicted / rung.seconds),
-        mebibytes(rung.bytes),
-    ]
+    let none = || "–".to_owned();
+    let largest = |at: Option<ErrorAt>| {
+        [at.map_or_else(none, |at| short(at.size.display)), at.map_or_else(none, |at| place(at.pixel))]
+    };
+    let [certified, measured] = [&rung.certified, &rung.measured].map(Option::as_ref);
+    let quantile =
+        |sample: Option<&ErrorSample>, share: f64| interval(sample.and_then(|sample| sample.quantile(share)), short);
+    let rms = |sample: Option<&ErrorSample>| sample.and_then(ErrorSample::rms).map_or_else(none, short);
+    let [beyond, beyond_apart] = beyond(&rung.measured).map(|share| interval(share, percent));
+    let [bounds, errors] = [certified, measured].map(|figures| figures.map(|figures| &figures.picture));
+    let apart = measured.map(|figures| &figures.apart);
+    let [least, most] = rung.times.range().map(seconds);
+    let median = rung.times.median();
+    let certify = rung.certify.map_or_else(none, |certify| {
+        format!("{}{}", if certify.is_predicted { "about " } else { "" }, seconds(certify.seconds))
+    });
+    let mut cells = Vec::new();
+    cells.extend(largest(certified.and_then(|figures| figures.clear_max)));
+    cells.extend(largest(certified.and_then(|figures| figures.max)));
+    cells.extend([0.99, 0.5].map(|share| quantile(bounds, share)));
+    cells.extend(largest(measured.and_then(|figures| figures.clear_max)));
+    cells.extend(largest(measured.and_then(|figures| figures.max)));
+    cells.extend([rms(errors), quantile(errors, 0.99), quantile(errors, 0.5), beyond]);
+    cells.extend([rms(apart), quantile(apart, 0.99), beyond_apart]);
+    cells.extend(rung.ratios.map(|ratio| ratio.map_or_else(none, short)));
+    cells.extend([rung.ambiguous, rung.ambiguous_beyond_8_bit].map(|share| interval(share, percent)));
+    cells.extend([rung.hull_exits, rung.nan].map(|count| count.to_string()));
+    cells.extend([seconds(median), format!("{least} to {most}"), rung.times.runs().to_string()]);
+    cells.extend([rung.predicted.map_or_else(none, seconds), rung.predicted.map_or_else(none, |p| short(p / median))]);
+    cells.extend([certify, rung.certify.map_or_else(none, |certify| short(certify.seconds / median))]);
+    cells.push(mebibytes(rung.bytes));
+    cells
 }
 
 /// Returns the full table: all columns of all rungs.
@@ -75,8 +84,7 @@ pub(super) fn rungs(report: &Report<'_>) -> String {
     let mut table =
         String::from("<div class=\"wide\"><table>\n<thead>\n<tr><th class=\"text\" rowspan=\"2\">settings</th>");
     for (name, columns) in GROUPS {
-        let strips = if [CERTIFIED, MEASURED, RATIO, DOUBT].contains(name) { report.on_strips() } else { "" };
-        let _ = write!(table, "<th class=\"group\" colspan=\"{}\">{name}{strips}</th>", columns.len());
+        let _ = write!(table, "<th class=\"group\" colspan=\"{}\">{name}</th>", columns.len());
     }
     table.push_str("</tr>\n<tr>");
     for column in GROUPS.iter().flat_map(|(_, columns)| *columns) {

@@ -15,7 +15,10 @@ pub use error::{MissedTolerance, TargetError, Uncertain};
 #[cfg(feature = "io")]
 pub use file::{NoPlan, PlanFile, PlanFileError};
 pub use knobs::AccuracyKnob;
-pub use ladder::{Attempt, Errors, Ladder, LadderRequest, Limit, PassError, Rung, Saving, Scaling, climb};
+pub use ladder::{
+    Attempt, BrokenBound, CertifyTime, EIGHT_BIT, Effort, ErrorAt, ErrorFigures, ErrorSample, ErrorSize, Estimate,
+    Ladder, LadderRequest, Limit, LookedAt, PassError, Rung, Saving, Scaling, Shortfall, Times, Unseen, climb,
+};
 pub use pilot::predict;
 
 use crate::{LoadError, Loaded};
@@ -172,9 +175,11 @@ fn allowed_of(kind: Kind, tolerance: f64, space: WorkingSpace) -> Option<f64> {
 
 /// Returns the pass without an error bound, and the reason; of several passes, the most telling one, nearest to the
 /// output.
-fn unbounded(graph: &CheckedGraph, certified: &[Certified]) -> Option<(NodeId, &'static str)> {
+fn unbounded(
+    graph: &CheckedGraph,
+    all: impl Iterator<Item = (NodeId, &'static str)>,
+) -> Option<(NodeId, &'static str)> {
     let made = |id: NodeId| graph.order().iter().position(|other| *other == id);
-    let all = certified.iter().flat_map(|certified| certified.unbounded.iter().copied());
     all.max_by_key(|(id, _)| made(*id))
 }
 
@@ -247,7 +252,7 @@ impl Trial<'_> {
 
     fn unknown(&self, certified: &Certified) -> TargetError {
         let output = self.graph.outputs()[certified.output].name.clone();
-        let unbounded = unbounded(self.graph, std::slice::from_ref(certified));
+        let unbounded = unbounded(self.graph, certified.unbounded.iter().copied());
         let why = unbounded.map_or(Uncertain::Unseen, |(id, why)| {
             let node = self.graph.node(id);
             Uncertain::NoBound { node: node.name.clone(), ty: node.ty.declaration().name, why }

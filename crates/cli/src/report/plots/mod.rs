@@ -4,11 +4,13 @@ mod bars;
 mod labels;
 mod ladder;
 mod scale;
+mod times;
 mod work;
 
 pub(super) use bars::passes;
-pub(super) use ladder::{asked, measured, time};
+pub(super) use ladder::{asked, measured_and_certified, time};
 pub(super) use scale::bar;
+pub(super) use times::times;
 pub(super) use work::scalings;
 
 use super::numbers::short;

@@ -4,8 +4,7 @@ use super::{Request, TargetError};
 use crate::accuracy::unbounded;
 use std::fmt;
 use trochoid_engine::{AccuracyLimit, Buffers, Cache, Certifier, Monitor};
-use trochoid_graph::CheckedGraph;
-use trochoid_image::Window;
+use trochoid_graph::{CheckedGraph, NodeId};
 
 /// What limits the certified error of the most accurate settings.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,42 +42,36 @@ impl fmt::Display for Limit {
     }
 }
 
-/// Returns what limits the certified error of a graph at its worst pixel.
+/// Returns what limits the certified error of a graph at its worst pixel without ambiguous samples; `None` for this pixel
+/// means that there is no such pixel.
 pub(super) fn limit(
     graph: &CheckedGraph,
     request: &Request<'_>,
-    regions: &[Window],
+    worst: Option<[i64; 2]>,
+    known: &[(NodeId, &'static str)],
+    cache: &mut Cache,
     monitor: &dyn Monitor,
 ) -> Result<Limit, TargetError> {
-    let mut cache = Cache::new();
-    let mut worst: Option<(f64, usize, [i64; 2])> = None;
-    let mut all = Vec::new();
-    for region in regions {
-        let mut settings = request.settings.clone();
-        settings.region = Some(*region);
-        let certifier = Certifier::new(graph, request.outputs, request.frame, &[], &settings)?;
-        for certified in certifier.certify(&Buffers::new(), &mut cache, monitor)? {
-            let max = certified.clear.max();
-            if let Some(pixel) = certified.worst.filter(|_| worst.is_none_or(|(most, ..)| max > most)) {
-                worst = Some((max, certified.output, pixel));
-            }
-            all.push(certified);
-        }
-    }
     let named = |id| {
         let node = graph.node(id);
         (node.name.clone(), node.ty.declaration().name)
     };
-    let Some((_, output, pixel)) = worst.filter(|_| all.iter().any(|certified| certified.clear.total() > 0)) else {
-        return Ok(unbounded(graph, &all).map_or(Limit::Unseen, |(id, why)| {
+    let Some(pixel) = worst else {
+        return Ok(unbounded(graph, known.iter().copied()).map_or(Limit::Unseen, |(id, why)| {
             let (node, ty) = named(id);
             Limit::Unbounded { node, ty, why }
         }));
     };
     let certifier = Certifier::new(graph, request.outputs, request.frame, &[], request.settings)?;
-    let AccuracyLimit { stage, .. } = certifier.limiting(output, pixel, &Buffers::new(), &mut cache, monitor)?;
+    let output = output(graph, request);
+    let AccuracyLimit { stage, .. } = certifier.limiting(output, pixel, &Buffers::new(), cache, monitor)?;
     Ok(stage.map_or(Limit::Rounding, |id| {
         let (node, ty) = named(id);
         Limit::Pass { node, ty }
     }))
+}
+
+/// Returns the index of the output that is measured.
+pub(super) fn output(graph: &CheckedGraph, request: &Request<'_>) -> usize {
+    graph.outputs().iter().position(|output| output.name == request.outputs[0]).unwrap_or(0)
 }

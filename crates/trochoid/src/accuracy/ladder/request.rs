@@ -10,10 +10,29 @@ pub struct LadderRequest<'a> {
     pub request: Request<'a>,
     /// Format of the measured pictures, if not the document's.
     pub format: Option<Format>,
-    /// Number of pixels that are compared with the f64 reference.
-    pub pixels: usize,
-    /// Whether the whole picture is certified, or only an eighth of it.
-    pub whole: bool,
+    /// How much is measured.
+    pub effort: Effort,
+    /// Seed of the pixels that are drawn.
+    pub seed: u64,
     /// Tolerances of displayed values to try.
     pub tolerances: &'a [f64],
+}
+
+/// How much is measured.
+///
+/// Two numbers of pixels are meant by n pixels: n drawn in the whole picture, and n drawn where settings differ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Effort {
+    /// As many pixels as fit into this many seconds, up to [`Effort::MOST`]; what does not fit is left out, and said.
+    Within(f64),
+    /// This many pixels, rounded up to a power of 2, however long it takes.
+    Pixels(usize),
+    /// This many pixels, rounded up to a power of 2, for the references; bounds of all pixels; and what work costs that is
+    /// left out, or that knobs increase.
+    Whole(usize),
+}
+
+impl Effort {
+    /// Most pixels that are drawn if only time limits them.
+    pub const MOST: usize = 4096;
 }

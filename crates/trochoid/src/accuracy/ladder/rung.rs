@@ -1,32 +1,16 @@
-//! A rung of a ladder: settings that are certified, measured and timed.
+//! A rung of a ladder: settings that are rendered, certified and measured.
 
-use super::request::LadderRequest;
-use super::truth::{Truth, chosen};
-use crate::accuracy::predict;
-use crate::accuracy::{Request, TargetError};
-use std::time::Instant;
-use trochoid_engine::{Buffers, Cache, Certified, Certifier, Frame, Monitor, Picture, Plan};
-use trochoid_graph::CheckedGraph;
-use trochoid_image::Window;
+use super::apart::values;
+use super::errors::{ErrorFigures, ErrorSize, Known, distance, size_of_bound, size_of_error};
+use super::looked::{Looked, PixelBounds};
+use super::statistics::Estimate;
+use super::turns::{Rendered, Times};
+use super::{PassError, apart::place};
+use trochoid_engine::{Certified, Picture};
+use trochoid_image::{Window, WorkingSpace};
 
-/// Maximum number of runs, and seconds after which no further run starts.
-const RUNS: usize = 5;
-const PATIENCE: f64 = 8.0;
-/// Number of pixels at which the shares of passes in the error are determined.
-const PROBES: usize = 24;
-
-/// Statistics of the errors of pixels or samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Errors {
-    /// Largest error.
-    pub max: f64,
-    /// 99.9th percentile.
-    pub p999: f64,
-    /// Median.
-    pub median: f64,
-    /// Root mean square; `NaN` for certified errors, of which only the distribution is known.
-    pub rms: f64,
-}
+/// Error that an 8-bit display may show.
+pub const EIGHT_BIT: f64 = 1.0 / 255.0;
 
 /// Settings with their certified and measured errors and their cost.
 #[derive(Clone, Debug)]
@@ -35,199 +19,280 @@ pub struct Rung {
     pub set: Vec<String>,
     /// Whether `plan` may choose these settings.
     pub is_method: bool,
-    /// Certified errors of samples that are not ambiguous, in units of the working space; `NaN` if all are ambiguous.
-    pub certified: Errors,
-    /// Share of ambiguous samples.
-    pub ambiguous: f64,
-    /// Share of ambiguous samples whose error may exceed 1/255.
-    pub ambiguous_beyond_8_bit: f64,
-    /// Measured errors of pixels without ambiguous samples.
-    pub measured: Errors,
-    /// Number of pixels with measured errors.
-    pub measured_pixels: usize,
-    /// Median ratio of certified to measured errors of these pixels, except where one is 0.
-    pub ratio: f64,
-    /// Number of pixels outside the hull.
+    /// Bounds of errors; `None` if the time was too short.
+    pub certified: Option<ErrorFigures>,
+    /// Errors; `None` if the time was too short.
+    pub measured: Option<ErrorFigures>,
+    /// Largest bound that tolerances are held against, in units of the working space, if it is known: of all pixels that
+    /// are not ambiguous and were looked at; of the whole picture, of all samples that are not.
+    pub judged: Option<f64>,
+    /// Share of pixels with ambiguous samples.
+    pub ambiguous: Option<Estimate>,
+    /// Share of pixels with ambiguous samples whose displayed error may exceed 1/255.
+    pub ambiguous_beyond_8_bit: Option<Estimate>,
+    /// Median ratio of certified to measured errors, except where one is 0: of pixels drawn in the whole picture, and of
+    /// those where settings differ.
+    pub ratios: [Option<f64>; 2],
+    /// Pixels whose error exceeds its bound. There must be none.
+    pub broken: Vec<BrokenBound>,
+    /// Number of pixels of the picture outside the hull, those that are no number included.
     pub hull_exits: u64,
-    /// Number of pixels that are NaN.
+    /// Number of pixels of the picture with a channel that is no number.
     pub nan: u64,
-    /// Median seconds for the frame.
-    pub seconds: f64,
-    /// Seconds between the fastest and the slowest run.
-    pub spread: f64,
-    /// Predicted seconds for the frame.
-    pub predicted: f64,
+    /// Times of rendering a frame.
+    pub times: Times,
+    /// Predicted seconds for a frame; `None` if the time was too short.
+    pub predicted: Option<f64>,
+    /// Seconds for certifying the whole frame; `None` if the time was too short.
+    pub certify: Option<CertifyTime>,
     /// Bytes held by stages and planes.
     pub bytes: usize,
-    /// Whether no other settings are both faster and certified to a smaller error.
+    /// Whether no other settings are certified to a smaller error in a time that is no longer beyond the spread.
     pub is_best: bool,
     /// Shares of the passes in the certified error, at chosen pixels without ambiguous samples.
     pub passes: Vec<PassError>,
-    /// Largest certified error of the channels of each pixel, row by row; empty unless the whole picture is certified.
+    /// Bound of each pixel, in display values, row by row; empty unless the whole picture is certified.
     pub map: Vec<f32>,
     /// Picture rendered with the settings.
     pub picture: Picture,
 }
 
-/// Share of a pass in the certified error.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PassError {
-    /// Name of the node.
-    pub node: String,
-    /// Type of the node.
-    pub ty: &'static str,
-    /// Drop of the bound if the pass has no errors of its own, averaged over pixels.
-    pub drop: f64,
+/// Pixel whose error exceeds its bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BrokenBound {
+    /// The pixel.
+    pub pixel: [i64; 2],
+    /// Bound of the error of a channel.
+    pub bound: f64,
+    /// Error of that channel.
+    pub error: f64,
 }
 
-/// Inputs for measuring a rung.
-pub(super) struct RungMeasurement<'a> {
-    pub(super) graph: &'a CheckedGraph,
-    pub(super) asked: &'a LadderRequest<'a>,
-    pub(super) regions: &'a [Window],
-    pub(super) truth: &'a Truth,
-    pub(super) monitor: &'a dyn Monitor,
+/// Seconds for certifying a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CertifyTime {
+    /// Seconds.
+    pub seconds: f64,
+    /// Whether they are extrapolated from a strip of the picture.
+    pub is_predicted: bool,
 }
 
-impl RungMeasurement<'_> {
-    pub(super) fn rung(&self, set: Vec<String>, is_method: bool) -> Result<Rung, TargetError> {
-        let (graph, request) = (self.graph, &self.asked.request);
-        let predicted = predict(graph, request.outputs, request.frame, request.settings, self.monitor)?;
-        let (frame, seconds, spread) = timed(graph, request, self.monitor)?;
-        let mut cache = Cache::new();
-        let mut certified = Vec::new();
-        for region in self.regions {
-            let mut settings = request.settings.clone();
-            settings.region = Some(*region);
-            let certifier = Certifier::new(graph, request.outputs, request.frame, &[], &settings)?;
-            certified.extend(certifier.certify(&Buffers::new(), &mut cache, self.monitor)?);
-        }
-        let passes = self.passes(&certified, &mut cache)?;
-        let bytes = frame.nodes.iter().map(|node| node.bytes).sum::<usize>();
+/// Inputs for judging settings.
+pub(super) struct Judgement<'a> {
+    pub(super) looked: &'a Looked,
+    pub(super) window: Window,
+    pub(super) space: WorkingSpace,
+    /// Pixels where settings differ, by index in the window.
+    pub(super) apart: &'a [usize],
+}
+
+impl Judgement<'_> {
+    /// Judges settings by what is known of pixels: by their index among all settings.
+    pub(super) fn rung(
+        &self,
+        index: usize,
+        (set, is_method): (Vec<String>, bool),
+        rendered: Rendered,
+        whole: Option<&Certified>,
+    ) -> Option<Rung> {
+        let Rendered { frame, times, predicted } = rendered;
         let planes = |picture: &Picture| picture.planes.len() * frame.window.area() * 4;
+        let bytes = frame.nodes.iter().map(|node| node.bytes).sum::<usize>();
         let bytes = bytes + frame.pictures.iter().map(planes).sum::<usize>();
-        let Some(picture) = frame.pictures.into_iter().next() else { return Err(TargetError::NothingDisplayed) };
-        let (measured, ratio) = self.measured(&picture, &certified);
-        let measured_pixels = measured.len();
-        let sum = |of: &dyn Fn(&Certified) -> u64| certified.iter().map(of).sum::<u64>() as f64;
-        let all = sum(&|c| c.clear.total() + c.unclear.total()).max(1.0);
-        // If all are ambiguous, 0 would mean that they are exact.
-        let clear = certified.iter().filter(|c| c.clear.total() > 0);
-        let most = |of: &dyn Fn(&Certified) -> f64| clear.clone().map(of).fold(f64::NAN, f64::max);
-        Ok(Rung {
+        let picture = frame.pictures.into_iter().next()?;
+        let bounds = self.looked.bounds.get(index).and_then(Option::as_ref).map(|bounds| &bounds.pixels[..]);
+        let bounded = bounds.map(|bounds| self.bounded(&picture, bounds));
+        let errors = self.looked.references.as_ref().map(|references| self.errors(&picture, bounds, references));
+        let draws = [&self.looked.picture, &self.looked.apart];
+        let figures = |known: &Vec<Known>| {
+            let [picture, apart] = draws;
+            ErrorFigures::new(known, &picture.0, &apart.0, [picture.1, apart.1])
+        };
+        let everywhere = whole.map(|whole| self.whole(&picture, whole));
+        let certified = match (&everywhere, &bounded) {
+            (Some(known), _) => {
+                let all: Vec<usize> = (0..known.len()).collect();
+                Some(ErrorFigures::new(known, &all, self.apart, [true; 2]))
+            }
+            (None, known) => known.as_ref().map(figures),
+        };
+        let share = |has: &dyn Fn(&Known) -> bool| match (&everywhere, &bounded) {
+            (Some(known), _) => {
+                let count = known.iter().filter(|known| has(known)).count();
+                Some(Estimate::exact(count as f64 / known.len().max(1) as f64))
+            }
+            (None, known) => known.as_ref().map(|known| {
+                let (drawn, is_whole) = draws[0];
+                let count = drawn.iter().filter(|index| has(&known[**index])).count();
+                let share = Estimate::share(count, drawn.len());
+                if *is_whole { Estimate::exact(share.value) } else { share }
+            }),
+        };
+        let judged = match whole {
+            Some(whole) => (whole.clear.total() > 0).then(|| whole.clear.max()),
+            None => certified.as_ref().and_then(|certified| Some(certified.clear_max?.size.working)),
+        };
+        let ratio = |(draws, _): &(Vec<usize>, bool)| median_ratio(draws, bounded.as_ref()?, errors.as_ref()?);
+        Some(Rung {
             set,
             is_method,
-            certified: Errors {
-                max: most(&|c| c.clear.max()),
-                p999: most(&|c| c.clear.quantile(0.999)),
-                median: most(&|c| c.clear.quantile(0.5)),
-                rms: f64::NAN,
-            },
-            ambiguous: sum(&|c| c.unclear.total()) / all,
-            ambiguous_beyond_8_bit: sum(&|c| c.unclear.above(1.0 / 255.0)) / all,
-            measured: errors(measured),
-            measured_pixels,
-            ratio,
+            measured: errors.as_ref().map(figures),
+            judged,
+            ambiguous: share(&|known| !known.is_clear),
+            ambiguous_beyond_8_bit: share(&|known| !known.is_clear && known.size.display > EIGHT_BIT),
+            ratios: draws.map(ratio),
+            broken: self.broken(&picture, bounds),
             hull_exits: picture.audit.hull_exits,
             nan: picture.audit.nan_count,
-            seconds,
-            spread,
+            times,
             predicted,
+            certify: None,
             bytes,
             is_best: false,
-            passes,
-            map: if self.asked.whole { map(&certified[0]) } else { Vec::new() },
+            passes: Vec::new(),
+            map: everywhere.iter().flatten().map(|known| known.size.display as f32).collect(),
+            certified,
             picture,
         })
     }
 
-    /// Returns the errors of pixels without ambiguous samples, and the median ratio of certified to measured errors.
-    fn measured(&self, picture: &Picture, certified: &[Certified]) -> (Vec<f64>, f64) {
-        let (mut errors, mut ratios) = (Vec::new(), Vec::new());
-        for ([x, y], truth) in self.truth.pixels.iter().zip(&self.truth.values) {
-            let Some((part, index)) = place(certified, [*x, *y]) else { continue };
-            if part.doubt[index] > 0.0 {
-                continue;
-            }
-            let (mut error, mut bound) = (0.0_f64, 0.0_f64);
-            for (channel, truth) in truth.iter().enumerate() {
-                let plane = &picture.planes[channel];
-                let at = (y - plane.window().y0) as usize * plane.window().width() + (x - plane.window().x0) as usize;
-                error = error.max((f64::from(plane.samples()[at]) - truth).abs());
-                bound = bound.max(f64::from(part.errors[channel][index]));
-            }
-            errors.push(error);
-            if error > 0.0 && bound > 0.0 {
-                ratios.push(bound / error);
-            }
+    fn bounded(&self, picture: &Picture, bounds: &[PixelBounds]) -> Vec<Known> {
+        let known =
+            |(pixel, bounds): (&usize, &PixelBounds)| self.known(picture, *pixel, &bounds.errors, bounds.is_clear);
+        self.looked.pixels.iter().zip(bounds).map(known).collect()
+    }
+
+    fn whole(&self, picture: &Picture, whole: &Certified) -> Vec<Known> {
+        let known = |pixel: usize| {
+            let errors: Vec<f64> = whole.errors.iter().map(|channel| f64::from(channel[pixel])).collect();
+            self.known(picture, pixel, &errors, whole.doubt[pixel] == 0.0)
+        };
+        (0..whole.window.area()).map(known).collect()
+    }
+
+    fn known(&self, picture: &Picture, pixel: usize, errors: &[f64], is_clear: bool) -> Known {
+        let size = size_of_bound(picture.kind, self.space, &values(picture, pixel), errors);
+        Known { pixel: place(self.window, pixel), size, is_clear }
+    }
+
+    /// Measures errors. Without bounds, all pixels count as clear.
+    fn errors(&self, picture: &Picture, bounds: Option<&[PixelBounds]>, references: &[Vec<f64>]) -> Vec<Known> {
+        let known = |(index, (pixel, truth)): (usize, (&usize, &Vec<f64>))| Known {
+            pixel: place(self.window, *pixel),
+            size: size_of_error(picture.kind, self.space, &values(picture, *pixel), truth),
+            is_clear: bounds.is_none_or(|bounds| bounds[index].is_clear),
+        };
+        self.looked.pixels.iter().zip(references).enumerate().map(known).collect()
+    }
+
+    /// Returns pixels with a channel whose error exceeds its bound.
+    fn broken(&self, picture: &Picture, bounds: Option<&[PixelBounds]>) -> Vec<BrokenBound> {
+        let (Some(bounds), Some(references)) = (bounds, &self.looked.references) else { return Vec::new() };
+        let broken = |((pixel, bounds), truth): ((&usize, &PixelBounds), &Vec<f64>)| {
+            let value = values(picture, *pixel);
+            let channels = value.iter().zip(truth).zip(&bounds.errors);
+            let mut errors = channels.map(|((value, truth), bound)| (distance(*value, *truth), *bound));
+            let (error, bound) = errors.find(|(error, bound)| error > bound)?;
+            Some(BrokenBound { pixel: place(self.window, *pixel), bound, error })
+        };
+        self.looked.pixels.iter().zip(bounds).zip(references).filter_map(broken).collect()
+    }
+}
+
+/// Returns the median ratio of bounds to errors of some pixels, except where one is 0.
+fn median_ratio(draws: &[usize], bounds: &[Known], errors: &[Known]) -> Option<f64> {
+    let sizes = draws.iter().map(|index| (bounds[*index].size, errors[*index].size));
+    let known = sizes.filter(|(bound, error): &(ErrorSize, ErrorSize)| bound.working > 0.0 && error.working > 0.0);
+    let mut ratios: Vec<f64> = known.map(|(bound, error)| bound.working / error.working).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios.get(ratios.len() / 2).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+    use super::super::looked::SettingsBounds;
+    use super::*;
+    use trochoid_engine::{Audit, Frame, Phases};
+    use trochoid_graph::Kind;
+    use trochoid_image::Plane;
+
+    /// A mask of four pixels.
+    fn rendered(samples: [f32; 4]) -> Rendered {
+        let window = Window::sized(4, 1);
+        let mut plane = Plane::filled(window, 0.0);
+        plane.samples_mut().copy_from_slice(&samples);
+        let picture = Picture {
+            output: 0,
+            kind: Kind::MASK,
+            planes: vec![plane],
+            guarantee: None,
+            audit: Audit::default(),
+            control_count: 0,
+            control_colors: Vec::new(),
+            hull: None,
+            margin: 0.0,
+        };
+        let (nodes, seconds) = (Vec::new(), Phases::default());
+        let frame = Frame { number: 1, window, pictures: vec![picture], nodes, seconds, threads: 1 };
+        Rendered { frame, times: Times::default(), predicted: None }
+    }
+
+    fn looked(bounds: [f64; 4], references: Option<[f64; 4]>) -> Looked {
+        let clear = [true, true, false, true];
+        let pixel = |index: usize| PixelBounds { errors: vec![bounds[index]], is_clear: clear[index] };
+        Looked {
+            pixels: vec![0, 1, 2, 3],
+            picture: (vec![0, 1], false),
+            apart: (vec![1, 2], true),
+            bounds: vec![Some(SettingsBounds { pixels: (0..4).map(pixel).collect(), unbounded: Vec::new() })],
+            references: references.map(|values| values.map(|value| vec![value]).to_vec()),
+            preparing: Some(0.0),
         }
-        ratios.sort_by(f64::total_cmp);
-        let ratio = ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN);
-        (errors, ratio)
     }
 
-    /// Returns the share of each pass in the bounds.
-    fn passes(&self, certified: &[Certified], cache: &mut Cache) -> Result<Vec<PassError>, TargetError> {
-        let (graph, request) = (self.graph, &self.asked.request);
-        let certifier = Certifier::new(graph, request.outputs, request.frame, &[], request.settings)?;
-        let clear = |pixel: &[i64; 2]| place(certified, *pixel).is_some_and(|(part, index)| part.doubt[index] == 0.0);
-        let probes: Vec<[i64; 2]> = chosen(self.regions, 8 * PROBES).into_iter().filter(clear).collect();
-        let step = probes.len().div_ceil(PROBES).max(1);
-        let probes: Vec<&[i64; 2]> = probes.iter().step_by(step).collect();
-        let mut drops = vec![0.0; graph.nodes().len()];
-        for pixel in &probes {
-            let (whole, by_stage) =
-                certifier.by_stage(certified[0].output, **pixel, &Buffers::new(), cache, self.monitor)?;
-            for (stage, without) in by_stage {
-                drops[stage.0] += (whole - without).max(0.0) / probes.len() as f64;
-            }
-        }
-        let passes = graph.nodes().iter().zip(drops).filter(|(_, drop)| *drop > 0.0);
-        let mut passes: Vec<PassError> = passes
-            .map(|(node, drop)| PassError { node: node.name.clone(), ty: node.ty.declaration().name, drop })
-            .collect();
-        passes.sort_by(|a, b| b.drop.total_cmp(&a.drop));
-        Ok(passes)
+    fn judge(looked: &Looked, samples: [f32; 4]) -> Rung {
+        let window = Window::sized(4, 1);
+        let judgement = Judgement { looked, window, space: WorkingSpace::Srgb, apart: &[1, 2] };
+        judgement.rung(0, (vec!["a.b=c".into()], true), rendered(samples), None).unwrap()
     }
-}
 
-/// Returns the part that contains a pixel, and the index of the pixel in it.
-fn place(certified: &[Certified], [x, y]: [i64; 2]) -> Option<(&Certified, usize)> {
-    let holds = |window: Window| (window.x0..window.x1).contains(&x) && (window.y0..window.y1).contains(&y);
-    let part = certified.iter().find(|part| holds(part.window))?;
-    Some((part, (y - part.window.y0) as usize * part.window.width() + (x - part.window.x0) as usize))
-}
-
-fn map(certified: &Certified) -> Vec<f32> {
-    let most = |index: usize| certified.errors.iter().map(|channel| channel[index]).fold(0.0, f32::max);
-    (0..certified.window.area()).map(most).collect()
-}
-
-fn errors(mut values: Vec<f64>) -> Errors {
-    values.sort_by(f64::total_cmp);
-    let count = values.len();
-    if count == 0 {
-        return Errors { max: f64::NAN, p999: f64::NAN, median: f64::NAN, rms: f64::NAN };
+    #[test]
+    fn errors_are_held_against_the_bounds_of_their_pixels() {
+        let bounds = [0.25, 0.25, 1.0, 0.5];
+        let rung = judge(&looked(bounds, Some([0.5, 0.25, 0.0, 0.25])), [0.5, 0.5, 0.75, 0.5]);
+        let (certified, measured) = (rung.certified.unwrap(), rung.measured.unwrap());
+        assert_eq!(rung.broken, []);
+        assert_eq!(certified.max.map(|at| (at.pixel, at.size.display)), Some(([2, 0], 1.0)));
+        assert_eq!(certified.clear_max.map(|at| (at.pixel, at.size.display)), Some(([3, 0], 0.5)));
+        assert_eq!(measured.max.map(|at| (at.pixel, at.size.display)), Some(([2, 0], 0.75)));
+        assert_eq!(measured.clear_max.map(|at| (at.pixel, at.size.display)), Some(([1, 0], 0.25)));
+        assert_eq!((measured.picture.count(), measured.apart.count(), rung.judged), (2, 2, Some(0.5)));
+        // Pixel 0 has no error, so pixel 1 alone counts; of those apart, pixels 1 and 2.
+        assert_eq!(rung.ratios, [Some(1.0), Some(4.0 / 3.0)]);
+        assert_eq!(rung.ambiguous.map(|share| share.value), Some(0.0), "not drawn in the picture");
     }
-    let at = |share: f64| values[((share * count as f64).ceil() as usize).clamp(1, count) - 1];
-    let squares: f64 = values.iter().map(|value| value * value).sum();
-    Errors { max: at(1.0), p999: at(0.999), median: at(0.5), rms: (squares / count as f64).sqrt() }
-}
 
-/// Evaluates a frame several times without a cache; returns the frame, the median of the seconds, and their spread.
-pub(super) fn timed(
-    graph: &CheckedGraph,
-    request: &Request<'_>,
-    monitor: &dyn Monitor,
-) -> Result<(Frame, f64, f64), TargetError> {
-    let plan = Plan::new(graph, request.outputs, request.frame, &[], request.settings)?;
-    let (mut seconds, mut found) = (Vec::new(), Frame::default());
-    let started = Instant::now();
-    while seconds.is_empty() || (seconds.len() < RUNS && started.elapsed().as_secs_f64() < PATIENCE) {
-        found = plan.evaluate(&Buffers::new(), &mut Cache::new(), monitor)?;
-        seconds.push(found.seconds.prepare + found.seconds.hull + found.seconds.tiles);
+    #[test]
+    fn bounds_that_are_too_small_are_found_and_named() {
+        let planted = [0.25, 0.249, 1.0, 0.5];
+        let rung = judge(&looked(planted, Some([0.5, 0.25, 0.0, 0.25])), [0.5, 0.5, 0.75, 0.5]);
+        assert_eq!(rung.broken, [BrokenBound { pixel: [1, 0], bound: 0.249, error: 0.25 }]);
+        let unclear = [0.25, 0.25, 0.5, 0.5];
+        let rung = judge(&looked(unclear, Some([0.5, 0.25, 0.0, 0.25])), [0.5, 0.5, 0.75, 0.5]);
+        assert_eq!(rung.broken.len(), 1, "bounds of ambiguous pixels hold as well");
+        let nan = judge(&looked(planted, Some([0.5, 0.25, 0.0, 0.25])), [0.5, f32::NAN, 0.75, 0.5]);
+        assert_eq!((nan.broken.len(), nan.broken[0].error), (1, f64::INFINITY));
     }
-    seconds.sort_by(f64::total_cmp);
-    let spread = seconds[seconds.len() - 1] - seconds[0];
-    Ok((found, seconds[seconds.len() / 2], spread))
+
+    #[test]
+    fn what_there_was_no_time_for_is_unknown() {
+        let rung = judge(&looked([0.25; 4], None), [0.5; 4]);
+        assert!(rung.measured.is_none() && rung.broken.is_empty() && rung.ratios == [None; 2]);
+        assert!(rung.certified.is_some());
+        let rung = judge(&Looked { bounds: vec![None], ..looked([0.25; 4], Some([0.5; 4])) }, [0.25; 4]);
+        assert!(rung.certified.is_none() && rung.judged.is_none() && rung.ambiguous.is_none());
+        assert_eq!(rung.measured.unwrap().max.map(|at| at.size.working), Some(0.25));
+    }
 }

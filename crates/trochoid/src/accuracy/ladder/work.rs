@@ -1,10 +1,11 @@
 //! Omitted work, and the growth of run time with work.
 
-use super::rung::timed;
+use super::turns::timed;
 use super::{Request, TargetError};
+use crate::Cost;
 use crate::LoadError;
 use crate::accuracy::knobs;
-use trochoid_engine::{Buffers, Cache, Monitor, Plan, State};
+use trochoid_engine::{Cache, Monitor, NodeReport, Plan, State};
 use trochoid_graph::CheckedGraph;
 
 /// Node, or part of its work, that is left out.
@@ -16,6 +17,8 @@ pub struct Saving {
     pub ty: &'static str,
     /// Reason that it is left out, or the part that is.
     pub why: String,
+    /// Whether the whole node is left out.
+    pub is_node: bool,
     /// Seconds saved; `None` if not measured.
     pub seconds: Option<f64>,
 }
@@ -32,35 +35,44 @@ pub struct Scaling {
 /// Factors for knobs that increase work.
 const WORK: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 
-/// Returns the work that is left out of a document.
+/// Returns the work that is left out of a document, given the reports on its nodes; and the time that it would take, if
+/// that is wanted.
 pub(super) fn savings(
     graph: &CheckedGraph,
     request: &Request<'_>,
+    nodes: &[NodeReport],
+    is_timed: bool,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Saving>, TargetError> {
-    let costs =
+    let measured = || {
         crate::measure(graph, request.outputs[0], request.frame, u32::MAX, monitor).map_err(|error| match error {
             crate::MeasureError::Plan(error) => TargetError::from(error),
             crate::MeasureError::Evaluate(error) => error.into(),
-        })?;
-    let plan = Plan::new(graph, request.outputs, request.frame, &[], request.settings)?;
-    let mut cache = Cache::new();
-    let frame = plan.evaluate(&Buffers::new(), &mut cache, monitor)?;
+        })
+    };
+    let costs = if is_timed { measured()?.nodes } else { Vec::new() };
     let mut savings: Vec<Saving> = Vec::new();
-    for (report, cost) in frame.nodes.iter().zip(&costs.nodes) {
+    for (index, report) in nodes.iter().enumerate() {
         if let State::LeftOut(why) = &report.state {
             let (node, ty, why) = (report.name.clone(), report.ty, why.to_string());
-            savings.push(Saving { node, ty, why, seconds: cost.saved() });
+            savings.push(Saving { node, ty, why, is_node: true, seconds: costs.get(index).and_then(Cost::saved) });
         }
     }
-    for (id, omissions) in plan.omissions(&mut cache, monitor)? {
+    let plan = Plan::new(graph, request.outputs, request.frame, &[], request.settings)?;
+    for (id, omissions) in plan.omissions(&mut Cache::new(), monitor)? {
         for omission in omissions {
             let node = graph.node(id);
             let why = format!("{:.0} of {:.0} {}: {}", omission.count, omission.of, omission.what, omission.why);
-            savings.push(Saving { node: node.name.clone(), ty: node.ty.declaration().name, why, seconds: None });
+            let (name, ty) = (node.name.clone(), node.ty.declaration().name);
+            savings.push(Saving { node: name, ty, why, is_node: false, seconds: None });
         }
     }
     Ok(savings)
+}
+
+/// Returns the number of knobs that increase work.
+pub(super) fn costly(graph: &CheckedGraph, request: &Request<'_>) -> usize {
+    knobs::numbers(graph, request.outputs, request.frame, |knob| knob.affects_cost || knob.accuracy).len()
 }
 
 /// Measures run times by the values of knobs that increase work.
@@ -80,7 +92,7 @@ pub(super) fn scalings(
             }
             // Some values are not valid together with the rest of the document.
             let Ok(graph) = sized(&[number.assignment(factor)]) else { continue };
-            points.push((value, timed(&graph, request, monitor)?.1));
+            points.push((value, timed(&graph, request, monitor)?));
         }
         scalings.push(Scaling { knob: number.path(), points });
     }
