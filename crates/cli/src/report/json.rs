@@ -57,8 +57,8 @@ pub(super) fn columns(report: &Report<'_>, rung: &Rung) -> Columns {
         own("scene", json!(report.scene)),
         own("output", json!(ladder.output)),
         own("frame", json!(ladder.frame)),
-        own("seed", json!(ladder.seed)),
         own("settings", json!(settings)),
+        own("seed", json!(ladder.seed)),
         own("is_method", json!(rung.is_method)),
         own("scope", json!(report.scope())),
     ];

@@ -78,7 +78,7 @@ pub(super) fn interval(estimate: Option<Estimate>, format: fn(f64) -> String) ->
 pub(super) fn thousands(number: usize) -> String {
     let digits = number.to_string();
     let group = |(index, digit): (usize, char)| {
-        let is_first = index > 0 && (digits.len() - index) % 3 == 0 && digits.len() > 4;
+        let is_first = index > 0 && (digits.len() - index).is_multiple_of(3) && digits.len() > 4;
         is_first.then_some('\u{202f}').into_iter().chain([digit])
     };
     digits.chars().enumerate().flat_map(group).collect()

@@ -195,7 +195,7 @@ mod tests {
         const ALL: usize = 10_000;
         let mut random = Pcg64::seed_from_u64(7);
         // Sizes that go with their place, so that strata differ, and sizes that do not.
-        let size = |place: usize| if place % 4 == 0 { place as f64 } else { (place * 7919 % ALL) as f64 };
+        let size = |place: usize| if place.is_multiple_of(4) { place as f64 } else { (place * 7919 % ALL) as f64 };
         let mut misses = 0;
         for _ in 0..RUNS {
             let mut sizes: Vec<f64> = (0..drawn)
@@ -213,8 +213,9 @@ mod tests {
 
     #[test]
     fn intervals_miss_the_truth_in_at_most_one_of_twenty_and_wrong_ones_are_found() {
-        let mut all: Vec<f64> =
-            (0..10_000_usize).map(|place| if place % 4 == 0 { place } else { place * 7919 % 10_000 } as f64).collect();
+        let mut all: Vec<f64> = (0..10_000_usize)
+            .map(|place| if place.is_multiple_of(4) { place } else { place * 7919 % 10_000 } as f64)
+            .collect();
         all.sort_by(f64::total_cmp);
         for drawn in [64, 200] {
             for share in [0.5, 0.9] {

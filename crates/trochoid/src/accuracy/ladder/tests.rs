@@ -29,8 +29,10 @@ fn ladder(text: &str, effort: Effort, seed: u64, clock: &(dyn Fn() -> f64 + Sync
     climb_by(&load, &asked, clock, &Silent).unwrap()
 }
 
-/// Everything of the rungs that is no time.
-fn figures(ladder: &Ladder) -> Vec<(&[String], Option<&ErrorFigures>, Option<&ErrorFigures>, Option<Estimate>)> {
+/// Everything of a rung that is no time.
+type Figures<'a> = (&'a [String], Option<&'a ErrorFigures>, Option<&'a ErrorFigures>, Option<Estimate>);
+
+fn figures(ladder: &Ladder) -> Vec<Figures<'_>> {
     ladder
         .rungs
         .iter()
