@@ -66,12 +66,13 @@ pub(super) fn place(window: Window, pixel: usize) -> [i64; 2] {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use trochoid_engine::{Audit, Picture};
     use trochoid_image::Plane;
 
-    fn picture(samples: &[f32]) -> Picture {
+    /// A mask of one row.
+    pub(in crate::accuracy::ladder) fn picture(samples: &[f32]) -> Picture {
         let mut plane = Plane::filled(Window::sized(samples.len() as u32, 1), 0.0);
         plane.samples_mut().copy_from_slice(samples);
         Picture {

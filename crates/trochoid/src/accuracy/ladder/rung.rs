@@ -212,30 +212,16 @@ fn median_ratio(draws: &[usize], bounds: &[Known], errors: &[Known]) -> Option<f
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+    use super::super::apart::tests::picture;
     use super::super::looked::SettingsBounds;
     use super::*;
-    use trochoid_engine::{Audit, Frame, Phases};
-    use trochoid_graph::Kind;
-    use trochoid_image::Plane;
+    use trochoid_engine::{Frame, Phases};
 
     /// A mask of four pixels.
     fn rendered(samples: [f32; 4]) -> Rendered {
-        let window = Window::sized(4, 1);
-        let mut plane = Plane::filled(window, 0.0);
-        plane.samples_mut().copy_from_slice(&samples);
-        let picture = Picture {
-            output: 0,
-            kind: Kind::MASK,
-            planes: vec![plane],
-            guarantee: None,
-            audit: Audit::default(),
-            control_count: 0,
-            control_colors: Vec::new(),
-            hull: None,
-            margin: 0.0,
-        };
         let (nodes, seconds) = (Vec::new(), Phases::default());
-        let frame = Frame { number: 1, window, pictures: vec![picture], nodes, seconds, threads: 1 };
+        let (window, pictures) = (Window::sized(4, 1), vec![picture(&samples)]);
+        let frame = Frame { number: 1, window, pictures, nodes, seconds, threads: 1 };
         Rendered { frame, times: Times::default(), predicted: None }
     }
 
