@@ -30,4 +30,4 @@ for scene in stormy_sea stormy_sea_bare great_wave toon_sea cartoon_bay toon_tea
 done
 
 # The editor is drawn without a window, but not without a graphics driver.
-cargo run --release -p trochoid-editor --example screenshots -- samples
+cargo run --release -p trochoid-editor --features snapshots --example screenshots -- samples

@@ -36,7 +36,7 @@ fn all_faults_are_reported_at_once_in_the_order_of_the_text() {
 
 #[test]
 fn a_document_full_of_faults_is_not_listed_to_the_end() {
-    let nodes: Vec<String> = (0..20_000).map(|i| format!(r#""n{i}": {{ "type": "Nonsense" }}"#)).collect();
+    let nodes: Vec<String> = (0..3_000).map(|i| format!(r#""n{i}": {{ "type": "Nonsense" }}"#)).collect();
     let text = format!(
         r#"{{ "trochoid": 1, "format": {{ "width": 4, "height": 4 }}, "nodes": {{ {} }}, "outputs": {{}} }}"#,
         nodes.join(",")

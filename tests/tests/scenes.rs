@@ -124,7 +124,7 @@ fn scenes_keep_their_bits_without_any_optimization() {
 fn samples_that_are_followed_have_the_same_bits_under_all_settings() {
     let overrides = ["view.points=surface", "deck.points=exact", "storm.count=60"].map(String::from);
     let graph = load(&root().join("graphs/open_sea.json"), &overrides).unwrap().graph;
-    let graph = graph.clone().with_format(Format::new(32, 18, 4).unwrap());
+    let graph = graph.clone().with_format(Format::new(16, 9, 4).unwrap());
     under_all_settings(&graph, 1, &Buffers::new(), "open_sea, followed");
 }
 

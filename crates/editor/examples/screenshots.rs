@@ -1,7 +1,7 @@
 //! Draws the editor's window for the manual, without a screen but with a graphics driver:
 //!
 //! ```text
-//! cargo run --release -p trochoid-editor --example screenshots -- FOLDER
+//! cargo run --release -p trochoid-editor --features snapshots --example screenshots -- FOLDER
 //! ```
 
 use egui_kittest::Harness;

@@ -15,7 +15,7 @@ use rand::seq::IndexedRandom;
 use rand_pcg::Pcg64Mcg;
 use trochoid::{Buffers, Cache, Certifier, CheckedGraph, ReferenceFrame, Silent};
 
-/// Number of graphs by default; the environment variable `TROCHOID_GRAPHS` sets another one.
+/// Number of graphs by default.
 const GRAPHS: u64 = 20;
 
 /// Bounds divided by errors where there are errors, and the number of samples in doubt.
@@ -62,7 +62,7 @@ fn outside(graph: &CheckedGraph, tally: &mut Tally) -> Vec<String> {
 
 #[test]
 fn every_pixel_lies_within_its_bound_whatever_nodes_are_called() {
-    let count = std::env::var("TROCHOID_GRAPHS").map_or(GRAPHS, |count| count.parse().unwrap());
+    let count = super::count(GRAPHS);
     let folder = tempfile::tempdir().unwrap();
     let (mut tally, mut all) = (Tally::default(), Vec::new());
     let inputs = inputs();

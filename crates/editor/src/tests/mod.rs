@@ -9,6 +9,7 @@ mod panels;
 mod play;
 mod reach;
 mod safety;
+#[cfg(feature = "snapshots")]
 mod snapshots;
 mod told;
 mod typing;

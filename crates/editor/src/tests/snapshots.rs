@@ -1,10 +1,10 @@
 //! Parts of the editor as they are drawn, compared with the pictures in `snapshots`.
 //!
-//! wgpu draws them and needs a graphics driver; Mesa's software driver is enough (Debian: mesa-vulkan-drivers). So they
-//! run only on request:
+//! wgpu draws them and needs a graphics driver; Mesa's software driver is enough (Debian: mesa-vulkan-drivers). It takes
+//! long to build, too. So they run only on request:
 //!
 //! ```text
-//! cargo test -p trochoid-editor --lib -- --ignored snapshots
+//! cargo test --workspace --lib --features trochoid-editor/snapshots snapshots
 //! ```
 //!
 //! If one differs, `snapshots/<name>.diff.png` shows the difference, and `<name>.new.png` what was drawn. The same
@@ -172,13 +172,11 @@ fn nowhere(harness: &Graph<'_>) -> Pos2 {
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn the_graph() {
     compare_graph("graph", |_| {});
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn the_graph_from_nearby() {
     compare_graph("graph_near", |harness| {
         harness.hover_at(center(harness, "Node sky, Ramp"));
@@ -196,25 +194,21 @@ fn the_graph_from_nearby() {
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn the_error_of_a_node() {
     compare_graph("graph_error", |harness| harness.hover_at(center(harness, "Node bad, Mix")));
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn the_menu_of_a_node() {
     compare_graph("graph_menu", |harness| harness.get_by_label("Node curved, FieldMath").click_secondary());
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn a_wire_that_is_drawn() {
     compare_graph("graph_wire", |harness| pull(harness, "Output of curved", nowhere(harness)));
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn a_wire_that_is_refused() {
     compare_graph("graph_refusal", |harness| {
         let to = center(harness, "Input weight of dusk");
@@ -224,7 +218,6 @@ fn a_wire_that_is_refused() {
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn a_ramp() {
     let state = || {
         let mut state = seen(KINDS);
@@ -235,7 +228,6 @@ fn a_ramp() {
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn a_curve() {
     let state = || {
         let mut state = seen(KINDS);
@@ -267,13 +259,11 @@ fn looking(text: &str, node: &str) -> State {
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn a_picture() {
     compare_viewer("picture", || seen(DUSK), |_| {});
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn the_colors_of_a_pixel() {
     compare_viewer("picture_pixel", || seen_after(SOLID, &[Action::Pick(Some([0.3, 0.6]))]), |_| {});
 }
@@ -291,31 +281,26 @@ fn compare_two(name: &str, by: Switch) {
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn two_pictures_beside_each_other() {
     compare_two("picture_wipe", Switch::Wipe);
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn the_difference_of_two_pictures() {
     compare_two("picture_difference", Switch::Difference);
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn pixels_near_the_faces_of_the_hull() {
     compare_viewer("picture_near", || seen(SOLID), |harness| switch(harness, Switch::Near));
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn the_hull() {
     compare_viewer("picture_hull", || seen(SOLID), |harness| switch(harness, Switch::Hull));
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn a_field() {
     let display = Display { false_color: true, range: Some([0.0, 1.0]), ..Display::default() };
     let actions = [Action::Look("across".into(), 0), Action::Display(display)];
@@ -323,19 +308,16 @@ fn a_field() {
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn a_surface() {
     compare_viewer("picture_clay", || looking(SEA, "waves"), |_| {});
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn what_is_no_picture() {
     compare_viewer("picture_failed", || looking(SEA, "camera"), |_| {});
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn the_handles_of_a_sea() {
     let state = || {
         let mut state = seen(SEA);
@@ -346,7 +328,6 @@ fn the_handles_of_a_sea() {
 }
 
 #[test]
-#[ignore = "needs a graphics driver"]
 fn the_tools_of_a_narrow_viewer() {
     compare(
         "picture_tools",
