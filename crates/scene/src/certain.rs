@@ -1,5 +1,6 @@
 //! Determines where it is certain what a camera sees, and what it sees there.
 
+use crate::reference::seas_last;
 use crate::surface::{Hit, Sight, Surface};
 use crate::{Camera, Projector};
 use trochoid_image::Format;
@@ -23,7 +24,7 @@ use trochoid_image::Format;
 /// let certain = Certain::new(&camera, &[&surface], format, &|| false).ok_or("stopped")?;
 /// let low = [32, 35];
 /// let sights = certain.sights(&[&surface], &[low], format.sample_offset(0));
-/// assert!(matches!(sights[0], Sight::Point(hit) if hit.distance < 60.0));
+/// assert!(sights[0].hit().is_some_and(|hit| hit.distance < 60.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -54,21 +55,16 @@ impl Certain {
 
     fn sight(&self, surfaces: &[&dyn Surface], [x, y]: [f64; 2]) -> Sight {
         let ray = self.projector.ray(x, y);
-        let mut nearest: Option<Hit> = None;
+        let mut nearest = Sight::Nothing;
         // Seas last: what lies in front of them limits their search.
-        for is_sea in [false, true] {
-            for (index, surface) in surfaces.iter().enumerate() {
-                if surface.as_sea().is_some() != is_sea {
-                    continue;
-                }
-                let end = nearest.map_or(f64::INFINITY, |hit| hit.distance);
-                match surface.first(&self.projector, &ray, end) {
-                    Sight::Unclear => return Sight::Unclear,
-                    Sight::Nothing => {}
-                    Sight::Point(hit) => nearest = Some(Hit { surface: index, ..hit }),
-                }
+        for (index, surface) in seas_last(surfaces) {
+            let end = nearest.hit().map_or(f64::INFINITY, |hit| hit.distance);
+            match surface.first(&self.projector, &ray, end) {
+                Sight::Unclear => return Sight::Unclear,
+                Sight::Nothing => {}
+                Sight::Point(hit, sheet) => nearest = Sight::Point(Hit { surface: index, ..hit }, sheet),
             }
         }
-        nearest.map_or(Sight::Nothing, Sight::Point)
+        nearest
     }
 }

@@ -5,6 +5,7 @@
 //! finds or not.
 
 use crate::sea_point::SeaPoint;
+use crate::surface::GivenUp;
 use crate::{Projector, Ray, SeaSurface};
 use glam::DVec3;
 use std::cmp::Ordering;
@@ -13,6 +14,8 @@ use std::collections::BinaryHeap;
 /// Number of Newton steps, and their tolerance, relative to 1 m + distance.
 const STEPS: usize = 24;
 const CLOSE: f64 = 1e-13;
+/// Most rectangles that are cut for a ray; most rays take some thousands.
+const MOST: u32 = 200_000;
 /// Half diagonal, relative to 1 m + distance, at which a rectangle whose points nearly touch the ray is not cut any
 /// further.
 const LEAST: f64 = 1e-9;
@@ -51,7 +54,8 @@ enum Solutions {
     From(f64),
 }
 
-/// Returns the distance and the rest point of the first point of a sea that a ray meets between two distances.
+/// Returns the distance and the rest point of the first point of a sea that a ray meets between two distances; gives up
+/// after [`MOST`] rectangles.
 ///
 /// The bounds account for rounding, and for everything except the curvature of the footprint: between two positions
 /// where its growth is computed, it is assumed to grow at a rate in between.
@@ -60,7 +64,7 @@ pub(crate) fn first_point(
     projector: &Projector,
     ray: &Ray,
     [start, end]: [f64; 2],
-) -> Option<(f64, [f64; 2])> {
+) -> Result<Option<(f64, [f64; 2])>, GivenUp> {
     // A flat sea leaves only one distance, and rounding.
     let (start, end) = (start * (1.0 - LEAST), end * (1.0 + LEAST));
     let horizontal = libm::hypot(ray.direction.x, ray.direction.z);
@@ -77,10 +81,12 @@ pub(crate) fn first_point(
     let whole =
         Rectangle { middle: [start * horizontal + half - sea.drift, 0.0], half: [half, sea.drift], nearest: 0.0 };
     let (mut rectangles, mut first) = (BinaryHeap::from([whole]), None::<(f64, [f64; 2])>);
+    let mut left = MOST;
     while let Some(next) = rectangles.pop() {
         if first.is_some_and(|(distance, _)| distance <= next.nearest) {
             break;
         }
+        left = left.checked_sub(1).ok_or(GivenUp)?;
         for part in next.cut() {
             match search.look(&part) {
                 Solutions::Empty => {}
@@ -93,7 +99,7 @@ pub(crate) fn first_point(
             }
         }
     }
-    first
+    Ok(first)
 }
 
 impl Rectangle {
@@ -296,6 +302,31 @@ mod tests {
     }
 
     #[test]
+    fn seas_too_rough_to_search_are_given_up() {
+        let wave = |direction: f64| {
+            let wave = ExplicitWave {
+                wavelength: 5.0,
+                amplitude: 1e3,
+                direction,
+                sharpness: 1e3,
+                phase: direction,
+                speed: None,
+            };
+            Wave::try_from(wave).expect("valid")
+        };
+        let surface = SeaSurface::new(&Sea::new([0.0, 0.7, 2.0].map(wave).to_vec()), 0.0, 0.0);
+        let camera = Camera {
+            position: DVec3::new(0.0, 3.0, 0.0),
+            target: DVec3::new(1.0, 3.0, 0.0),
+            roll: 0.0,
+            projection: Projection::Perspective { fov: 0.5 },
+        };
+        let projector = camera.projector(Format::new(64, 64, 1).expect("valid"));
+        let ray = Ray { origin: camera.position, direction: DVec3::new(0.8, 0.0, 0.6) };
+        assert_eq!(first_point(&surface, &projector, &ray, [0.0, 1e5]), Err(GivenUp));
+    }
+
+    #[test]
     fn rays_meet_the_first_sheet_of_folds() {
         let (length, amplitude, horizontal) = (8.0, 1.0, 2.2);
         let wave = ExplicitWave {
@@ -329,7 +360,7 @@ mod tests {
                 [rest + sample.displacement[0], sample.displacement[1]]
             });
             let expected = first_of_line(points, [x, y], [cos, sin]).filter(|distance| *distance < 20.0);
-            let found = first_point(&surface, &projector, &ray, [0.0, 20.0]);
+            let found = first_point(&surface, &projector, &ray, [0.0, 20.0]).expect("it is smooth");
             let (Some((distance, rest)), Some(expected)) = (found, expected) else {
                 assert_eq!(found.map(|found| found.0), expected, "ray {case}");
                 continue;

@@ -5,6 +5,7 @@
 
 use glam::DVec3;
 
+use crate::grid_ranges::BLOCK;
 use crate::{GridSurface, Ray};
 
 /// Degree of a bicubic polynomial along a line.
@@ -34,6 +35,7 @@ pub(crate) fn first_of_grid(grid: &GridSurface, ray: &Ray, [start, end]: [f64; 2
         let (a, b) = (-from[axis] / way[axis], (count[axis] as f64 - from[axis]) / way[axis]);
         (near, far) = (near.max(a.min(b)), far.min(a.max(b)));
     }
+    let ranges = grid.ranges();
     let mut at = near;
     while at < far {
         // The cell just beyond this distance, and where the ray leaves it. Rounding may name a neighbor, whose
@@ -48,22 +50,36 @@ pub(crate) fn first_of_grid(grid: &GridSurface, ray: &Ray, [start, end]: [f64; 2
             };
             below.clamp(0.0, (count[axis] - 1) as f64)
         });
-        let mut leave = far;
-        for axis in 0..2 {
-            let side = cell[axis] + f64::from(u8::from(way[axis] > 0.0));
-            if way[axis] != 0.0 {
-                let there = (side - from[axis]) / way[axis];
-                if there > at {
-                    leave = leave.min(there);
+        // Where the ray leaves the square of some cells that contains this one. Progress is certain even where rounding
+        // hides it.
+        let leaves = |size: usize| {
+            let mut leave = far;
+            for axis in 0..2 {
+                let first = cell[axis] as usize / size * size;
+                let side = (first + if way[axis] > 0.0 { size } else { 0 }) as f64;
+                if way[axis] != 0.0 {
+                    let there = (side - from[axis]) / way[axis];
+                    if there > at {
+                        leave = leave.min(there);
+                    }
                 }
             }
+            leave.max(at.next_up()).min(far)
+        };
+        let height = |distance: f64| ray.origin.y - grid.level() + ray.direction.y * distance;
+        let index = cell.map(|index| index as usize);
+        let past = leaves(BLOCK);
+        if ranges.block(index).misses([height(at), height(past)]) {
+            at = past;
+            continue;
         }
-        // Progress is certain even where rounding hides it.
-        let leave = leave.max(at.next_up()).min(far);
+        let leave = leaves(1);
+        if ranges.cell(index).misses([height(at), height(leave)]) {
+            at = leave;
+            continue;
+        }
         let local = |distance: f64| [0, 1].map(|axis| from[axis] + way[axis] * distance - cell[axis]);
-        let heights = grid.neighbors(cell.map(|index| index as usize));
-        let [rise, fall] = [at, leave].map(|distance| ray.origin.y - grid.level() + ray.direction.y * distance);
-        let gap = along(&heights, local(at), local(leave), [rise, fall]);
+        let gap = along(&grid.neighbors(index), local(at), local(leave), [at, leave].map(height));
         if let Some(part) = first_root(&gap, 0.0, 1.0, HALVINGS) {
             return Some(at + part * (leave - at));
         }

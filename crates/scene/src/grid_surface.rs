@@ -1,14 +1,15 @@
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::channel::{NORMALS, RESTS};
+use crate::grid_ranges::Ranges;
 use crate::grid_ray::first_of_grid;
 use crate::meet_near::meet_grid;
 use crate::points::MeshHit;
 use crate::shading::unit_or_up;
-use crate::surface::{Anchor, Hit, Mesh, Sight, Surface, Topology};
+use crate::surface::{Anchor, GivenUp, Hit, Mesh, Surface, Topology};
 use crate::{Channel, ChannelSet, Projector, Ray, Resting};
 
 /// Largest chord error of a cell, in pixels, at its nearest point and at a crest three times as sharp as the root
@@ -37,6 +38,8 @@ pub struct GridSurface {
     /// Root mean square of second differences, in meters.
     bend: f64,
     trails: Trails,
+    /// Ranges of heights, made for the first ray.
+    ranges: Arc<OnceLock<Ranges>>,
 }
 
 /// A value that is computed when it is first needed.
@@ -97,6 +100,7 @@ impl GridSurface {
             bounds,
             bend,
             trails: Trails::new(Vec::new, Default::default),
+            ranges: Arc::default(),
         }
     }
 
@@ -168,6 +172,11 @@ impl GridSurface {
             let row = (j + n).saturating_sub(1).min(self.rows - 1) * self.columns;
             std::array::from_fn(|m| f64::from(self.heights[row + (i + m).saturating_sub(1).min(self.columns - 1)]))
         })
+    }
+
+    /// Returns the ranges of heights.
+    pub(crate) fn ranges(&self) -> &Ranges {
+        self.ranges.get_or_init(|| Ranges::new(self))
     }
 
     /// Returns world y of the rest level, in meters.
@@ -383,12 +392,8 @@ impl Surface for GridSurface {
         meet_grid(self, projector, ray, near)
     }
 
-    fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
-        self.before(projector, ray, f64::INFINITY)
-    }
-
-    fn first(&self, projector: &Projector, ray: &Ray, end: f64) -> Sight {
-        self.before(projector, ray, end).map_or(Sight::Nothing, Sight::Point)
+    fn trace(&self, projector: &Projector, ray: &Ray, end: f64) -> Result<Option<Hit>, GivenUp> {
+        Ok(self.before(projector, ray, end))
     }
 
     /// Beyond the grid, the heights of its edge continue. A grid holds no detail finer than its cells.

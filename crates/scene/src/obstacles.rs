@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::surface::{Mesh, Topology};
+use crate::surface::{GivenUp, Mesh, Topology};
 use crate::{ChannelSet, Projector, Ray, Surface};
 
 /// Number of triangles in a leaf, and of children of a box.
@@ -61,9 +61,22 @@ pub fn surroundings(projector: &Projector, beyond: f64, detail: f64) -> Projecto
 }
 
 /// Returns the distance to the first point of the continuous surfaces along a ray within `limit`, in f64.
-pub fn first_reference(projector: &Projector, surfaces: &[&dyn Surface], ray: &Ray, limit: f64) -> Option<f64> {
-    let hits = surfaces.iter().filter_map(|surface| surface.trace(projector, ray));
-    hits.map(|hit| hit.distance).filter(|distance| *distance <= limit).min_by(f64::total_cmp)
+///
+/// # Errors
+/// A surface is too rough along the ray.
+pub fn first_reference(
+    projector: &Projector,
+    surfaces: &[&dyn Surface],
+    ray: &Ray,
+    limit: f64,
+) -> Result<Option<f64>, GivenUp> {
+    let (mut nearest, mut end) = (None, limit.next_up());
+    for surface in surfaces {
+        if let Some(hit) = surface.trace(projector, ray, end)? {
+            (nearest, end) = (Some(hit.distance), hit.distance);
+        }
+    }
+    Ok(nearest)
 }
 
 impl Obstacles {
@@ -328,8 +341,8 @@ mod tests {
                 // Directions include the axes.
                 let direction = [direction, DVec3::X, DVec3::NEG_Y, DVec3::Z][index % 4];
                 let (ray, limit) = (Ray { origin, direction }, 20.0 * random());
-                let (found, truth) =
-                    (obstacles.first(&ray, limit), first_reference(&projector, &surfaces, &ray, limit));
+                let truth = first_reference(&projector, &surfaces, &ray, limit).expect("smooth");
+                let found = obstacles.first(&ray, limit);
                 assert_eq!(obstacles.blocks(&ray, limit), found.is_some());
                 // A ray may pass an edge on either side, or end just before a triangle.
                 let closer = |a: f64| model_is_near(&model, &projector, &ray, a);
@@ -352,7 +365,12 @@ mod tests {
         let answers: Vec<bool> = steps
             .iter()
             .map(|step| Ray { origin: ray.origin + *step * 1e-3, ..*ray })
-            .map(|ray| model.trace(projector, &ray).is_some_and(|hit| (hit.distance - distance).abs() < 0.05))
+            .map(|ray| {
+                model
+                    .trace(projector, &ray, f64::INFINITY)
+                    .unwrap()
+                    .is_some_and(|hit| (hit.distance - distance).abs() < 0.05)
+            })
             .collect();
         answers.iter().any(|answer| *answer) && answers.iter().any(|answer| !*answer)
     }
@@ -384,7 +402,7 @@ mod tests {
             let origin = DVec3::new(8.0 * random() - 4.0, 6.0, 10.0 - 20.0 * random());
             let direction = DVec3::new(random() - 0.5, -0.7, random() - 0.5).normalize();
             let ray = Ray { origin, direction };
-            let truth = first_reference(&projector, &surfaces, &ray, 100.0).expect("the sea");
+            let truth = first_reference(&projector, &surfaces, &ray, 100.0).expect("smooth").expect("the sea");
             errors.push((obstacles.first(&ray, 100.0).expect("the sea") - truth).abs());
         }
         errors.sort_by(f64::total_cmp);

@@ -57,7 +57,7 @@ impl Visible {
     /// let format = Format::new(64, 36, 1)?;
     /// let visible = Visible::prepare(&camera, &[&surface], format, ChannelSet::REST);
     /// let found = visible.points(&[&surface], &[[32, 35]], format.sample_offset(0), Sums::Double)[0].ok_or("nothing")?;
-    /// let truth = reference::trace(&camera, &[&surface], format, 32.5, 35.5).ok_or("nothing")?;
+    /// let truth = reference::trace(&camera, &[&surface], format, 32.5, 35.5)?.ok_or("nothing")?;
     /// assert!((found.position - truth.position).length() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -104,7 +104,7 @@ impl Visible {
     }
 
     /// Returns where a ray meets a sheet, and the index of the sheet's surface.
-    fn mesh_hit(&self, ray: &Ray, sheet: &Sheet) -> (usize, MeshHit) {
+    pub(crate) fn mesh_hit(&self, ray: &Ray, sheet: &Sheet) -> (usize, MeshHit) {
         let projector = &self.projector;
         let index = self.layer(sheet.primitive());
         let layer = &self.layers[index];
@@ -123,7 +123,7 @@ impl Visible {
 }
 
 /// Returns the bounding window of these pixels.
-fn around(pixels: &[[i64; 2]]) -> Window {
+pub(crate) fn around(pixels: &[[i64; 2]]) -> Window {
     pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)))
 }
 

@@ -5,21 +5,42 @@ use trochoid_image::Format;
 use trochoid_sea::Sample;
 
 use crate::extent::HORIZON_M;
-use crate::first_hit::{First, NoCells, Thoroughness};
+use crate::first_hit::{First, FirstPoint, NoCells, Thoroughness};
 use crate::first_point::first_point;
 use crate::shading::unit_or_up;
-use crate::surface::{Hit, Sight, Surface};
+use crate::surface::{GivenUp, Hit, Sight, Surface};
 use crate::{Camera, Projector, Ray, SeaSurface};
 
 /// Returns what a camera sees at (`x`, `y`) pixels from the upper left corner: the nearest hit of all surfaces.
-pub fn trace(camera: &Camera, surfaces: &[&dyn Surface], format: Format, x: f64, y: f64) -> Option<Hit> {
+///
+/// # Errors
+/// A surface is too rough along the ray.
+pub fn trace(
+    camera: &Camera,
+    surfaces: &[&dyn Surface],
+    format: Format,
+    x: f64,
+    y: f64,
+) -> Result<Option<Hit>, GivenUp> {
     let projector = camera.projector(format);
     let ray = projector.ray(x, y);
-    let hits = surfaces
-        .iter()
-        .enumerate()
-        .filter_map(|(surface, object)| object.trace(&projector, &ray).map(|hit| Hit { surface, ..hit }));
-    hits.min_by(|a, b| a.distance.total_cmp(&b.distance))
+    let mut nearest: Option<Hit> = None;
+    // Seas last: what lies in front of them limits their search.
+    for (index, surface) in seas_last(surfaces) {
+        let end = nearest.map_or(f64::INFINITY, |hit| hit.distance);
+        let hit = surface.trace(&projector, &ray, end)?.map(|hit| Hit { surface: index, ..hit });
+        nearest = hit.or(nearest);
+    }
+    Ok(nearest)
+}
+
+/// Returns the surfaces and their indices, in an order in which those whose rays cost most come last.
+pub(crate) fn seas_last<'s>(surfaces: &'s [&dyn Surface]) -> impl Iterator<Item = (usize, &'s dyn Surface)> {
+    let of = move |is_sea: bool| {
+        let all = surfaces.iter().copied().enumerate();
+        all.filter(move |(_, surface)| surface.as_sea().is_some() == is_sea)
+    };
+    of(false).chain(of(true))
 }
 
 /// Number of Newton steps that invert the horizontal displacement at one point.
@@ -44,28 +65,31 @@ fn within_slab(sea: &SeaSurface, ray: &Ray) -> Option<[f64; 2]> {
     (start <= end).then_some([start, end])
 }
 
-/// Returns the first point where a ray passes through the displaced sea, considering all sheets where it folds.
-pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray) -> Option<Hit> {
-    let range = within_slab(sea, ray)?;
+/// Returns the first point where a ray passes through the displaced sea before a distance, considering all sheets where
+/// it folds.
+pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, end: f64) -> Result<Option<Hit>, GivenUp> {
+    let Some(range) = within_slab(sea, ray).and_then(|range| before(range, end)) else { return Ok(None) };
     let found = match sea.cells.of(projector).as_deref() {
         Some(Ok(cells)) => cells.first(sea, projector, ray, range, Thoroughness::Thorough),
         _ => First::Unknown,
     };
-    let (distance, rest) = match found {
-        First::Nothing => return None,
-        First::At(distance, rest, _) => (distance, rest),
+    let found = match found {
+        First::Nothing => None,
+        First::At(FirstPoint { distance, rest, .. }) => Some((distance, rest)),
         First::Unknown => first_point(sea, projector, ray, range)?,
     };
-    Some(hit(sea, projector, ray, distance, rest))
+    let found = found.filter(|(distance, _)| *distance < end);
+    Ok(found.map(|(distance, rest)| hit(sea, projector, ray, distance, rest)))
+}
+
+/// Returns the part of a range of distances before an end.
+fn before([start, last]: [f64; 2], end: f64) -> Option<[f64; 2]> {
+    (start < end).then_some([start, last.min(end)])
 }
 
 /// Returns what a camera's ray meets of a sea before a distance, if the cells that were made for the camera tell.
 pub(crate) fn first_of_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, end: f64) -> Sight {
-    let Some([start, last]) = within_slab(sea, ray) else { return Sight::Nothing };
-    if start >= end {
-        return Sight::Nothing;
-    }
-    let range = [start, last.min(end)];
+    let Some(range) = within_slab(sea, ray).and_then(|range| before(range, end)) else { return Sight::Nothing };
     let found = match sea.cells.of(projector).as_deref() {
         Some(Ok(cells)) => cells.first(sea, projector, ray, range, Thoroughness::Quick),
         Some(Err(NoCells::Unseen)) => First::Nothing,
@@ -74,8 +98,8 @@ pub(crate) fn first_of_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, e
     match found {
         First::Nothing => Sight::Nothing,
         // The sample is within 1e-14 of the plain sum.
-        First::At(distance, rest, sample) if distance < end => {
-            Sight::Point(hit_of_sea(sea, projector, ray, distance, rest, &sample, sea.submerges(projector)))
+        First::At(FirstPoint { distance, rest, sample, sheet }) if distance < end => {
+            Sight::Point(hit_of_sea(sea, projector, ray, distance, rest, &sample, sea.submerges(projector)), sheet)
         }
         First::At(..) => Sight::Nothing,
         First::Unknown => Sight::Unclear,

@@ -1,7 +1,7 @@
 use trochoid_image::{Format, Window};
 
 use super::*;
-use crate::surface::{Hit, Topology};
+use crate::surface::{GivenUp, Hit, Topology};
 use crate::{Camera, Projection, Ray, Surface};
 
 /// Computes the attributes of one triangle at a pixel by itself, straight from the formulas.
@@ -87,8 +87,8 @@ impl Surface for Given {
         self.0.clone()
     }
 
-    fn trace(&self, _: &Projector, _: &Ray) -> Option<Hit> {
-        None
+    fn trace(&self, _: &Projector, _: &Ray, _: f64) -> Result<Option<Hit>, GivenUp> {
+        Ok(None)
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::points::MeshHit;
-use crate::surface::{Anchor, Hit, Mesh, Sight, Surface, Topology};
+use crate::surface::{Anchor, GivenUp, Hit, Mesh, Sight, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
 /// Position and orientation of a rigid body.
@@ -182,18 +182,24 @@ impl Surface for RigidBodies {
             match self.model.first(&pose.projector(projector), &pose.ray(ray), end) {
                 Sight::Unclear => return Sight::Unclear,
                 Sight::Nothing => {}
-                Sight::Point(hit) => {
+                Sight::Point(hit, sheet) => {
                     end = hit.distance;
-                    nearest = Sight::Point(pose.hit(projector, hit));
+                    nearest = Sight::Point(pose.hit(projector, hit), sheet);
                 }
             }
         }
         nearest
     }
 
-    fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
-        let hits = self.hits(projector, ray, |own, ray| self.model.trace(own, ray));
-        hits.min_by(|a, b| a.distance.total_cmp(&b.distance))
+    fn trace(&self, projector: &Projector, ray: &Ray, end: f64) -> Result<Option<Hit>, GivenUp> {
+        let (mut nearest, mut end) = (None, end);
+        for pose in &self.poses {
+            if let Some(hit) = self.model.trace(&pose.projector(projector), &pose.ray(ray), end)? {
+                end = hit.distance;
+                nearest = Some(pose.hit(projector, hit));
+            }
+        }
+        Ok(nearest)
     }
 }
 

@@ -11,7 +11,7 @@ use crate::meet_near::meet_sea;
 use crate::points::MeshHit;
 use crate::sea_point::Limits;
 use crate::spacing::Spacing;
-use crate::surface::{Anchor, Hit, Mesh, Sight, Surface};
+use crate::surface::{Anchor, GivenUp, Hit, Mesh, Sight, Surface};
 use crate::{ChannelSet, Projector, Ray, Resting, reference, tessellate};
 
 /// An endless sea at one time.
@@ -233,8 +233,8 @@ impl Surface for SeaSurface {
         follow_sea(self, projector, mesh_hits)
     }
 
-    fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
-        reference::trace_sea(self, projector, ray)
+    fn trace(&self, projector: &Projector, ray: &Ray, end: f64) -> Result<Option<Hit>, GivenUp> {
+        reference::trace_sea(self, projector, ray, end)
     }
 
     fn as_sea(&self) -> Option<&SeaSurface> {

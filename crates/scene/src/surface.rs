@@ -24,8 +24,11 @@ pub trait Surface: Send + Sync {
         (!stop()).then(|| self.tessellate(projector, wanted))
     }
 
-    /// Returns the first point of the continuous surface along a ray from the camera, in f64.
-    fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit>;
+    /// Returns the first point of the continuous surface along a ray from the camera, if it is nearer than `end`, in f64.
+    ///
+    /// # Errors
+    /// The surface is too rough along the ray to find its first point with reasonable effort.
+    fn trace(&self, projector: &Projector, ray: &Ray, end: f64) -> Result<Option<Hit>, GivenUp>;
 
     /// Prepares for many rays of a camera; gives up soon after `stop` says that they are no longer needed.
     fn prepare_rays(&self, projector: &Projector, stop: &(dyn Fn() -> bool + Sync)) {
@@ -35,13 +38,16 @@ pub trait Surface: Send + Sync {
     /// Returns the first point of the continuous surface along a ray from the camera, if it is nearer than `end`, in
     /// f64 and with limited effort: [`Sight::Unclear`] if that does not suffice to be certain.
     fn first(&self, projector: &Projector, ray: &Ray, end: f64) -> Sight {
-        self.trace(projector, ray).filter(|hit| hit.distance < end).map_or(Sight::Nothing, Sight::Point)
+        match self.trace(projector, ray, end) {
+            Ok(hit) => hit.map_or(Sight::Nothing, Sight::of),
+            Err(GivenUp) => Sight::Unclear,
+        }
     }
 
     /// Returns the point of the continuous surface along a ray near a point of its mesh, in f64.
     fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
         let _ = near;
-        self.trace(projector, ray)
+        self.trace(projector, ray, f64::INFINITY).ok().flatten()
     }
 
     /// Does the same for many rays; sums of waves may be computed in f32. Each result depends only on its own ray.
@@ -73,15 +79,65 @@ pub trait Surface: Send + Sync {
     }
 }
 
+impl Sight {
+    /// Returns the sight of a point of which nothing else is known.
+    pub(crate) fn of(hit: Hit) -> Self {
+        Self::Point(hit, None)
+    }
+
+    /// Returns the point, if the ray certainly meets one.
+    pub fn hit(&self) -> Option<&Hit> {
+        match self {
+            Self::Point(hit, _) => Some(hit),
+            Self::Unclear | Self::Nothing => None,
+        }
+    }
+}
+
+/// Error: a surface is too rough along a ray to find its first point with reasonable effort.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GivenUp;
+
+impl std::fmt::Display for GivenUp {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("a surface that is too rough to find its first point along a ray")
+    }
+}
+
+impl std::error::Error for GivenUp {}
+
 /// What a ray certainly meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "nearly all sights are points")]
 pub enum Sight {
     /// It is not certain.
     Unclear,
     /// No surface.
     Nothing,
-    /// A point of a surface.
-    Point(Hit),
+    /// A point of a surface, and the sheet around it, if it is known.
+    Point(Hit, Option<OneSheet>),
+}
+
+/// A rectangle of rest points of which a ray meets one at most: no two are carried to the same offset from the ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OneSheet {
+    /// Its middle, x and z, in meters.
+    pub middle: [f64; 2],
+    /// Horizontal unit vector x, z along its first side.
+    pub heading: [f64; 2],
+    /// Half of its sides along the heading and across it, in meters.
+    pub half: [f64; 2],
+}
+
+impl OneSheet {
+    /// Returns whether a rest point x, z lies in it, up to rounding.
+    pub fn holds(&self, rest: [f64; 2]) -> bool {
+        let [x, z] = [0, 1].map(|axis| rest[axis] - self.middle[axis]);
+        let [a, b] = self.heading;
+        let slack = 8.0 * f64::EPSILON * (rest[0].abs() + rest[1].abs());
+        let away = [x * a + z * b, z * a - x * b].map(f64::abs);
+        (0..2).all(|axis| away[axis] <= self.half[axis] * (1.0 + 1e-8) + slack)
+    }
 }
 
 /// A point of a surface by its texture coordinates (u, v).

@@ -9,7 +9,7 @@ use crate::bezier::Placement;
 use crate::boxes::{Line, Tree};
 use crate::channel::{NORMALS, RESTS};
 use crate::points::MeshHit;
-use crate::surface::{Anchor, Hit, Mesh, Surface, Topology};
+use crate::surface::{Anchor, GivenUp, Hit, Mesh, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
 /// Most triangles, and most vertices, of one mesh.
@@ -264,32 +264,40 @@ impl Surface for TriangleModel {
         // There may be several bodies of this model.
         let triangle = near.triangle.map(|triangle| self.triangles[triangle % self.triangles.len()]);
         let met = triangle.and_then(|triangle| Some((meet(&self.positions, triangle, ray)?, triangle)));
-        met.map_or_else(|| self.trace(projector, ray), |(met, triangle)| Some(self.hit(projector, ray, met, triangle)))
+        met.map_or_else(
+            || self.before(projector, ray, f64::INFINITY),
+            |(met, triangle)| Some(self.hit(projector, ray, met, triangle)),
+        )
     }
 
-    fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
+    fn trace(&self, projector: &Projector, ray: &Ray, end: f64) -> Result<Option<Hit>, GivenUp> {
+        Ok(self.before(projector, ray, end))
+    }
+}
+
+impl TriangleModel {
+    /// Returns the first point on a ray before a distance.
+    fn before(&self, projector: &Projector, ray: &Ray, end: f64) -> Option<Hit> {
         let mut nearest: Option<(Crossing, usize)> = None;
         let tree = self.tree.get_or_init(|| {
             let corners = |triangle: &[u32; 3]| triangle.map(|vertex| self.positions[vertex as usize]);
             let bounds = |[a, b, c]: [DVec3; 3]| [a.min(b).min(c), a.max(b).max(c)];
             Tree::new(&self.triangles.iter().map(|triangle| bounds(corners(triangle))).collect::<Vec<_>>())
         });
-        tree.as_ref()?.visit(&Line::new(ray.origin, ray.direction), f64::INFINITY, |index| {
-            if let Some(met) = meet(&self.positions, self.triangles[index], ray) {
+        tree.as_ref()?.visit(&Line::new(ray.origin, ray.direction), end, |index| {
+            if let Some(met) = meet(&self.positions, self.triangles[index], ray).filter(|met| met.distance < end) {
                 // Of equally near triangles, the first one counts.
                 let is_nearer = |(known, of): &(Crossing, usize)| (met.distance, index) < (known.distance, *of);
                 if nearest.as_ref().is_none_or(is_nearer) {
                     nearest = Some((met, index));
                 }
             }
-            nearest.as_ref().map_or(f64::INFINITY, |(met, _)| met.distance)
+            nearest.as_ref().map_or(end, |(met, _)| met.distance)
         });
         let (met, index) = nearest?;
         Some(self.hit(projector, ray, met, self.triangles[index]))
     }
-}
 
-impl TriangleModel {
     /// Interpolates the point of a triangle by the weights of its corners.
     fn hit(&self, projector: &Projector, ray: &Ray, crossing: Crossing, triangle: [u32; 3]) -> Hit {
         let Crossing { distance, weights } = crossing;

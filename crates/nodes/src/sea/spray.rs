@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use trochoid_graph::*;
 use trochoid_scene::Projector;
 use trochoid_scene::spray::{Brush, Dabs, Planes, SpraySample, Stamp, TooMuchSpray};
-use trochoid_sea::spray::{self as model, Burst, MAX_DROPS, SprayError, SprayParameter, SprayRun, reference};
+use trochoid_sea::spray::{self as model, Burst, MAX_DROPS, SprayError, SprayParameter, SprayRun};
 
 /// Drops thrown into the air by breaking crests and by bursts set by hand, drawn as brush stamps.
 ///
@@ -318,11 +318,8 @@ struct PreparedSpray {
 impl PreparedSpray {
     /// Returns the stamps of the f64 births, unless there are too many.
     fn truth(&self) -> Result<&Dabs, TooMuchSpray> {
-        let made = self.reference.get_or_init(|| {
-            let run = &self.run;
-            let drops = reference::drops(run.spray(), run.sea(), run.level(), self.time);
-            Dabs::new(&self.projector, &drops, &self.brush)
-        });
+        let made =
+            self.reference.get_or_init(|| Dabs::new(&self.projector, &self.run.exact_at(self.time), &self.brush));
         made.as_ref().map_err(|much| *much)
     }
 }

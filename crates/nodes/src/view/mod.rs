@@ -44,7 +44,7 @@ use trochoid_graph::{
     BadData, Channel, FrameContext, Handle, Inputs, NodeError, NodeType, One, Prepared, Reference, References,
     escape_remedy, port,
 };
-use trochoid_scene::{DVec3, Surface};
+use trochoid_scene::{DVec3, GivenUp, Surface};
 
 /// Handle output by nodes with a surface.
 pub(crate) type SurfaceHandle = Arc<dyn Surface>;
@@ -54,6 +54,12 @@ pub(crate) struct RenderHandle {
     pub(crate) camera: trochoid_scene::Camera,
     /// The surfaces in view, in the order of [`Channel::Surface`].
     pub(crate) surfaces: Vec<SurfaceHandle>,
+}
+
+/// Returns the error of a reference whose ray was given up.
+pub(crate) fn too_rough(error: GivenUp) -> NodeError {
+    let remedy = "lower the \"sharpness\" or the height of the waves, or look from farther away";
+    BadData::new(error, "surfaces whose first point along a ray can be found", remedy).into()
 }
 
 /// Stage that outputs a camera or a light.

@@ -134,7 +134,8 @@ impl<T: RayQuantity> Prepared for PreparedRayPass<T> {
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        Ok(vec![T::output(self.surroundings.quantity_reference(inputs, self.node.view(), &self.quantity))])
+        let quantity = self.surroundings.quantity_reference(inputs, self.node.view(), &self.quantity)?;
+        Ok(vec![T::output(quantity)])
     }
 
     fn bytes(&self) -> usize {

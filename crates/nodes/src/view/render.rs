@@ -1,6 +1,6 @@
 //! Render: surfaces as seen by a camera.
 
-use super::{RenderHandle, SurfaceHandle};
+use super::{RenderHandle, SurfaceHandle, too_rough};
 use crate::geometry::memory;
 use std::cell::RefCell;
 use trochoid_graph::*;
@@ -113,7 +113,7 @@ impl Stage for Render {
             // Points of surfaces are searched for starting from rest points.
             let mut prepared = if follows.is_some() { wanted.union(ChannelSet::REST) } else { wanted };
             if prepare.bounded() {
-                prepared = prepared.union(SIGHT).union(ChannelSet::REST);
+                prepared = prepared.union(ChannelSet::REST);
             }
             let stop = prepare.cancellation();
             let found = scene::Visible::prepare_unless(&camera, &surfaces, format, fineness, prepared, stop);
@@ -149,13 +149,6 @@ fn borrowed(surfaces: &[SurfaceHandle]) -> Vec<&dyn scene::Surface> {
 /// Error of the reference's own search for the end of a ray, relative to the distance; at grazing angles, it grows
 /// accordingly. Normals and quantities derived from them rotate by at most as many radians.
 const REFERENCE_RAY: f64 = 1e-8;
-
-/// Channel that tells whether a sample sees a mesh.
-const SIGHT: ChannelSet = ChannelSet::of(&[Channel::Surface]);
-
-/// Maximum distance of a point that Newton's steps from the mesh lead to from the first point of the ray, relative to
-/// 1 m + distance, if they are one.
-const SHEET: f64 = 1e-6;
 
 thread_local! {
     /// Reused from tile to tile.
@@ -209,8 +202,12 @@ impl Prepared for PreparedRender {
             return Err(NoBound("no bounds were requested"));
         };
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
-        let sights = certain.sights(&borrowed(&self.surfaces), &pixels, bounding.block.offset);
-        let same = self.sees(bounding.block, &sights);
+        let (surfaces, offset) = (borrowed(&self.surfaces), bounding.block.offset);
+        let sights = certain.sights(&surfaces, &pixels, offset);
+        let same = match &self.visible {
+            Some(visible) => visible.same_sheets(&surfaces, &pixels, offset, &sights),
+            None => vec![true; sights.len()],
+        };
         let view = Channel::ALL.into_iter().enumerate().map(|(index, channel)| (channel, Out::View, index));
         for (channel, output, index) in view.chain([(Channel::Coverage, Out::Coverage, 0)]) {
             let filled = bounding.filled[usize::from(output)][index];
@@ -222,7 +219,7 @@ impl Prepared for PreparedRender {
                         continue;
                     }
                     scene::Sight::Nothing => None,
-                    scene::Sight::Point(hit) => Some(hit),
+                    scene::Sight::Point(hit, _) => Some(hit),
                 };
                 let (value, exact) = (f64::from(*value), scene::channel_of(hit, channel));
                 let distance = if value == exact { 0.0 } else { (value - exact).abs() };
@@ -237,6 +234,7 @@ impl Prepared for PreparedRender {
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let surfaces = borrowed(&self.surfaces);
         let hit = scene::reference::trace(&self.camera, &surfaces, self.format, inputs.at[0], inputs.at[1]);
+        let hit = hit.map_err(too_rough)?;
         let channels = Channel::ALL.iter().map(|channel| scene::channel_of(hit.as_ref(), *channel)).collect();
         let coverage = if hit.is_some() { 1.0 } else { 0.0 };
         Ok(vec![Reference::View(channels), Reference::Mask(coverage)])
@@ -277,31 +275,5 @@ impl Prepared for PreparedRender {
 
     fn bytes(&self) -> usize {
         self.visible.as_ref().map_or(0, |visible| visible.stats().bytes)
-    }
-}
-
-impl PreparedRender {
-    /// Whether each sample's mesh shows the same sheet of the surface as the surface itself: Newton's steps from the mesh
-    /// lead to the point that the sample certainly sees.
-    fn sees(&self, block: &Block<'_>, sights: &[scene::Sight]) -> Vec<bool> {
-        let Some(visible) = &self.visible else { return vec![true; sights.len()] };
-        let pixels: Vec<[i64; 2]> = block.pixels().collect();
-        let near = visible.points(&borrowed(&self.surfaces), &pixels, block.offset, scene::Sums::Double);
-        SAMPLES.with_borrow_mut(|samples| {
-            match block.scattered {
-                None => visible.fill(block.window, block.offset, SIGHT, samples),
-                Some(pixels) => visible.fill_pixels(pixels, block.offset, SIGHT, samples),
-            }
-            let shown = samples.channel(Channel::Surface).iter().zip(near);
-            let same = shown.zip(sights).map(|((surface, near), sight)| match sight {
-                scene::Sight::Unclear => false,
-                scene::Sight::Nothing => *surface < 0.0,
-                scene::Sight::Point(hit) => near.is_some_and(|near| {
-                    let apart = (near.distance - hit.distance).abs();
-                    near.surface == hit.surface && apart <= SHEET * (1.0 + hit.distance)
-                }),
-            });
-            same.collect()
-        })
     }
 }

@@ -1,7 +1,8 @@
 //! Quantities found by rays that start at seen points: the channels they need, and filling a block with them.
 
 use super::surroundings::{First, Surroundings};
-use super::{NORMAL, POSITION, is_covered, view_planes, view_vector};
+use super::{NORMAL, POSITION, is_covered, too_rough, view_planes, view_vector};
+use std::cell::Cell;
 use trochoid_graph::{Block, Channel, ChannelSet, Inputs, NodeError, One, References, port};
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Ray};
@@ -70,18 +71,29 @@ impl Surroundings {
     }
 
     /// Returns the quantity at one sample in f64, using continuous surfaces.
+    ///
+    /// # Errors
+    /// A surface is too rough to find where a ray hits it.
     pub(crate) fn quantity_reference(
         &self,
         inputs: &References<'_>,
         view: &One<port::View>,
         quantity: impl Fn(&SeenPoint, Rays<'_>) -> f64,
-    ) -> f64 {
+    ) -> Result<f64, NodeError> {
         if !is_covered(inputs, view) {
-            return 0.0;
+            return Ok(0.0);
         }
         let (point, normal) = (view_vector(inputs, view, POSITION), view_vector(inputs, view, NORMAL));
-        let first = |ray: &_, limit| self.first_reference(ray, limit);
+        // Quantities cannot fail, so an error is kept and returned instead of the result.
+        let failed = Cell::new(None);
+        let first = |ray: &_, limit| {
+            self.first_reference(ray, limit).unwrap_or_else(|error| {
+                failed.set(Some(error));
+                None
+            })
+        };
         let rays = Rays { first: &first, blocks: &|ray, limit| first(ray, limit).is_some() };
-        quantity(&self.seen(inputs.at, point, normal), rays)
+        let found = quantity(&self.seen(inputs.at, point, normal), rays);
+        failed.get().map_or(Ok(found), |error| Err(too_rough(error)))
     }
 }

@@ -3,7 +3,7 @@
 use super::{RenderHandle, SurfaceHandle};
 use std::sync::Arc;
 use trochoid_graph::{BadData, Items, NodeError, One, Prepare, port};
-use trochoid_scene::{DVec3, Obstacles, Projector, Ray, Surface, first_reference, surroundings};
+use trochoid_scene::{DVec3, GivenUp, Obstacles, Projector, Ray, Surface, first_reference, surroundings};
 
 /// Fineness of the surfaces that block rays.
 #[derive(Clone, Items)]
@@ -75,7 +75,10 @@ impl Surroundings {
     }
 
     /// Returns the distance to the first hit in f64, using continuous surfaces.
-    pub(crate) fn first_reference(&self, ray: &Ray, limit: f64) -> Option<f64> {
+    ///
+    /// # Errors
+    /// A surface is too rough along the ray.
+    pub(crate) fn first_reference(&self, ray: &Ray, limit: f64) -> Result<Option<f64>, GivenUp> {
         first_reference(&self.projector, &borrowed(&self.surfaces), ray, limit)
     }
 

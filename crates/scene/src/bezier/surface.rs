@@ -3,7 +3,7 @@
 use super::model::{PatchModel, PlacedPatch};
 use super::{tessellate, trace};
 use crate::points::MeshHit;
-use crate::surface::{Anchor, Hit, Mesh, Sight, Surface};
+use crate::surface::{Anchor, GivenUp, Hit, Mesh, Surface};
 use crate::{ChannelSet, Projector, Ray};
 
 impl PatchModel {
@@ -24,12 +24,8 @@ impl Surface for PatchModel {
         [1e-4, 1e-3, 1e-2].into_iter().find_map(|share| trace::trace(self, projector, ray, around(share)))
     }
 
-    fn trace(&self, projector: &Projector, ray: &Ray) -> Option<Hit> {
-        trace::trace(self, projector, ray, [0.0, f64::INFINITY])
-    }
-
-    fn first(&self, projector: &Projector, ray: &Ray, end: f64) -> Sight {
-        trace::trace(self, projector, ray, [0.0, end]).map_or(Sight::Nothing, Sight::Point)
+    fn trace(&self, projector: &Projector, ray: &Ray, end: f64) -> Result<Option<Hit>, GivenUp> {
+        Ok(trace::trace(self, projector, ray, [0.0, end]))
     }
 
     fn anchors(&self, uv: [f64; 2]) -> Vec<Anchor> {

@@ -28,20 +28,54 @@ pub(super) fn basis(at: f64) -> [f64; SIDE] {
     values
 }
 
-/// Rounding error of coefficients from values at the nodes, relative to the largest value: the polynomial of the
-/// coefficients misses the values by less. A test measures it.
-pub(super) const ROUNDING: f64 = 1e-12;
+/// Lebesgue constant of interpolation in the [`nodes`]: 2/π·ln n + 1 for n nodes.
+pub(super) const LEBESGUE: f64 = 2.4;
+/// Rounding error of a value at two nodes, relative to the largest coefficient. Bernstein polynomials are sums of positive
+/// products that are rounded three times for each degree, and two sums of nine products follow: 33 units for either side.
+/// Nodes are rounded, too, and by Markov's inequality, that moves a value by 2·8² units at most.
+const EVALUATION: f64 = 256.0 * f64::EPSILON;
+
+/// Returns the values of all Bernstein polynomials at each of the nodes.
+fn bases() -> &'static Net {
+    static BASES: OnceLock<Net> = OnceLock::new();
+    BASES.get_or_init(|| nodes().map(|node| basis(0.5 + 0.5 * node)))
+}
+
+/// Bounds how far a net's polynomial lies, anywhere in the unit square, from the one that has exactly these values at the
+/// Chebyshev points: the difference is a polynomial as well, whose values at these points are computed here.
+pub(super) fn off(net: &Net, values: &Net) -> f64 {
+    let half = combined(bases(), net);
+    let (mut worst, mut largest, mut all) = (0.0_f64, 0.0_f64, 0.0);
+    for (row, (values, net)) in half.iter().zip(values.iter().zip(net)) {
+        for (basis, value) in bases().iter().zip(values) {
+            let there: f64 = row.iter().zip(basis).map(|(value, factor)| value * factor).sum();
+            worst = worst.max((there - value).abs());
+        }
+        largest = net.iter().fold(largest, |largest, coefficient| largest.max(coefficient.abs()));
+        all += net.iter().sum::<f64>();
+    }
+    if !all.is_finite() {
+        return f64::INFINITY;
+    }
+    LEBESGUE * LEBESGUE * (worst + EVALUATION * largest)
+}
+
+/// Combines the rows of a net by the factors in each row of a matrix.
+fn combined(matrix: &Net, net: &Net) -> Net {
+    let mut combined = [[0.0; SIDE]; SIDE];
+    for (combined, factors) in combined.iter_mut().zip(matrix) {
+        for (factor, row) in factors.iter().zip(net) {
+            combined.iter_mut().zip(row).for_each(|(sum, value)| *sum += factor * value);
+        }
+    }
+    combined
+}
 
 /// Returns the coefficients of the polynomial that has these values at the Chebyshev points.
 pub(super) fn interpolated(values: &Net) -> Net {
     static MATRIX: OnceLock<Net> = OnceLock::new();
-    let matrix = MATRIX.get_or_init(|| inverse(nodes().map(|node| basis(0.5 + 0.5 * node))));
-    let mut half = [[0.0; SIDE]; SIDE];
-    for (half, factors) in half.iter_mut().zip(matrix) {
-        for (factor, values) in factors.iter().zip(values) {
-            half.iter_mut().zip(values).for_each(|(half, value)| *half += factor * value);
-        }
-    }
+    let matrix = MATRIX.get_or_init(|| inverse(*bases()));
+    let half = combined(matrix, values);
     half.map(|row| std::array::from_fn(|index| (0..SIDE).map(|node| matrix[index][node] * row[node]).sum()))
 }
 
@@ -72,66 +106,115 @@ fn inverse(mut a: Net) -> Net {
     inverse
 }
 
-/// Returns the value at a point of the unit square, and the derivatives by s and by t.
-pub(super) fn evaluate(net: &Net, [s, t]: [f64; 2]) -> (f64, [f64; 2]) {
-    let (by_s, by_t) = (basis(s), basis(t));
-    let along = net.map(|row| row.iter().zip(by_t).map(|(value, factor)| value * factor).sum::<f64>());
-    let value = along.iter().zip(by_s).map(|(value, factor)| value * factor).sum();
-    let lower = |at: f64| {
-        // The basis of one degree less.
-        let mut values = [0.0; DEGREE];
-        values[0] = 1.0;
-        for degree in 1..DEGREE {
-            for index in (0..=degree).rev() {
-                let from = if index > 0 { values[index - 1] * at } else { 0.0 };
-                values[index] = values[index] * (1.0 - at) + from;
-            }
+/// Returns the Bernstein polynomials at a place in 0…1, and those of one degree less.
+#[inline(always)]
+fn bases_at(at: f64) -> ([f64; SIDE], [f64; DEGREE]) {
+    let (mut values, mut lower) = ([0.0; SIDE], [0.0; DEGREE]);
+    values[0] = 1.0;
+    for degree in 1..SIDE {
+        if degree == DEGREE {
+            lower.copy_from_slice(&values[..DEGREE]);
         }
-        values
-    };
-    let slope = |values: [f64; SIDE], at: f64| -> f64 {
-        let factors = lower(at);
-        (0..DEGREE).map(|i| DEGREE as f64 * (values[i + 1] - values[i]) * factors[i]).sum()
-    };
-    let across = std::array::from_fn(|index| (0..SIDE).map(|row| net[row][index] * by_s[row]).sum());
-    (value, [slope(along, s), slope(across, t)])
-}
-
-/// Returns the two halves along s, or along t.
-pub(super) fn halves(net: &Net, along_s: bool) -> [Net; 2] {
-    if along_s { halves_along_s(net) } else { halves_along_t(net) }
-}
-
-fn halves_along_s(net: &Net) -> [Net; 2] {
-    let (mut low, mut high, mut left) = ([[0.0; SIDE]; SIDE], [[0.0; SIDE]; SIDE], *net);
-    for step in 0..SIDE {
-        low[step] = left[0];
-        high[DEGREE - step] = left[DEGREE - step];
-        for row in 0..DEGREE - step {
-            let next = left[row + 1];
-            left[row].iter_mut().zip(next).for_each(|(value, next)| *value = 0.5 * (*value + next));
+        for index in (0..=degree).rev() {
+            let from = if index > 0 { values[index - 1] * at } else { 0.0 };
+            values[index] = values[index] * (1.0 - at) + from;
         }
     }
-    [low, high]
+    (values, lower)
 }
 
-fn halves_along_t(net: &Net) -> [Net; 2] {
-    let (mut low, mut high, mut left) = ([[0.0; SIDE]; SIDE], [[0.0; SIDE]; SIDE], *net);
-    for step in 0..SIDE {
-        for row in 0..SIDE {
-            low[row][step] = left[row][0];
-            high[row][DEGREE - step] = left[row][DEGREE - step];
+/// Returns the values of some nets at a point of the unit square, and their derivatives by s and by t.
+#[inline(always)]
+pub(super) fn evaluate<const N: usize>(nets: &[Net; N], [s, t]: [f64; 2]) -> [(f64, [f64; 2]); N] {
+    let ((by_s, lower_s), (by_t, lower_t)) = (bases_at(s), bases_at(t));
+    nets.each_ref().map(|net| {
+        let (mut across, mut along) = ([0.0; SIDE], [0.0; SIDE]);
+        for (row, (factor, along)) in net.iter().zip(by_s.into_iter().zip(&mut along)) {
+            for column in 0..SIDE {
+                across[column] += factor * row[column];
+                *along += by_t[column] * row[column];
+            }
         }
-        for row in &mut left {
-            for column in 0..DEGREE - step {
-                row[column] = 0.5 * (row[column] + row[column + 1]);
+        let slope = |values: &[f64; SIDE], lower: &[f64; DEGREE]| {
+            (0..DEGREE).map(|i| DEGREE as f64 * (values[i + 1] - values[i]) * lower[i]).sum::<f64>()
+        };
+        let value = along.iter().zip(by_s).map(|(value, factor)| value * factor).sum();
+        (value, [slope(&along, &lower_s), slope(&across, &lower_t)])
+    })
+}
+
+/// Divides a net into halves along s or along t: returns the lower one if `takes_low`, otherwise the upper one, and leaves
+/// the other one in its place.
+#[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "loops over neighbors")]
+pub(super) fn split(net: &mut Net, along_s: bool, takes_low: bool) -> Net {
+    let mut other = [[0.0; SIDE]; SIDE];
+    // De Casteljau's algorithm leaves the half at which it ends in the place of the whole.
+    for step in 0..SIDE {
+        match (along_s, takes_low) {
+            (true, true) => {
+                other[step] = net[0];
+                for row in 0..DEGREE - step {
+                    for column in 0..SIDE {
+                        net[row][column] = 0.5 * (net[row][column] + net[row + 1][column]);
+                    }
+                }
+            }
+            (true, false) => {
+                other[DEGREE - step] = net[DEGREE];
+                for row in (step + 1..SIDE).rev() {
+                    for column in 0..SIDE {
+                        net[row][column] = 0.5 * (net[row][column] + net[row - 1][column]);
+                    }
+                }
+            }
+            (false, true) => {
+                for row in 0..SIDE {
+                    other[row][step] = net[row][0];
+                    for column in 0..DEGREE - step {
+                        net[row][column] = 0.5 * (net[row][column] + net[row][column + 1]);
+                    }
+                }
+            }
+            (false, false) => {
+                for row in 0..SIDE {
+                    other[row][DEGREE - step] = net[row][DEGREE];
+                    for column in (step + 1..SIDE).rev() {
+                        net[row][column] = 0.5 * (net[row][column] + net[row][column - 1]);
+                    }
+                }
             }
         }
     }
-    [low, high]
+    other
+}
+
+/// Returns the part of a net over a rectangle of the unit square.
+pub(super) fn part(net: &Net, start: [f64; 2], size: [f64; 2]) -> Net {
+    let [s, t] = [0, 1].map(|axis| [start[axis], start[axis] + size[axis]]);
+    let rows = net.map(|row| cut(row, t));
+    let columns: Net = std::array::from_fn(|column| cut(rows.map(|row| row[column]), s));
+    std::array::from_fn(|row| columns.map(|column| column[row]))
+}
+
+/// Returns the coefficients of a part of a polynomial of one variable: first those up to its end, then, of these, those
+/// from its start.
+fn cut(mut line: [f64; SIDE], [from, to]: [f64; 2]) -> [f64; SIDE] {
+    for step in 1..SIDE {
+        for index in (step..SIDE).rev() {
+            line[index] = line[index - 1] + to * (line[index] - line[index - 1]);
+        }
+    }
+    for step in 1..SIDE {
+        for index in 0..SIDE - step {
+            line[index] += from / to * (line[index + 1] - line[index]);
+        }
+    }
+    line
 }
 
 /// Returns the least and the greatest coefficient.
+#[inline(always)]
 pub(super) fn range(net: &Net) -> [f64; 2] {
     let (mut low, mut high) = ([f64::INFINITY; SIDE], [f64::NEG_INFINITY; SIDE]);
     for row in net {
@@ -158,36 +241,52 @@ mod tests {
             let of = |s: f64, t: f64| {
                 1.0 + part(0.618) * s + part(0.414) * t * t + part(0.732) * libm::pow(s, 8.0) * libm::pow(t, 7.0)
             };
-            let net = interpolated(&some(of));
-            for (i, s) in nodes().into_iter().enumerate() {
-                for (j, t) in nodes().into_iter().enumerate() {
-                    let at = [0.5 + 0.5 * s, 0.5 + 0.5 * t];
-                    let (value, _) = evaluate(&net, at);
-                    assert!((value - of(at[0], at[1])).abs() < 0.1 * ROUNDING, "{i} {j}: {value}");
-                }
+            let values = some(of);
+            let mut net = interpolated(&values);
+            let rounding = off(&net, &values);
+            assert!(rounding < 1e-12, "{rounding:e}");
+            for i in 0..=20 {
+                let at = [f64::from(i) / 20.0, (f64::from(i) * 0.37).fract()];
+                let [(value, _)] = evaluate(&[net], at);
+                assert!((value - of(at[0], at[1])).abs() <= rounding, "{at:?}: {value}");
             }
             let step = 1e-6;
-            let (value, slopes) = evaluate(&net, [0.3, 0.7]);
-            assert!((value - of(0.3, 0.7)).abs() < ROUNDING);
+            let [(value, slopes)] = evaluate(&[net], [0.3, 0.7]);
+            assert!((value - of(0.3, 0.7)).abs() <= rounding);
             let slope = [of(0.3 + step, 0.7) - of(0.3 - step, 0.7), of(0.3, 0.7 + step) - of(0.3, 0.7 - step)];
             assert!((0..2).all(|axis| (slopes[axis] - slope[axis] / (2.0 * step)).abs() < 1e-8));
+            // A coefficient that is wrong is noticed.
+            net[4][4] += 1e-6;
+            let wrong = off(&net, &values);
+            assert!(wrong >= (evaluate(&[net], [0.5, 0.5])[0].0 - of(0.5, 0.5)).abs() && wrong > 1e3 * rounding);
         }
     }
 
     #[test]
-    fn halves_are_the_same_polynomial() {
+    fn halves_and_parts_are_the_same_polynomial() {
         let net = interpolated(&some(|s, t| s * s * s - 0.4 * t + s * t * t));
-        for along_s in [true, false] {
-            let [low, high] = halves(&net, along_s);
+        let same = |piece: &Net, start: [f64; 2], size: [f64; 2]| {
             for at in [[0.2, 0.9], [1.0, 0.5], [0.0, 0.3]] {
-                for (half, start) in [(low, 0.0), (high, 0.5)] {
-                    let whole = if along_s { [start + at[0] / 2.0, at[1]] } else { [at[0], start + at[1] / 2.0] };
-                    let (a, b) = (evaluate(&half, at).0, evaluate(&net, whole).0);
-                    assert!((a - b).abs() < 1e-12, "{a} {b}");
-                    let [least, most] = range(&half);
-                    assert!(least <= a + 1e-12 && a <= most + 1e-12);
-                }
+                let whole = [0, 1].map(|axis| start[axis] + size[axis] * at[axis]);
+                let ([(a, _)], [(b, _)]) = (evaluate(&[*piece], at), evaluate(&[net], whole));
+                assert!((a - b).abs() < 1e-12, "{a} {b}");
+                let [least, most] = range(piece);
+                assert!(least <= a + 1e-12 && a <= most + 1e-12);
             }
+        };
+        for along_s in [true, false] {
+            let size = if along_s { [0.5, 1.0] } else { [1.0, 0.5] };
+            let upper = if along_s { [0.5, 0.0] } else { [0.0, 0.5] };
+            for takes_low in [true, false] {
+                let mut left = net;
+                let taken = split(&mut left, along_s, takes_low);
+                let [low, high] = if takes_low { [taken, left] } else { [left, taken] };
+                same(&low, [0.0; 2], size);
+                same(&high, upper, size);
+            }
+        }
+        for (start, size) in [([0.25, 0.5], [0.125, 0.5]), ([0.0, 0.75], [1.0, 0.25]), ([0.0; 2], [1.0; 2])] {
+            same(&part(&net, start, size), start, size);
         }
     }
 }

@@ -1,11 +1,13 @@
 //! The cells of a sea that a camera may see.
 
-use super::bernstein::{Net, SIDE, interpolated, nodes};
+use super::bernstein::{DEGREE, Net, SIDE, interpolated, nodes, off};
 use super::footprints::Footprints;
 use super::region::{Axes, Region};
 use super::remainder::{Remainder, remainder};
+use super::search::HALVINGS;
 use crate::boxes::Tree;
 use crate::{Projector, SeaSurface};
+use fearless_simd::Level;
 use glam::DVec3;
 use rayon::prelude::*;
 use trochoid_sea::FramedSea;
@@ -20,6 +22,10 @@ const LEAST: f64 = 1e-9;
 /// Most cells, and most bands of cells; a sea that needs more is searched ray by ray.
 const MOST_CELLS: usize = 400_000;
 const MOST_BANDS: usize = 20_000;
+
+/// Rounding error of a part of a patch in a ray's coordinates, relative to the patch's coefficients: each halving rounds
+/// eight times, and a component along a direction five times, values up to four times as large.
+const HALVED: f64 = 4.0 * (8 * HALVINGS + 5) as f64 * f64::EPSILON;
 
 /// A square of rest points, as a patch.
 #[derive(Clone, Debug)]
@@ -58,6 +64,8 @@ pub(crate) struct SeaCells {
     pub(super) waves: FramedSea,
     pub(super) cells: Vec<Cell>,
     pub(super) tree: Tree,
+    /// Instructions that the machine has.
+    pub(super) level: Level,
 }
 
 /// Why there are no cells.
@@ -107,7 +115,7 @@ impl SeaCells {
         let cells: Result<Vec<Vec<Cell>>, NoCells> = bands.par_iter().map(of_band).collect();
         let cells: Vec<Cell> = cells?.into_iter().flatten().collect();
         let tree = Tree::new(&cells.iter().map(Cell::bounds).collect::<Vec<_>>()).ok_or(NoCells::Unseen)?;
-        Ok(Self { axes, region, footprints, waves, cells, tree })
+        Ok(Self { axes, region, footprints, waves, cells, tree, level: Level::new() })
     }
 
     /// Returns a smaller cell around a rest point, or `None` where its remainder would not be smaller because of
@@ -203,33 +211,35 @@ impl Cell {
         cells.map(|(across, points)| Self::new(points, [middle, *across], half, remainder)).collect()
     }
 
-    fn new(points: &[[f64; 3]], middle: [f64; 2], half: f64, remainder: Remainder) -> Self {
+    fn new(points: &[[f64; 3]], middle: [f64; 2], half: f64, mut remainder: Remainder) -> Self {
         let offsets = nodes();
-        let nets: [Net; 3] = std::array::from_fn(|axis| {
-            interpolated(&std::array::from_fn(|i| {
+        // Coefficients relative to a point within the cell are small, and so is their rounding.
+        let center = points[SIDE * SIDE / 2];
+        let patch = std::array::from_fn(|axis| {
+            let values: Net = std::array::from_fn(|i| {
                 std::array::from_fn(|j| {
                     let resting = [half * offsets[i], 0.0, half * offsets[j]][axis];
-                    points[SIDE * i + j][axis] + resting
-                })
-            }))
-        });
-        let center = DVec3::from(nets.each_ref().map(|net| net[SIDE / 2][SIDE / 2]));
-        let mut remainder = remainder;
-        let patch = std::array::from_fn(|axis| {
-            let mut largest = 0.0_f64;
-            let net = nets[axis].map(|row| {
-                row.map(|value| {
-                    let moved = value - center[axis];
-                    largest = largest.max((moved - f64::from(moved as f32)).abs());
-                    moved as f32
+                    (points[SIDE * i + j][axis] - center[axis]) + resting
                 })
             });
-            // A patch moves by no more than its coefficients.
-            remainder.off[axis] += largest;
-            net
+            let net = interpolated(&values);
+            let mut largest = 0.0_f64;
+            let rounded = net.map(|row| {
+                row.map(|value| {
+                    largest = largest.max((value - f64::from(value as f32)).abs());
+                    value as f32
+                })
+            });
+            // A patch moves by no more than its coefficients, and its derivatives by the degree times as much, or by
+            // the square of the degree times its own distance (Markov's inequality).
+            let (degree, off) = (DEGREE as f64, off(&net, &values));
+            let size = net.as_flattened().iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+            remainder.off[axis] += largest + off + HALVED * size;
+            remainder.turn += degree * largest + degree * degree * off;
+            rounded
         });
         let [u, v] = middle;
-        Self { middle, half, base: DVec3::new(u, 0.0, v) + center, patch, remainder }
+        Self { middle, half, base: DVec3::new(u, 0.0, v) + DVec3::from(center), patch, remainder }
     }
 
     /// Returns the least box that contains the cell's part of the sea.
@@ -246,7 +256,14 @@ impl Cell {
         [low, high]
     }
 
+    /// Returns how far the sea may lie from the patch, along a direction.
+    #[inline(always)]
+    pub(super) fn slack(&self, way: DVec3) -> f64 {
+        way.abs().dot(DVec3::from(self.remainder.off))
+    }
+
     /// Returns the components along some directions, relative to an origin.
+    #[inline(always)]
     pub(super) fn seen_along(&self, origin: DVec3, ways: [DVec3; 3]) -> [Net; 3] {
         let base = self.base - origin;
         ways.map(|way| {
@@ -264,5 +281,10 @@ impl Cell {
     /// Returns the rest point at a place in the unit square.
     pub(super) fn rest(&self, [s, t]: [f64; 2]) -> [f64; 2] {
         [self.middle[0] + self.half * (2.0 * s - 1.0), self.middle[1] + self.half * (2.0 * t - 1.0)]
+    }
+
+    /// Returns the place in the unit square of a rest point, as a point in the axes of the cells.
+    pub(super) fn place(&self, rest: DVec3) -> [f64; 2] {
+        [(rest.x, self.middle[0]), (rest.z, self.middle[1])].map(|(at, middle)| 0.5 + 0.5 * (at - middle) / self.half)
     }
 }

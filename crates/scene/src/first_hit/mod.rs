@@ -11,6 +11,7 @@
 
 mod bernstein;
 mod cells;
+mod derivatives;
 mod footprints;
 mod kept;
 mod region;
@@ -21,4 +22,4 @@ mod tests;
 
 pub(crate) use cells::NoCells;
 pub(crate) use kept::KeptCells;
-pub(crate) use search::{First, Thoroughness};
+pub(crate) use search::{First, FirstPoint, Thoroughness};

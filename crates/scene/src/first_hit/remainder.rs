@@ -1,10 +1,11 @@
 //! How far a sea may lie from the polynomial through some of its points.
 
-use super::bernstein::{DEGREE, ROUNDING, SIDE};
+use super::bernstein::{DEGREE, LEBESGUE, SIDE};
 use super::footprints::Footprints;
 use trochoid_sea::FramedSea;
 
-/// Bounds of the distance between the sea and its polynomial within a cell.
+/// Bounds of the distance between the sea and its polynomial within a cell. What the polynomial's coefficients lose to
+/// rounding is added when they are known ([`Cell`](super::cells::Cell)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Remainder {
     /// Of the points along u, up, and along v, in meters.
@@ -19,11 +20,6 @@ pub(super) struct Remainder {
 const ELLIPSES: [f64; 15] = [1.3, 1.7, 2.2, 3.0, 4.0, 5.5, 7.5, 10.0, 14.0, 20.0, 30.0, 50.0, 90.0, 200.0, 1000.0];
 /// Exponent from which a wave counts as lost: e⁻¹⁴, a millionth, of it is left at most.
 const LOST: f64 = 14.0;
-/// Rounding error of a wave in a sum, relative to its size, apart from that of its phase.
-const SUM: f64 = 1e-13;
-/// Lebesgue constant of interpolation in the [`nodes`](super::bernstein::nodes): 2/π·ln n + 1 for n nodes.
-const LEBESGUE: f64 = 2.4;
-
 /// ln of 4z·ρ⁻ⁿ, and the same with the factor for derivatives, for each ellipse; z = 1/(1 − 1/ρ), n nodes.
 struct Ellipse {
     /// Largest distance from the middle, relative to half a side.
@@ -31,6 +27,10 @@ struct Ellipse {
     value: f64,
     slope: f64,
 }
+
+/// Rounding error of a point in the axes of the cells and along a ray's directions, relative to its distance: each is a sum
+/// of three rounded products, and the cell's base one more.
+const PLACE: f64 = 8.0 * f64::EPSILON;
 
 /// Bounds the remainder of the cell of half side `half` around `middle` ahead of the camera. The cell must not contain
 /// a kink of the footprints.
@@ -59,6 +59,7 @@ pub(super) fn remainder(sea: &FramedSea, footprints: &Footprints, middle: f64, h
     let (linear, whole) = (growth.linear() * half, growth.at(half) - 1.0);
     // Markov's inequality: a polynomial's derivative is at most the square of its degree times its size.
     let (lebesgue, steep) = (LEBESGUE, LEBESGUE * (DEGREE * DEGREE) as f64);
+    let added = sea.rounding();
     let mut remainder = Remainder::default();
     for (index, wave) in sea.waves().iter().enumerate() {
         let b = wave.number * wave.number * square / 8.0;
@@ -83,23 +84,15 @@ pub(super) fn remainder(sea: &FramedSea, footprints: &Footprints, middle: f64, h
             let turn = (u_slope + steep * v * big).max(v_slope * big + steep * u);
             (share * (u + lebesgue * v * big), share * turn)
         };
-        let rounding = libm::exp(most.min(0.0)).min(1.0) * (SUM + wave.phase_error(away)) * lebesgue * lebesgue;
+        let rounding = libm::exp(most.min(0.0)) * (added + wave.phase_error(away)) * lebesgue * lebesgue;
         for (total, amplitude) in remainder.off.iter_mut().zip([along, up, across]) {
             *total += amplitude * (off + rounding);
         }
         remainder.turn += size * (turn + rounding * steep);
     }
-    let slack = (ROUNDING * lebesgue * lebesgue)
-        * (half
-            + sea
-                .waves()
-                .iter()
-                .map(|wave| wave.amplitudes.iter().fold(0.0_f64, |most, part| most.max(part.abs())))
-                .sum::<f64>());
     for total in &mut remainder.off {
-        *total += slack + 8.0 * f64::EPSILON * away;
+        *total += PLACE * away;
     }
-    remainder.turn += slack * (DEGREE * DEGREE) as f64;
     remainder
 }
 

@@ -1,10 +1,13 @@
 //! Finds the first point of a sea on a ray among its cells.
 
-use super::bernstein::{DEGREE, Net, SIDE, evaluate, halves, range};
+use super::bernstein::{Net, evaluate, part, range, split};
 use super::cells::{Cell, SeaCells};
+use super::derivatives::Derivatives;
 use crate::boxes::Line;
 use crate::first_point::newton;
+use crate::surface::OneSheet;
 use crate::{Projector, Ray, SeaSurface};
+use fearless_simd::{Simd, dispatch};
 use glam::{DMat2, DVec2, DVec3};
 use trochoid_sea::Sample;
 
@@ -13,10 +16,23 @@ use trochoid_sea::Sample;
 pub(crate) enum First {
     /// No point of the sea.
     Nothing,
-    /// The first point: its distance in meters, its rest point x, z, and the sea there.
-    At(f64, [f64; 2], Sample),
+    /// The first point.
+    At(FirstPoint),
     /// It is not known: the effort was not enough, or the cells do not contain this part of the ray.
     Unknown,
+}
+
+/// The first point of a sea on a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FirstPoint {
+    /// Distance along the ray, in meters.
+    pub(crate) distance: f64,
+    /// Rest point x, z.
+    pub(crate) rest: [f64; 2],
+    /// The sea there.
+    pub(crate) sample: Sample,
+    /// Rest points that hold no other point of the ray.
+    pub(crate) sheet: Option<OneSheet>,
 }
 
 /// Effort that a search may take.
@@ -40,7 +56,7 @@ impl Thoroughness {
 
 /// Most times that a patch is halved, and the size of a part, in distances of the sea from its patch, from which halving
 /// does not help any more; then a smaller cell replaces it.
-const HALVINGS: u32 = 40;
+pub(super) const HALVINGS: u32 = 40;
 const INDISTINCT: f64 = 8.0;
 /// Most times that a smaller cell replaces a part of a smaller cell: each is smaller by the eighth power of its size.
 const LEVELS: u32 = 6;
@@ -54,16 +70,35 @@ const STEPS: usize = 60;
 const WIDER: f64 = 1e-9;
 /// Distance in a part at which two points count as one.
 const SAME: f64 = 1e-9;
+/// Distance of a point found from the middle of a part, in sizes of the part, from which it has nothing to do with it.
+const FAR: f64 = 2.0;
 
 /// A part of a cell, in a ray's coordinates.
+#[derive(Clone, Debug)]
 struct Part {
-    /// Offsets aside of the ray, by its two directions, and distances along it.
+    /// Offsets aside of the ray, by its two directions.
     aside: [Net; 2],
-    along: Net,
     /// Start and size in the cell's unit square.
     start: [f64; 2],
     size: [f64; 2],
     halvings: u32,
+}
+
+/// A cell in a ray's coordinates.
+struct SeenCell<'c> {
+    cell: &'c Cell,
+    /// Number of cells within which it lies.
+    level: u32,
+    /// Distances along the ray, and the least and the greatest of them.
+    along: Net,
+    near: f64,
+    far: f64,
+    /// How far the sea may lie from the patch along the ray, and aside of it.
+    deep: f64,
+    slack: f64,
+    slacks: [f64; 2],
+    /// Whether distances mostly grow with s, and with t.
+    grows: [bool; 2],
 }
 
 /// A search along one ray.
@@ -76,14 +111,14 @@ struct Search<'a> {
     origin: DVec3,
     direction: DVec3,
     aside: [DVec3; 2],
-    /// Distance of the first point known, and its rest point.
+    /// Distance of the first point known, and the point.
     end: f64,
-    rest: Option<([f64; 2], Sample)>,
+    found: Option<FirstPoint>,
     /// Parts and smaller cells that may still be looked at.
     parts: u32,
     smaller: u32,
-    /// Number of cells within which the current one lies.
-    level: u32,
+    /// Parts that remain to be looked at: those of the current cell, above those of the cells within which it lies.
+    open: Vec<Part>,
     /// Least distance at which something remains unknown.
     unknown: f64,
 }
@@ -131,86 +166,112 @@ impl SeaCells {
             direction,
             aside,
             end,
-            rest: None,
+            found: None,
             parts,
             smaller,
-            level: 0,
+            open: Vec::with_capacity(8),
             unknown: f64::INFINITY,
         };
         self.tree.visit(&Line::new(origin, direction), end, |cell| {
-            search.cell(&self.cells[cell]);
+            dispatch!(self.level, simd => simd.vectorize(
+                #[inline(always)]
+                || search.cell(&self.cells[cell], 0)
+            ));
             // What lies behind something unknown does not matter any more.
             if search.unknown < f64::INFINITY { search.unknown.min(search.end) } else { search.end }
         });
-        match search.rest {
+        match search.found {
             _ if search.unknown <= search.end => First::Unknown,
-            Some((rest, sample)) => First::At(search.end, rest, sample),
+            Some(found) => First::At(found),
             None => First::Nothing,
         }
     }
 }
 
 impl Search<'_> {
-    fn cell(&mut self, cell: &Cell) {
+    /// Looks at a cell that lies within some other ones.
+    #[inline(always)]
+    fn cell(&mut self, cell: &Cell, level: u32) {
         let [p, q] = self.aside;
         let [p, q, along] = cell.seen_along(self.origin, [p, q, self.direction]);
-        let whole = Part { aside: [p, q], along, start: [0.0; 2], size: [1.0; 2], halvings: HALVINGS };
-        let mut open = vec![whole];
-        while let Some(part) = open.pop() {
+        let slacks = self.aside.map(|way| cell.slack(way));
+        if [(&p, slacks[0]), (&q, slacks[1])].into_iter().any(|(net, slack)| misses(range(net), slack)) {
+            return;
+        }
+        let [near, far] = range(&along);
+        let [by_s, by_t] = Derivatives::means(&along);
+        let seen = SeenCell {
+            cell,
+            level,
+            along,
+            near,
+            far,
+            deep: cell.slack(self.direction),
+            slack: slacks[0].max(slacks[1]),
+            slacks,
+            grows: [by_s >= 0.0, by_t >= 0.0],
+        };
+        let others = self.open.len();
+        self.open.push(Part { aside: [p, q], start: [0.0; 2], size: [1.0; 2], halvings: HALVINGS });
+        while self.open.len() > others
+            && let Some(mut part) = self.open.pop()
+        {
             if self.parts == 0 {
-                self.unknown = self.unknown.min(range(&part.along)[0]);
+                self.leave(&seen, &part);
                 continue;
             }
             self.parts -= 1;
-            match self.solutions(cell, &part) {
+            match self.solutions(&seen, &part) {
                 Solutions::None => {}
-                Solutions::One(guess) => self.one(cell, &part, guess),
+                Solutions::One(guess) => self.one(&seen, &part, guess),
                 Solutions::Several { along_s } => {
-                    let [first, second] = part.halved(along_s);
                     // The nearer half is looked at first.
-                    let is_first = range(&first.along)[0] <= range(&second.along)[0];
-                    open.extend(if is_first { [second, first] } else { [first, second] });
+                    let nearer = part.halve(along_s, seen.grows[usize::from(!along_s)]);
+                    self.open.extend([part, nearer]);
                 }
-                Solutions::Indistinct => self.again(cell, &part),
+                Solutions::Indistinct => self.again(&seen, &part),
             }
         }
+    }
+
+    /// Notes that the points of a part remain unknown.
+    fn leave(&mut self, seen: &SeenCell<'_>, part: &Part) {
+        self.unknown = self.unknown.min(seen.reach(part)[0]);
     }
 
     /// Replaces a part by a smaller cell of its own, whose remainder is smaller by far.
-    fn again(&mut self, cell: &Cell, part: &Part) {
+    #[cold]
+    fn again(&mut self, seen: &SeenCell<'_>, part: &Part) {
+        let cell = seen.cell;
         let middle = cell.rest([0, 1].map(|axis| part.start[axis] + 0.5 * part.size[axis]));
         let half = cell.half * part.size[0].max(part.size[1]);
-        let may = self.smaller > 0 && self.level < LEVELS;
-        let smaller = if may { self.cells.smaller(middle, half, &cell.remainder) } else { None };
-        match smaller {
+        let may = self.smaller > 0 && seen.level < LEVELS;
+        match if may { self.cells.smaller(middle, half, &cell.remainder) } else { None } {
             Some(cell) => {
                 self.smaller -= 1;
-                self.level += 1;
-                self.cell(&cell);
-                self.level -= 1;
+                dispatch!(self.cells.level, simd => simd.vectorize(
+                    #[inline(always)]
+                    || self.cell(&cell, seen.level + 1)
+                ));
             }
-            None => self.unknown = self.unknown.min(range(&part.along)[0]),
+            None => self.leave(seen, part),
         }
     }
 
-    /// Returns how far the sea may lie from a part, along a direction.
-    fn slack(cell: &Cell, way: DVec3) -> f64 {
-        (0..3).map(|axis| way[axis].abs() * cell.remainder.off[axis]).sum()
-    }
-
-    fn solutions(&self, cell: &Cell, part: &Part) -> Solutions {
-        let slack = self.aside.map(|way| Self::slack(cell, way));
+    #[inline(always)]
+    fn solutions(&self, seen: &SeenCell<'_>, part: &Part) -> Solutions {
         let mut is_distinct = part.halvings > 0;
-        for (net, slack) in part.aside.iter().zip(slack) {
+        for (net, slack) in part.aside.iter().zip(seen.slacks) {
             let [low, high] = range(net);
-            if low > slack || high < -slack {
+            if misses([low, high], slack) {
                 return Solutions::None;
             }
             is_distinct &= high - low > INDISTINCT * slack;
         }
-        let deep = Self::slack(cell, self.direction);
-        let [near, far] = range(&part.along);
-        if near - deep > self.end || far + deep < 0.0 {
+        let reach = |ends: [f64; 2]| ends[0] > self.end || ends[1] < 0.0;
+        let whole = [seen.near - seen.deep, seen.far + seen.deep];
+        let is_cut = whole[1] > self.end || whole[0] < 0.0;
+        if reach(whole) || (is_cut && reach(seen.reach(part))) {
             return Solutions::None;
         }
         // Derivatives by s and t of the part, as columns: their mean J, and by how much Y·(J − mean), Y = J⁻¹, changes.
@@ -225,20 +286,19 @@ impl Search<'_> {
         let [by_s, by_t] = Derivatives::changes(p, q, &mean, &inverse);
         // The derivatives of the sea itself turn a little more.
         let norm = inverse.x_axis.abs() + inverse.y_axis.abs();
-        let turn = 2.0 * cell.remainder.turn * (part.size[0] + part.size[1]);
+        let turn = 2.0 * seen.cell.remainder.turn * (part.size[0] + part.size[1]);
         let change = by_s + by_t + norm * turn;
-        let most = change.max_element();
         // False for NaN.
-        let is_one_to_one = most <= ONE_TO_ONE;
+        let is_one_to_one = change.max_element() <= ONE_TO_ONE;
         if !is_one_to_one {
             let (s, t) = (by_s.max_element(), by_t.max_element());
             return several(if s == t { is_long } else { s > t });
         }
         // G(x) = x − Y·F(x) contracts the part by `change`, so a point of the ray lies within change/2 of G(middle).
         let middle = DVec2::splat(0.5);
-        let value = DVec2::new(evaluate_middle(p), evaluate_middle(q));
+        let value = DVec2::new(Derivatives::middle(p), Derivatives::middle(q));
         let guess = middle - inverse * value;
-        let reach = 0.5 * change + norm * slack[0].max(slack[1]) + SAME;
+        let reach = 0.5 * change + norm * seen.slack + SAME;
         let is_outside = (guess + reach).min_element() < 0.0 || (guess - reach).max_element() > 1.0;
         if is_outside { Solutions::None } else { Solutions::One(guess.to_array()) }
     }
@@ -247,15 +307,15 @@ impl Search<'_> {
     ///
     /// The part is one-to-one across the ray: G(x) = x − Y·F(x) contracts it by κ ≤ ½. Newton's method on the sea itself
     /// mostly finds the point within the part. If it finds one beyond the part, or none, there may still be one in the
-    /// part, and then it is the fixed point of x ↦ clamp(G(x)), which contracts as well. For any x and δ = |clamp(G(x))
-    /// − x|, that fixed point lies within 2δ of x; if it was a point of the ray, |G(x) − x| could be 3δ at most.
-    fn one(&mut self, cell: &Cell, part: &Part, guess: [f64; 2]) {
-        let place =
-            |local: DVec2| cell.rest([0, 1].map(|axis| part.start[axis] + part.size[axis] * local.to_array()[axis]));
+    /// part, and then it is the fixed point of x ↦ clamp(G(x)), which contracts as well and cannot leave the part. For any
+    /// x and δ = |clamp(G(x)) − x|, that fixed point lies within 2δ of x; if it was a point of the ray, |G(x) − x| could be
+    /// 3δ at most.
+    fn one(&mut self, seen: &SeenCell<'_>, part: &Part, guess: [f64; 2]) {
+        let cell = seen.cell;
         // A step on the patch costs much less than one on the sea.
         let mut start = DVec2::from(guess).clamp(DVec2::ZERO, DVec2::ONE);
         for _ in 0..ON_PATCH {
-            let [(p, by_p), (q, by_q)] = part.aside.each_ref().map(|net| evaluate(net, start.to_array()));
+            let [(p, by_p), (q, by_q)] = evaluate(&part.aside, start.to_array());
             let ways = DMat2::from_cols(DVec2::new(by_p[0], by_q[0]), DVec2::new(by_p[1], by_q[1]));
             let to = start - ways.inverse() * DVec2::new(p, q);
             if !to.is_finite() {
@@ -263,38 +323,35 @@ impl Search<'_> {
             }
             start = to.clamp(DVec2::ZERO, DVec2::ONE);
         }
-        let from = self.cells.axes.rest(place(start));
-        let found = newton(self.sea, self.projector, self.ray, self.world_aside(), from);
-        let mut near = start;
-        if let Some((distance, rest, point)) = found {
-            let own = self.cells.axes.direction(DVec3::new(
-                rest[0] - self.cells.axes.eye.x,
-                0.0,
-                rest[1] - self.cells.axes.eye.z,
-            ));
-            let local = [own.x, own.z];
-            let local = DVec2::from_array([0, 1].map(|axis| {
-                let unit = 0.5 + 0.5 * (local[axis] - cell.middle[axis]) / cell.half;
-                (unit - part.start[axis]) / part.size[axis]
-            }));
+        let axes = &self.cells.axes;
+        let from = axes.rest(cell.rest(part.whole(start)));
+        let mut beyond = None;
+        if let Some((distance, rest, point)) = newton(self.sea, self.projector, self.ray, self.world_aside(), from) {
+            let local = part.local(cell.place(axes.point(DVec3::new(rest[0], axes.level, rest[1]))));
+            let is_within = (local - 0.5).abs().max_element() <= 0.5 + SAME;
             // Wherever it is, it is a point of the sea on the ray.
-            if distance >= 0.0 && distance < self.end && (local - 0.5).abs().max_element() < 2.0 {
-                (self.end, self.rest) = (distance, Some((rest, point.precise.sample)));
+            if distance >= 0.0 && distance < self.end && (local - 0.5).abs().max_element() < FAR {
+                self.end = distance;
+                self.found = Some(FirstPoint { distance, rest, sample: point.precise.sample, sheet: None });
             }
-            if (local - 0.5).abs().max_element() <= 0.5 + SAME {
+            // A part beside this one may have found it before.
+            if is_within && let Some(found) = &mut self.found {
+                let sheet = part.sheet(cell, self.cells);
+                found.sheet = found.sheet.or_else(|| sheet.holds(found.rest).then_some(sheet));
+            }
+            if is_within {
                 return;
             }
-            near = local.clamp(DVec2::ZERO, DVec2::ONE);
+            beyond = Some(local);
         }
         let [p, q] = &part.aside;
-        let mean = Derivatives::mean(p, q);
-        let inverse = mean.inverse();
-        let slack = self.aside.map(|way| Self::slack(cell, way));
+        let inverse = Derivatives::mean(p, q).inverse();
         let norm = inverse.x_axis.abs() + inverse.y_axis.abs();
-        let off = (norm * slack[0].max(slack[1])).max_element();
+        let off = (norm * seen.slack).max_element();
+        let mut near = beyond.unwrap_or(start).clamp(DVec2::ZERO, DVec2::ONE);
         for _ in 0..STEPS {
-            let at = near.to_array();
-            let step = inverse * DVec2::new(evaluate(p, at).0, evaluate(q, at).0);
+            let [(p, _), (q, _)] = evaluate(&part.aside, near.to_array());
+            let step = inverse * DVec2::new(p, q);
             let to = (near - step).clamp(DVec2::ZERO, DVec2::ONE);
             let delta = (to - near).abs().max_element();
             if step.abs().max_element() > 3.0 * (delta + off) + off {
@@ -305,10 +362,11 @@ impl Search<'_> {
             }
             near = to;
         }
-        // The point is too close to the part's border to tell, and Newton's method has not found it.
-        let accepted = self.rest.is_some() && found.is_some_and(|(distance, ..)| distance <= self.end * (1.0 + SAME));
-        if !accepted {
-            self.again(cell, part);
+        // If the part has a point, it is within twice the errors of this place, too close to the part's border to tell. It
+        // may be the one that Newton's method has found just beyond, which then counts.
+        let is_known = beyond.is_some_and(|local| (local - near).abs().max_element() <= 4.0 * (off + SAME));
+        if !is_known {
+            self.again(seen, part);
         }
     }
 
@@ -318,67 +376,50 @@ impl Search<'_> {
     }
 }
 
-/// Returns the value in the middle: the mean of the coefficients, weighted by the binomial ones.
-fn evaluate_middle(net: &Net) -> f64 {
-    const WEIGHTS: [f64; SIDE] = [1.0, 8.0, 28.0, 56.0, 70.0, 56.0, 28.0, 8.0, 1.0];
-    let mut rows = [0.0; SIDE];
-    for (row, weight) in net.iter().zip(WEIGHTS) {
-        for (total, value) in rows.iter_mut().zip(row) {
-            *total += weight * value;
-        }
-    }
-    rows.iter().zip(WEIGHTS).map(|(value, weight)| value * weight).sum::<f64>() / 65536.0
+/// Returns whether no value of a range is 0, however far it is off.
+#[inline(always)]
+fn misses([low, high]: [f64; 2], slack: f64) -> bool {
+    low > slack || high < -slack
 }
 
-/// Derivatives of two components over a part.
-struct Derivatives;
-
-impl Derivatives {
-    /// Returns their means as columns.
-    fn mean(p: &Net, q: &Net) -> DMat2 {
-        let along_s = |net: &Net| (0..SIDE).map(|j| net[DEGREE][j] - net[0][j]).sum::<f64>() / SIDE as f64;
-        let along_t = |net: &Net| net.iter().map(|row| row[DEGREE] - row[0]).sum::<f64>() / SIDE as f64;
-        DMat2::from_cols(DVec2::new(along_s(p), along_s(q)), DVec2::new(along_t(p), along_t(q)))
-    }
-
-    /// Returns by how much Y times the derivatives differ from the unit vectors: the largest sizes of both rows, for
-    /// the derivatives by s and by t. Derivatives are combinations of the differences of coefficients.
-    fn changes(p: &Net, q: &Net, mean: &DMat2, inverse: &DMat2) -> [DVec2; 2] {
-        let (mut by_s, mut by_t) = ([[0.0_f64; SIDE]; 2], [[0.0_f64; SIDE]; 2]);
-        let [a, b, c, d] = [inverse.x_axis.x, inverse.y_axis.x, inverse.x_axis.y, inverse.y_axis.y];
-        let degree = DEGREE as f64;
-        for i in 0..DEGREE {
-            for j in 0..SIDE {
-                let x = degree * (p[i + 1][j] - p[i][j]) - mean.x_axis.x;
-                let y = degree * (q[i + 1][j] - q[i][j]) - mean.x_axis.y;
-                by_s[0][j] = by_s[0][j].max((a * x + b * y).abs());
-                by_s[1][j] = by_s[1][j].max((c * x + d * y).abs());
-            }
-        }
-        for i in 0..SIDE {
-            for j in 0..DEGREE {
-                let x = degree * (p[i][j + 1] - p[i][j]) - mean.y_axis.x;
-                let y = degree * (q[i][j + 1] - q[i][j]) - mean.y_axis.y;
-                by_t[0][j] = by_t[0][j].max((a * x + b * y).abs());
-                by_t[1][j] = by_t[1][j].max((c * x + d * y).abs());
-            }
-        }
-        let most = |rows: [[f64; SIDE]; 2]| DVec2::from_array(rows.map(|row| row.into_iter().fold(0.0, f64::max)));
-        [most(by_s), most(by_t)]
+impl SeenCell<'_> {
+    /// Returns the range of distances of a part.
+    #[cold]
+    fn reach(&self, within: &Part) -> [f64; 2] {
+        let [near, far] = range(&part(&self.along, within.start, within.size));
+        [near - self.deep, far + self.deep]
     }
 }
 
 impl Part {
-    fn halved(&self, along_s: bool) -> [Self; 2] {
-        let [p, q] = self.aside.each_ref().map(|net| halves(net, along_s));
-        let along = halves(&self.along, along_s);
+    /// Leaves the farther half in its place, and returns the nearer one; `grows` says whether distances grow along the side
+    /// that is halved.
+    #[inline(always)]
+    fn halve(&mut self, along_s: bool, grows: bool) -> Self {
+        let [p, q] = &mut self.aside;
+        let aside = [split(p, along_s, grows), split(q, along_s, grows)];
         let axis = usize::from(!along_s);
-        let mut size = self.size;
-        size[axis] *= 0.5;
-        [0, 1].map(|half| {
-            let mut start = self.start;
-            start[axis] += size[axis] * half as f64;
-            Self { aside: [p[half], q[half]], along: along[half], start, size, halvings: self.halvings - 1 }
-        })
+        self.size[axis] *= 0.5;
+        self.halvings -= 1;
+        let mut start = self.start;
+        let upper = if grows { &mut self.start } else { &mut start };
+        upper[axis] += self.size[axis];
+        Self { aside, start, size: self.size, halvings: self.halvings }
+    }
+
+    /// Returns the place in the cell's unit square of a place in the part's.
+    fn whole(&self, local: DVec2) -> [f64; 2] {
+        (DVec2::from(self.start) + DVec2::from(self.size) * local).to_array()
+    }
+
+    /// Returns the place in the part's unit square of a place in the cell's.
+    fn local(&self, whole: [f64; 2]) -> DVec2 {
+        (DVec2::from(whole) - DVec2::from(self.start)) / DVec2::from(self.size)
+    }
+
+    /// Returns the part's rest points in the world.
+    fn sheet(&self, cell: &Cell, cells: &SeaCells) -> OneSheet {
+        let middle = cells.axes.rest(cell.rest(self.whole(DVec2::splat(0.5))));
+        OneSheet { middle, heading: cells.axes.heading, half: self.size.map(|size| cell.half * size) }
     }
 }

@@ -1,6 +1,6 @@
 use super::bernstein::evaluate;
 use super::cells::SeaCells;
-use super::search::{First, Thoroughness};
+use super::search::{First, FirstPoint, Thoroughness};
 use crate::first_point::first_point;
 use crate::{Camera, DVec3, Projection, Projector, Ray, SeaSurface};
 use std::f64::consts::TAU;
@@ -73,7 +73,7 @@ fn cells_are_as_close_to_the_sea_as_they_say() {
                 let rest = cells.axes.rest(cell.rest(at));
                 let truth = cells.axes.point(sea.carried(&projector, rest).point);
                 for axis in 0..3 {
-                    let (value, slopes) = evaluate(&nets[axis], at);
+                    let (value, slopes) = evaluate(&nets, at)[axis];
                     let off = (value - truth[axis]).abs();
                     let bound = cell.remainder.off[axis];
                     assert!(off <= bound, "sea {index}, camera {case}, axis {axis}: {off:e} above {bound:e}");
@@ -103,7 +103,7 @@ fn cells_are_as_close_to_the_sea_as_they_say() {
 
 #[test]
 fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
-    let (mut met, mut missed, mut unknown, mut overhung) = (0, 0, 0, 0);
+    let (mut met, mut missed, mut unknown, mut overhung, mut alone) = (0, 0, 0, 0, 0);
     for (index, sea) in seas().iter().enumerate() {
         for case in 0..6 {
             let projector = projector(case + 5 * index as u32, [[0.0, 0.0], [2e3, -1e3]][case as usize % 2]);
@@ -111,15 +111,17 @@ fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
             for pick in 0..40 {
                 let ray = projector.ray(48.0 * part(pick, 0.618), 27.0 * part(pick, 0.414));
                 let Some([start, end]) = stretch(sea, &ray) else { continue };
-                let expected = first_point(sea, &projector, &ray, [start, end]);
+                let Ok(expected) = first_point(sea, &projector, &ray, [start, end]) else { continue };
                 let found = cells.first(sea, &projector, &ray, [start, end], Thoroughness::Thorough);
                 match (found, expected) {
-                    (First::At(distance, rest, _), Some((truth, _))) => {
+                    (First::At(FirstPoint { distance, rest, sheet, .. }), Some((truth, _))) => {
                         let apart = (distance - truth).abs();
                         assert!(
                             apart <= 1e-9 * (1.0 + truth),
                             "sea {index}, camera {case}, ray {pick}: {distance} {truth}"
                         );
+                        assert!(sheet.is_none_or(|sheet| sheet.holds(rest)), "{sheet:?} without {rest:?}");
+                        alone += usize::from(sheet.is_some());
                         overhung += usize::from(sea.carried(&projector, rest).precise.sample.jacobian() < 0.0);
                         met += 1;
                     }
@@ -127,12 +129,15 @@ fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
                     (First::Unknown, _) => unknown += 1,
                     other => panic!("sea {index}, camera {case}, ray {pick}: {other:?}"),
                 }
-                if let First::At(distance, ..) = cells.first(sea, &projector, &ray, [start, end], Thoroughness::Quick) {
-                    assert!(matches!(found, First::At(also, ..) if also == distance), "{found:?}");
+                if let First::At(FirstPoint { distance, .. }) =
+                    cells.first(sea, &projector, &ray, [start, end], Thoroughness::Quick)
+                {
+                    assert!(matches!(found, First::At(also) if also.distance == distance), "{found:?}");
                 }
             }
         }
     }
     assert!(met > 300 && missed > 10 && overhung > 0, "{met} meet it, {missed} miss it, {overhung} meet an overhang");
     assert!(50 * unknown < met, "{unknown} unknown");
+    assert!(20 * (met - alone) < met, "{alone} of {met} on a known sheet");
 }

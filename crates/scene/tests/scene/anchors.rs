@@ -26,7 +26,7 @@ fn leads_back(what: &str, surface: &dyn Surface) {
     let (mut draw, mut met, projector) = (Draw(7), 0, projector());
     for _ in 0..300 {
         let ray = projector.ray(4000.0 * draw.next(), 4000.0 * draw.next());
-        let Some(hit) = surface.trace(&projector, &ray) else { continue };
+        let Ok(Some(hit)) = surface.trace(&projector, &ray, f64::INFINITY) else { continue };
         let nearest = |uv: [f64; 2], point: DVec3| {
             let anchors = surface.anchors(uv).into_iter();
             anchors.min_by(|a, b| a.point.distance(point).total_cmp(&b.point.distance(point)))

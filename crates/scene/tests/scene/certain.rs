@@ -28,11 +28,11 @@ fn unclear(camera: &Camera, surfaces: &[&dyn Surface], size: [u32; 2], every: us
     let sights = certain.sights(surfaces, &pixels, offset);
     for ([x, y], sight) in pixels.iter().zip(&sights).step_by(every) {
         let place = [*x as f64 + offset[0], *y as f64 + offset[1]];
-        let truth = || reference::trace(camera, surfaces, format, place[0], place[1]);
+        let truth = || reference::trace(camera, surfaces, format, place[0], place[1]).expect("smooth enough");
         match sight {
             Sight::Unclear => {}
             Sight::Nothing => assert_eq!(truth(), None, "at {place:?} nothing should be seen"),
-            Sight::Point(hit) => {
+            Sight::Point(hit, _) => {
                 let truth = truth().unwrap_or_else(|| panic!("{hit:?} should be seen at {place:?}"));
                 assert!(agree(hit, &truth), "at {place:?}: {hit:?} should be {truth:?}");
             }

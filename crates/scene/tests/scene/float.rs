@@ -211,7 +211,7 @@ fn floating_models_agree_with_their_rays() {
                 let at = |channel: Channel| f64::from(samples.channel(channel)[index]);
                 let (x, y) = ((index % 160) as f64 + 0.5, (index / 160) as f64 + 0.5);
                 all += 1.0;
-                let Some(hit) = reference::trace(&camera, &[surface], format, x, y) else {
+                let Ok(Some(hit)) = reference::trace(&camera, &[surface], format, x, y) else {
                     good += 1.0 - at(Channel::Coverage);
                     continue;
                 };

@@ -39,7 +39,7 @@ fn agreement(camera: &Camera, surface: &GridSurface, depth: f64, angle: f64) -> 
         let at = |channel: Channel| f64::from(samples.channel(channel)[index]);
         let (x, y) = ((index % width as usize) as f64 + 0.5, (index / width as usize) as f64 + 0.5);
         all += 1.0;
-        let Some(hit) = reference::trace(camera, &[surface], format, x, y) else {
+        let Ok(Some(hit)) = reference::trace(camera, &[surface], format, x, y) else {
             good += 1.0 - at(Channel::Coverage);
             continue;
         };

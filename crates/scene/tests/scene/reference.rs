@@ -31,7 +31,7 @@ fn agreement(camera: &Camera, surface: &SeaSurface, size: [u32; 2], depth: f64, 
     let (mut good, mut all) = (0, 0);
     for index in (0..pixels).step_by(step) {
         let [x, y] = [index % size[0] as usize, index / size[0] as usize];
-        let hit = reference::trace(camera, &[surface], format, x as f64 + 0.5, y as f64 + 0.5);
+        let hit = reference::trace(camera, &[surface], format, x as f64 + 0.5, y as f64 + 0.5).expect("smooth");
         all += 1;
         good += usize::from(agrees(&samples, index, hit, depth, angle));
     }

@@ -26,7 +26,7 @@
 //! # Results
 //! Whether a drop is born does not depend on how the sea is evaluated: if f32 leaves a doubt, the f64 sum decides.
 //! The drop's position and velocity are those of the sea in f32. [`mod@reference`] does the same in f64 and plain
-//! loops.
+//! loops, and [`SprayRun::exact_at`] does what it does in less time.
 
 use trochoid_key::content_key;
 
@@ -35,6 +35,7 @@ mod breeder;
 mod burst;
 mod draws;
 mod error;
+mod exact;
 mod flight;
 pub mod reference;
 mod run;

@@ -2,7 +2,8 @@
 //! waves.
 
 use super::Spray;
-use super::birth::{Birth, Droplet, Water};
+use super::birth::{Birth, Droplet};
+use super::exact::water;
 use crate::Sea;
 
 /// Returns the births of every step that matters at a time, over a sea that rests at world y = `level`.
@@ -17,11 +18,8 @@ pub fn births(spray: &Spray, sea: &Sea, level: f64, time: f64) -> Vec<Birth> {
             spray.candidates(cell, step, |candidate, needed| {
                 let folded = || frame.evaluate(spray.middle(cell), spray.cell).jacobian();
                 if *jacobian.get_or_insert_with(folded) < needed {
-                    let [x, z] = candidate.rest(spray);
-                    let sample = frame.evaluate([x, z], spray.cell);
-                    let [dx, dy, dz] = sample.displacement;
-                    let position = [x + dx, level + dy, z + dz];
-                    births.push(spray.birth(&candidate, &Water { position, velocity: sample.velocity }));
+                    let water = water(&frame, candidate.rest(spray), spray.cell, level);
+                    births.push(spray.birth(&candidate, &water));
                 }
             });
         }

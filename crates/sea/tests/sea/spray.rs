@@ -33,6 +33,7 @@ fn agree(spray: &Spray, sea: &Sea, time: f64, tolerance: f64, what: &str) -> Vec
     let run = SprayRun::new(spray.clone(), sea.clone(), 1.5).expect("valid");
     let found = run.at(time).expect("few");
     let truth = reference::drops(spray, sea, Some(1.5), time);
+    assert_eq!(run.exact_at(time), truth, "{what}");
     // At the very limit of strength or lifetime, f32 may keep or lose a drop; bits of shape tell which drops are the
     // same.
     let shapes: std::collections::HashMap<u64, &Droplet> = truth.iter().map(|drop| (drop.shape, drop)).collect();
