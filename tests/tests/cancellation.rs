@@ -3,7 +3,7 @@
 use crate::support::settings;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use trochoid::{Buffers, Cache, EvalError, Monitor, Plan, parse};
+use trochoid::{Buffers, Cache, EvalError, Monitor, Plan, ReferenceError, ReferenceFrame, parse};
 
 /// Monitor that cancels after a number of questions, and counts the questions that the engine and the nodes ask.
 struct Fires {
@@ -93,5 +93,32 @@ fn nodes_that_take_long_ask_whether_to_stop() {
             let (stopped, _) = run(after);
             assert!(matches!(stopped, Err(EvalError::Cancelled)), "{out}: after {after} of {all} answers");
         }
+    }
+}
+
+/// Tests that the f64 run of a toon sea stops between its steps, and that a run after that is as if there had been none.
+#[test]
+fn references_that_take_long_ask_whether_to_stop() {
+    let text = format!(
+        r#"{{ "trochoid": 1, "format": {{ "width": 8, "height": 6 }}, "nodes": {{ {SCENE},
+            "long": {{ "type": "ToonSea", "columns": 12, "rows": 9, "preroll": 400,
+                "bursts": [{{ "path": [0, 0, 1, 1, 1, 0, 0, 1] }}] }},
+            "out": {{ "type": "Bake", "sea": "long", "width": 1, "depth": 1 }} }},
+            "outputs": {{ "out": {{ "field": "out.height" }} }} }}"#
+    );
+    let graph = parse("test.json", &text, Path::new("."), &[]).unwrap().graph;
+    let run = |after: usize, cache: &mut Cache| {
+        let monitor = Fires::after(after);
+        let reference = ReferenceFrame::prepared(&graph, &["out"], 1, cache, &monitor);
+        (reference.map(|frame| frame.pixel(5, 3).unwrap()), monitor.asked.load(Ordering::Relaxed))
+    };
+    let (through, asked) = run(usize::MAX, &mut Cache::new());
+    // One question for each step in f32, and one for each in f64.
+    assert!(asked > 800, "{asked}");
+    for after in [asked - 300, asked - 2] {
+        let mut cache = Cache::new();
+        let (stopped, _) = run(after, &mut cache);
+        assert!(matches!(stopped, Err(ReferenceError::Eval(EvalError::Cancelled))), "{stopped:?}");
+        assert_eq!(run(usize::MAX, &mut cache).0, through);
     }
 }

@@ -33,6 +33,7 @@ mod palette;
 mod pipes;
 mod portable;
 mod random;
+mod references;
 mod scale;
 mod scenes;
 mod shading;

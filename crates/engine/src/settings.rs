@@ -1,4 +1,4 @@
-use trochoid_graph::NodeId;
+use trochoid_graph::{NodeId, Purpose};
 use trochoid_image::Window;
 use trochoid_key::content_key;
 use trochoid_memory::{Heap, Instructions};
@@ -82,10 +82,18 @@ pub struct Settings {
     /// previews of an editor. Applies only where the whole picture is evaluated with one sample per pixel and without
     /// buffers of the caller. Takes 4 bytes per pixel for every channel filled, within the limit of the cache.
     pub keep: bool,
-    /// Whether every plane has bounds on its errors beside it, in channels that follow its own.
-    pub(crate) bounds: bool,
+    /// What stages are prepared for. For bounds, every plane has bounds on its errors beside it, in channels that follow
+    /// its own.
+    pub(crate) purpose: Purpose,
     /// Stage whose own errors are taken to be 0, which shows how much they contribute to the bounds.
     pub(crate) exact: Option<NodeId>,
+}
+
+impl Settings {
+    /// Whether every plane has bounds beside it.
+    pub(crate) fn bounds(&self) -> bool {
+        self.purpose == Purpose::Bounds
+    }
 }
 
 impl Default for Settings {
@@ -103,7 +111,7 @@ impl Default for Settings {
             },
             region: None,
             keep: false,
-            bounds: false,
+            purpose: Purpose::Pictures,
             exact: None,
         }
     }

@@ -1,6 +1,6 @@
 //! Estimates of the memory that nodes take at a frame, made before any of it is allocated.
 
-use crate::{Connected, FrameContext, NodeId, Source};
+use crate::{Connected, FrameContext, NodeId, Purpose, Source};
 
 /// Estimate of the memory that a node takes at a frame, in bytes, and the remedy if it is too much.
 ///
@@ -60,13 +60,21 @@ pub struct MemoryContext<'a> {
     pub frame: &'a FrameContext,
     /// Whether each channel is wanted, by output.
     pub wanted: &'a [Vec<bool>],
+    /// What the node is prepared for.
+    pub purpose: Purpose,
     of: &'a dyn Fn(NodeId) -> MemoryUse,
 }
 
 impl<'a> MemoryContext<'a> {
     /// Makes the arguments, with the estimates of the nodes upstream; called by the engine.
     pub fn new(frame: &'a FrameContext, wanted: &'a [Vec<bool>], of: &'a dyn Fn(NodeId) -> MemoryUse) -> Self {
-        Self { frame, wanted, of }
+        Self { frame, wanted, purpose: Purpose::Pictures, of }
+    }
+
+    /// Sets what the node is prepared for; pictures by default.
+    #[must_use]
+    pub fn with_purpose(self, purpose: Purpose) -> Self {
+        Self { purpose, ..self }
     }
 
     /// Returns the estimates of everything connected to a port.

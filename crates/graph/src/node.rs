@@ -12,7 +12,7 @@
 use crate::{
     Block, Bounding, ChannelSet, Check, Declaration, FrameContext, Inputs, ItemName, Items, Kind, Lowering,
     MemoryContext, MemoryUse, NoBound, NodeError, Outputs, PortId, Prepare, Reader, Reference, References, Settled,
-    Source, Spectrum, Stability, Value, Values, Work,
+    Source, Spectrum, Stability, StepErrors, Value, Values, Work,
 };
 use std::any::Any;
 use std::path::PathBuf;
@@ -102,6 +102,14 @@ pub trait Computes {
 
 /// Numerical behavior of a node that changes over time.
 pub trait Dynamics {
+    /// Measures what f32 loses over a number of steps, in comparison with f64, for the node's settings and others like
+    /// them; may take a minute. `None` if the node carries no state, or soon after `stop` says that it is no longer
+    /// needed. Shown by `trochoid stability --steps`.
+    fn step_errors(&self, steps: u64, stop: &(dyn Fn() -> bool + Sync)) -> Option<StepErrors> {
+        let _ = (steps, stop);
+        None
+    }
+
     /// Compares predicted with measured stability, which may take some seconds. Shown by `trochoid stability`.
     fn stability(&self) -> Option<Stability> {
         None

@@ -66,8 +66,8 @@ pub enum Relation {
     Near(f64),
     /// The measured value is at most the predicted one, which is an upper bound.
     AtMost,
-    /// The measured value is at least the predicted one.
-    AtLeast,
+    /// The measured value is at least the predicted one, up to this fraction of it.
+    AtLeast(f64),
     /// One of the values is unknown, or they measure different things.
     Unrelated,
 }
@@ -81,7 +81,7 @@ impl Figure {
             Relation::Equal(most) => off <= most,
             Relation::Near(share) => off <= share * predicted.abs(),
             Relation::AtMost => measured <= predicted,
-            Relation::AtLeast => measured >= predicted,
+            Relation::AtLeast(share) => measured >= predicted - share * predicted.abs(),
             Relation::Unrelated => return None,
         })
     }
@@ -109,6 +109,37 @@ pub struct StabilityMap {
     pub note: String,
 }
 
+/// What f32 loses of a node's state, step by step: the result of [`Dynamics::step_errors`](crate::Dynamics::step_errors).
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepErrors {
+    /// Numbers of steps from rest, in increasing order.
+    pub steps: Vec<u64>,
+    /// Groups of settings; each group changes one thing.
+    pub groups: Vec<StepErrorGroup>,
+    /// What was run, and what errors are relative to.
+    pub note: String,
+}
+
+/// Settings that differ in one thing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepErrorGroup {
+    /// Name of what changes.
+    pub name: &'static str,
+    /// The settings; those that are refused are left out.
+    pub rows: Vec<StepErrorRow>,
+}
+
+/// Errors of one setting.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepErrorRow {
+    /// The setting.
+    pub name: String,
+    /// Difference from a run in f64 after each number of steps.
+    pub errors: Vec<f64>,
+    /// How far rounding may have carried the f64 run itself after the last step.
+    pub doubt: f64,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,7 +160,9 @@ mod tests {
         assert_eq!(both(Relation::Equal(0.05)), Some(false));
         assert_eq!(both(Relation::Near(0.06)), Some(true));
         assert_eq!(both(Relation::Near(0.04)), Some(false));
-        assert_eq!(both(Relation::AtLeast), Some(true));
+        assert_eq!(both(Relation::AtLeast(0.0)), Some(true));
+        assert_eq!(figure(Some(2.0), Some(1.9), Relation::AtLeast(0.1)).holds(), Some(true));
+        assert_eq!(figure(Some(2.0), Some(1.7), Relation::AtLeast(0.1)).holds(), Some(false));
         assert_eq!(both(Relation::AtMost), Some(false));
         assert_eq!(both(Relation::Unrelated), None);
         assert_eq!(figure(None, Some(1.0), Relation::AtMost).holds(), None);

@@ -5,7 +5,7 @@ use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use trochoid_image::Window;
-use trochoid_key::{ContentKey, Key};
+use trochoid_key::{ContentKey, Key, content_key};
 
 /// Values that stages share apart from their connections, such as a file that several of them read.
 ///
@@ -51,6 +51,26 @@ impl std::fmt::Debug for Pool {
     }
 }
 
+/// What a stage is prepared for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Purpose {
+    /// Planes alone ([`Prepared::fill`](crate::Prepared::fill)).
+    #[default]
+    Pictures,
+    /// References ([`Prepared::reference`](crate::Prepared::reference)).
+    References,
+    /// Planes with their bounds ([`Prepared::bound`](crate::Prepared::bound)), and references.
+    Bounds,
+}
+
+content_key!(
+    enum Purpose {
+        Pictures,
+        References,
+        Bounds,
+    }
+);
+
 /// Arguments of [`Stage::prepare`](crate::Stage::prepare).
 pub struct Prepare<'a> {
     /// Data that all nodes of the frame share.
@@ -62,7 +82,7 @@ pub struct Prepare<'a> {
     handles: &'a dyn Fn(NodeId) -> Option<Handle>,
     cancelled: &'a (dyn Fn() -> bool + Sync),
     pool: &'a Pool,
-    bounded: bool,
+    purpose: Purpose,
 }
 
 impl<'a> Prepare<'a> {
@@ -75,18 +95,24 @@ impl<'a> Prepare<'a> {
         cancelled: &'a (dyn Fn() -> bool + Sync),
         pool: &'a Pool,
     ) -> Self {
-        Self { frame, kinds, wanted, handles, cancelled, pool, bounded: false }
+        Self { frame, kinds, wanted, handles, cancelled, pool, purpose: Purpose::Pictures }
     }
 
-    /// Sets whether [`Prepared::bound`](crate::Prepared::bound) will be called.
+    /// Sets what the stage is prepared for; pictures by default.
     #[must_use]
-    pub fn with_bounds(self, bounded: bool) -> Self {
-        Self { bounded, ..self }
+    pub fn with_purpose(self, purpose: Purpose) -> Self {
+        Self { purpose, ..self }
     }
 
     /// Whether [`Prepared::bound`](crate::Prepared::bound) will be called, so that data for it alone must be prepared.
     pub fn bounded(&self) -> bool {
-        self.bounded
+        self.purpose == Purpose::Bounds
+    }
+
+    /// Whether [`Prepared::reference`](crate::Prepared::reference) or [`Prepared::bound`](crate::Prepared::bound) will
+    /// be called, so that what they need must be prepared.
+    pub fn referenced(&self) -> bool {
+        self.purpose != Purpose::Pictures
     }
 
     /// Returns the `T` that all nodes share that request it for the same content key.

@@ -36,7 +36,8 @@ impl Frame {
             let Some(stage) = settled.stage() else { continue };
             let wanted: Vec<Vec<bool>> = node.kinds.iter().map(|kind| vec![true; kind.channels()]).collect();
             let handles = |id: NodeId| prepared[id.0].as_ref().and_then(|prepared| prepared.handle());
-            let prepare = Prepare::new(&context, &node.kinds, &wanted, &handles, &|| false, &pool);
+            let prepare = Prepare::new(&context, &node.kinds, &wanted, &handles, &|| false, &pool)
+                .with_purpose(Purpose::References);
             let made = stage.prepare(&prepare)?;
             prepared[id.0] = Some(made);
         }

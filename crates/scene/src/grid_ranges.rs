@@ -1,6 +1,7 @@
 //! Ranges of a height field over its cells, by which rays skip what they pass above or below.
 
 use crate::GridSurface;
+use crate::grid_values::Number;
 
 /// Number of cells along each side of a block.
 pub(crate) const BLOCK: usize = 16;
@@ -39,7 +40,7 @@ pub(crate) struct Ranges {
 }
 
 impl Ranges {
-    pub(crate) fn new(grid: &GridSurface) -> Self {
+    pub(crate) fn new<T: Number>(grid: &GridSurface<T>) -> Self {
         let [columns, rows] = grid.size().map(|count| count - 1);
         let range = |[i, j]: [usize; 2]| {
             let heights = grid.neighbors([i, j]);

@@ -6,6 +6,7 @@
 use glam::DVec3;
 
 use crate::grid_ranges::BLOCK;
+use crate::grid_values::Number;
 use crate::{GridSurface, Ray};
 
 /// Degree of a bicubic polynomial along a line.
@@ -18,7 +19,7 @@ const WEIGHTS: [[f64; 4]; 4] =
     [[0.0, -0.5, 1.0, -0.5], [1.0, 0.0, -2.5, 1.5], [0.0, 0.5, 2.0, -1.5], [0.0, 0.0, -0.5, 0.5]];
 
 /// Returns the distance at which a ray first crosses a height field between two distances.
-pub(crate) fn first_of_grid(grid: &GridSurface, ray: &Ray, [start, end]: [f64; 2]) -> Option<f64> {
+pub(crate) fn first_of_grid<T: Number>(grid: &GridSurface<T>, ray: &Ray, [start, end]: [f64; 2]) -> Option<f64> {
     let ([columns, rows], spacing, origin) = (grid.size(), grid.spacing(), grid.origin());
     // Positions in cells.
     let from = [(ray.origin.x - origin[0]) / spacing, (ray.origin.z - origin[1]) / spacing];
@@ -173,7 +174,7 @@ fn halves(coefficients: &[f64; DEGREE + 1]) -> [[f64; DEGREE + 1]; 2] {
     [low, high]
 }
 
-impl GridSurface {
+impl<T: Number> GridSurface<T> {
     /// Returns the range of distances in which a ray may meet the surface; `None` if it cannot.
     pub(crate) fn within_slab(&self, ray: &Ray) -> Option<[f64; 2]> {
         let [low, high] = self.bounds().map(|height| self.level() + height);

@@ -1,4 +1,4 @@
-use std::sync::{Arc, LazyLock, OnceLock};
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -6,10 +6,11 @@ use rayon::prelude::*;
 use crate::channel::{NORMALS, RESTS};
 use crate::grid_ranges::Ranges;
 use crate::grid_ray::first_of_grid;
+use crate::grid_values::{GridDoubt, Number, Trails, Weights, second, square, weights};
 use crate::meet_near::meet_grid;
 use crate::points::MeshHit;
 use crate::shading::unit_or_up;
-use crate::surface::{Anchor, GivenUp, Hit, Mesh, Surface, Topology};
+use crate::surface::{Anchor, Exact, GivenUp, Hit, Mesh, Surface, Topology};
 use crate::{Channel, ChannelSet, Projector, Ray, Resting};
 
 /// Largest chord error of a cell, in pixels, at its nearest point and at a crest three times as sharp as the root
@@ -21,13 +22,14 @@ const VERTICES_PER_PIXEL: f64 = 1.5;
 const LEAST_LIMIT: f64 = 1e6;
 /// Most parts of a cell's side.
 const MAX_PARTS: f64 = 8.0;
+
 /// A finite height field on a regular grid, smooth between its cells.
 ///
 /// Heights between cells are bicubic Catmull–Rom interpolations, with the cells of the edge repeated beyond it;
 /// slopes are those of the interpolation. There is no surface outside of the grid.
-#[derive(Clone, Debug)]
-pub struct GridSurface {
-    heights: Vec<f32>,
+#[derive(Clone)]
+pub struct GridSurface<T: Number = f32> {
+    heights: Vec<T>,
     columns: usize,
     rows: usize,
     spacing: f64,
@@ -37,59 +39,44 @@ pub struct GridSurface {
     bounds: [f64; 2],
     /// Root mean square of second differences, in meters.
     bend: f64,
-    trails: Trails,
+    trails: Trails<T>,
+    /// How far rounding may have carried the cells from their definition.
+    doubt: GridDoubt,
+    /// With a doubt: largest turn of the slopes, per meter.
+    turn: f64,
+    exact: Option<MakeExact>,
     /// Ranges of heights, made for the first ray.
     ranges: Arc<OnceLock<Ranges>>,
 }
 
-/// A value that is computed when it is first needed.
-type Lazy<T> = Arc<LazyLock<T, Box<dyn FnOnce() -> T + Send>>>;
+/// Makes the surface that references see; `None` if it was stopped.
+type MakeExact = Arc<dyn Fn(ChannelSet, &(dyn Fn() -> bool + Sync)) -> Option<Arc<GridSurface<f64>>> + Send + Sync>;
 
-/// Traces that bursts left behind, cell by cell: the rift, and the other five. Each may be empty.
-#[derive(Clone, Debug)]
-struct Trails {
-    rift: Lazy<Vec<f32>>,
-    drift: Lazy<[Vec<f32>; 5]>,
-}
-
-impl Trails {
-    fn new(
-        rift: impl FnOnce() -> Vec<f32> + Send + 'static,
-        drift: impl FnOnce() -> [Vec<f32>; 5] + Send + 'static,
-    ) -> Self {
-        Self { rift: Arc::new(LazyLock::new(Box::new(rift))), drift: Arc::new(LazyLock::new(Box::new(drift))) }
-    }
-
-    /// Returns the values of [`Channel::TRAILS`]`[index]`.
-    fn values(&self, index: usize) -> &[f32] {
-        if let Some(index) = index.checked_sub(1) { &self.drift[index] } else { &self.rift }
-    }
-}
-
-impl GridSurface {
+impl<T: Number> GridSurface<T> {
     /// Makes a surface of heights in meters over world y = `level`, row by row: cell (i, j) is at x = `origin[0]` +
     /// i·`spacing`, z = `origin[1]` + j·`spacing`.
     ///
     /// # Panics
     /// There are fewer than 2 × 2 heights, or a row does not have `columns` heights.
-    pub fn new(heights: Vec<f32>, columns: usize, spacing: f64, origin: [f64; 2], level: f64) -> Self {
+    pub fn new(heights: Vec<T>, columns: usize, spacing: f64, origin: [f64; 2], level: f64) -> Self {
         let rows = heights.len().checked_div(columns).unwrap_or(0);
         assert!(columns >= 2 && rows >= 2 && rows * columns == heights.len(), "a grid of 2 × 2 cells or more");
-        let (low, high) = heights
-            .iter()
-            .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &height| (low.min(height), high.max(height)));
+        let (low, high) = heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &height| {
+            let height: f64 = height.into();
+            (low.min(height), high.max(height))
+        });
         // Catmull–Rom weights sum to 1 with at most ⅛ below 0 along each axis, so heights exceed their range by at
         // most 9/16 of it. A flat field needs some room for a ray to pass through.
-        let beyond = 0.5625 * f64::from(high - low) + 1e-3 * spacing;
+        let beyond = 0.5625 * (high - low) + 1e-3 * spacing;
         let mut squares = 0.0;
         for row in heights.chunks_exact(columns) {
-            squares += row.windows(3).map(|h| square(h[0] - 2.0 * h[1] + h[2])).sum::<f64>();
+            squares += row.windows(3).map(|h| square(second(h[0], h[1], h[2]))).sum::<f64>();
         }
         for cell in columns..heights.len() - columns {
-            squares += square(heights[cell - columns] - 2.0 * heights[cell] + heights[cell + columns]);
+            squares += square(second(heights[cell - columns], heights[cell], heights[cell + columns]));
         }
         let bend = libm::sqrt(squares / (2.0 * heights.len() as f64));
-        let bounds = [f64::from(low) - beyond, f64::from(high) + beyond];
+        let bounds = [low - beyond, high + beyond];
         Self {
             heights,
             columns,
@@ -101,6 +88,9 @@ impl GridSurface {
             bend,
             trails: Trails::new(Vec::new, Default::default),
             ranges: Arc::default(),
+            doubt: GridDoubt::default(),
+            turn: 0.0,
+            exact: None,
         }
     }
 
@@ -109,12 +99,11 @@ impl GridSurface {
     #[must_use]
     pub fn with_trails(
         self,
-        rift: impl FnOnce() -> Vec<f32> + Send + 'static,
-        drift: impl FnOnce() -> [Vec<f32>; 5] + Send + 'static,
+        rift: impl FnOnce() -> Vec<T> + Send + 'static,
+        drift: impl FnOnce() -> [Vec<T>; 5] + Send + 'static,
     ) -> Self {
         let cells = self.heights.len();
-        let fits =
-            move |values: &Vec<f32>| assert!(values.is_empty() || values.len() == cells, "a value for each cell");
+        let fits = move |values: &Vec<T>| assert!(values.is_empty() || values.len() == cells, "a value for each cell");
         let rift = move || {
             let rift = rift();
             fits(&rift);
@@ -128,6 +117,32 @@ impl GridSurface {
         Self { trails: Trails::new(rift, drift), ..self }
     }
 
+    /// Sets how far rounding may have carried the cells from their definition.
+    #[must_use]
+    pub fn with_doubt(self, doubt: GridDoubt) -> Self {
+        let (columns, heights) = (self.columns, &self.heights);
+        let (mut bend, mut twist) = (0.0_f64, 0.0_f64);
+        for row in heights.chunks_exact(columns) {
+            bend = row.windows(3).fold(bend, |bend, h| bend.max(second(h[0], h[1], h[2]).abs()));
+            bend = bend
+                .max(second(row[0], row[0], row[1]).abs())
+                .max(second(row[columns - 2], row[columns - 1], row[columns - 1]).abs());
+        }
+        for cell in 0..heights.len() {
+            let [above, below] = [cell.checked_sub(columns).unwrap_or(cell), cell + columns];
+            let below = if below < heights.len() { below } else { cell };
+            bend = bend.max(second(heights[above], heights[cell], heights[below]).abs());
+            if below != cell && (cell + 1) % columns != 0 {
+                let across = |cell: usize| heights[cell + 1].into() - heights[cell].into();
+                twist = twist.max((across(below) - across(cell)).abs());
+            }
+        }
+        // Second derivatives of the interpolation are sums of two second differences, with weights of at most 3 along
+        // the axis and 1.25 across it, or of nine mixed ones, with weights of at most 1.5 along each.
+        let turn = (3.0 * 1.25 * bend + 1.5 * 1.5 * twist) / (self.spacing * self.spacing);
+        Self { doubt, turn, ..self }
+    }
+
     /// Returns the traces of bursts at a position on the grid.
     fn trails(&self, x: f64, z: f64) -> [f64; 6] {
         let (u, v) = ((x - self.origin[0]) / self.spacing, (z - self.origin[1]) / self.spacing);
@@ -139,7 +154,7 @@ impl GridSurface {
             let blend = |(n, wz): (usize, f64)| {
                 let row = (j + n).saturating_sub(1).min(self.rows - 1) * self.columns;
                 let at = |m: usize| (i + m).saturating_sub(1).min(self.columns - 1);
-                let across = |(m, wx): (usize, f64)| wx * f64::from(values[row + at(m)]);
+                let across = |(m, wx): (usize, f64)| wx * values[row + at(m)].into();
                 wz * wx.into_iter().enumerate().map(across).sum::<f64>()
             };
             if values.is_empty() { 0.0 } else { wz.into_iter().enumerate().map(blend).sum() }
@@ -170,7 +185,7 @@ impl GridSurface {
     pub(crate) fn neighbors(&self, [i, j]: [usize; 2]) -> [[f64; 4]; 4] {
         std::array::from_fn(|n| {
             let row = (j + n).saturating_sub(1).min(self.rows - 1) * self.columns;
-            std::array::from_fn(|m| f64::from(self.heights[row + (i + m).saturating_sub(1).min(self.columns - 1)]))
+            std::array::from_fn(|m| self.heights[row + (i + m).saturating_sub(1).min(self.columns - 1)].into())
         })
     }
 
@@ -208,7 +223,7 @@ impl GridSurface {
             let row = (j + n).saturating_sub(1).min(self.rows - 1) * self.columns;
             let (mut value, mut slope) = (0.0, 0.0);
             for (m, (wx, dx)) in wx.into_iter().zip(dx).enumerate() {
-                let h = f64::from(self.heights[row + (i + m).saturating_sub(1).min(self.columns - 1)]);
+                let h: f64 = self.heights[row + (i + m).saturating_sub(1).min(self.columns - 1)].into();
                 value += wx * h;
                 slope += dx * h;
             }
@@ -220,12 +235,12 @@ impl GridSurface {
     }
 
     /// Blends a field from the four columns around a cell into a profile along z; the edges are repeated twice.
-    fn profile(&self, field: &[f32], cell: usize, weights: [f64; 4], out: &mut Vec<f64>) {
+    fn profile(&self, field: &[T], cell: usize, weights: [f64; 4], out: &mut Vec<f64>) {
         let columns: [usize; 4] = std::array::from_fn(|m| (cell + m).saturating_sub(1).min(self.columns - 1));
-        let blend = |row: &[f32]| {
+        let blend = |row: &[T]| {
             let mut sum = 0.0;
             for (weight, column) in weights.into_iter().zip(columns) {
-                sum += weight * f64::from(row[column]);
+                sum += weight * row[column].into();
             }
             sum
         };
@@ -301,21 +316,18 @@ impl Line {
     }
 }
 
-/// Catmull–Rom weights of four neighbors at t in 0…1 between the inner two, and their derivatives.
-type Weights = ([f64; 4], [f64; 4]);
-
-fn weights(t: f64) -> Weights {
-    let (t2, t3) = (t * t, t * t * t);
-    let value = [-t + 2.0 * t2 - t3, 2.0 - 5.0 * t2 + 3.0 * t3, t + 4.0 * t2 - 3.0 * t3, t3 - t2];
-    let slope = [-1.0 + 4.0 * t - 3.0 * t2, 9.0 * t2 - 10.0 * t, 1.0 + 8.0 * t - 9.0 * t2, 3.0 * t2 - 2.0 * t];
-    (value.map(|w| w / 2.0), slope.map(|w| w / 2.0))
+impl GridSurface {
+    /// Sets what makes the surface that references see ([`Surface::exact`]), with at least the given trails.
+    #[must_use]
+    pub fn with_exact(
+        self,
+        exact: impl Fn(ChannelSet, &(dyn Fn() -> bool + Sync)) -> Option<Arc<GridSurface<f64>>> + Send + Sync + 'static,
+    ) -> Self {
+        Self { exact: Some(Arc::new(exact)), ..self }
+    }
 }
 
-fn square(value: f32) -> f64 {
-    f64::from(value) * f64::from(value)
-}
-
-impl Surface for GridSurface {
+impl<T: Number> Surface for GridSurface<T> {
     /// Rows of vertices run along z, one behind the other along x.
     fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
         let fineness = projector.fineness;
@@ -416,9 +428,25 @@ impl Surface for GridSurface {
     fn resting(&self) -> Option<&dyn Resting> {
         Some(self)
     }
+
+    fn exact(&self, wanted: ChannelSet, stop: &(dyn Fn() -> bool + Sync)) -> Exact {
+        match &self.exact {
+            None => Exact::Itself,
+            Some(make) => make(wanted, stop).map_or(Exact::Stopped, |exact| Exact::Other(exact)),
+        }
+    }
+
+    fn doubt(&self, facing: f64) -> f64 {
+        let GridDoubt { height, trails, largest_trail } = self.doubt;
+        // The absolute weights of the interpolation sum to at most 1.25 along each axis, those of its slope to 3.
+        let shift = 1.25 * 1.25 * height / facing;
+        let turn = 3.0 * 1.25 * height / self.spacing + self.turn * shift;
+        let steep = 2.0 * 3.0 * 1.25 * largest_trail / self.spacing;
+        shift.max(turn).max(1.25 * 1.25 * trails + steep * shift)
+    }
 }
 
-impl GridSurface {
+impl<T: Number> GridSurface<T> {
     /// Returns the first point on a ray before a distance.
     fn before(&self, projector: &Projector, ray: &Ray, end: f64) -> Option<Hit> {
         let [start, last] = self.within_slab(ray)?;

@@ -1,5 +1,6 @@
 //! Points where rays meet surfaces near points of their meshes, by Newton's method.
 
+use crate::grid_values::Number;
 use crate::points::MeshHit;
 use crate::reference::hit_of_sea;
 use crate::sea_point::SeaPoint;
@@ -37,7 +38,12 @@ pub(crate) fn meet_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, near:
 }
 
 /// Returns the point where a ray meets a height field near a point of its mesh, by Newton's method along the ray.
-pub(crate) fn meet_grid(grid: &GridSurface, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
+pub(crate) fn meet_grid<T: Number>(
+    grid: &GridSurface<T>,
+    projector: &Projector,
+    ray: &Ray,
+    near: &MeshHit,
+) -> Option<Hit> {
     let mut distance = near.distance;
     for _ in 0..GRID_STEPS {
         let point = ray.at(distance);

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use trochoid_sea::{FieldSet, Fields, Grid, GridError, GridPlan, Sample};
 
+use crate::grid_values::Number;
 use crate::{GridSurface, SeaSurface};
 
 /// A surface whose points rest on a plane, with the properties of each point by its rest point.
@@ -47,7 +48,7 @@ impl Resting for SeaSurface {
 }
 
 /// Points only move up and down, whatever the footprint; outside of the surface they stay at rest.
-impl Resting for GridSurface {
+impl<T: Number> Resting for GridSurface<T> {
     fn on_grid(
         &self,
         grid: Grid,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::points::MeshHit;
-use crate::surface::{Anchor, GivenUp, Hit, Mesh, Sight, Surface, Topology};
+use crate::surface::{Anchor, Exact, GivenUp, Hit, Mesh, Sight, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
 /// Position and orientation of a rigid body.
@@ -71,12 +71,23 @@ impl Pose {
 pub struct RigidBodies {
     model: Arc<dyn Surface>,
     poses: Vec<Pose>,
+    /// Poses in which references see it, if they differ, and the doubt about the water that they float on.
+    exact: Option<(Vec<Pose>, f64)>,
+    /// The doubt about the water, for the poses themselves.
+    doubt: f64,
 }
 
 impl RigidBodies {
     /// Makes bodies of a model, one per pose.
     pub fn new(model: Arc<dyn Surface>, poses: Vec<Pose>) -> Self {
-        Self { model, poses }
+        Self { model, poses, exact: None, doubt: 0.0 }
+    }
+
+    /// Sets the poses in which references see the bodies ([`Surface::exact`]), and the doubt about the water that they
+    /// float on ([`Surface::doubt`]).
+    #[must_use]
+    pub fn with_exact(self, poses: Vec<Pose>, doubt: f64) -> Self {
+        Self { exact: Some((poses, doubt)), ..self }
     }
 
     /// Returns the poses.
@@ -153,6 +164,25 @@ fn triangles(topology: &Topology, first: u32) -> Vec<[u32; 3]> {
 }
 
 impl Surface for RigidBodies {
+    fn exact(&self, wanted: ChannelSet, stop: &(dyn Fn() -> bool + Sync)) -> Exact {
+        let model = match self.model.exact(wanted, stop) {
+            Exact::Stopped => return Exact::Stopped,
+            Exact::Itself => None,
+            Exact::Other(model) => Some(model),
+        };
+        if model.is_none() && self.exact.is_none() {
+            return Exact::Itself;
+        }
+        let (poses, doubt) = self.exact.clone().unwrap_or_else(|| (self.poses.clone(), 0.0));
+        Exact::Other(Arc::new(Self { doubt, ..Self::new(model.unwrap_or_else(|| self.model.clone()), poses) }))
+    }
+
+    /// A pose is a mean of the water's heights and slopes over the hull, which is about as long as the body.
+    fn doubt(&self, facing: f64) -> f64 {
+        const POSE: f64 = 8.0;
+        self.model.doubt(facing) + POSE * self.doubt / facing
+    }
+
     fn anchors(&self, uv: [f64; 2]) -> Vec<Anchor> {
         let anchors = self.model.anchors(uv);
         let stand = |pose: &Pose| {

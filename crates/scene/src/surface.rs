@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use crate::points::MeshHit;
@@ -77,6 +79,31 @@ pub trait Surface: Send + Sync {
     fn resting(&self) -> Option<&dyn Resting> {
         None
     }
+
+    /// Returns the surface that references see, with at least the wanted channels: one that was computed in f64 from its
+    /// description. Gives up soon after `stop` says that it is no longer needed.
+    fn exact(&self, wanted: ChannelSet, stop: &(dyn Fn() -> bool + Sync)) -> Exact {
+        let _ = (wanted, stop);
+        Exact::Itself
+    }
+
+    /// Returns how far any channel of a hit may be from that of the surface's description because of the rounding of
+    /// what the surface was made from, given |normal · ray|.
+    fn doubt(&self, facing: f64) -> f64 {
+        let _ = facing;
+        0.0
+    }
+}
+
+/// The surface that references see.
+#[derive(Clone)]
+pub enum Exact {
+    /// The surface itself.
+    Itself,
+    /// Another surface, whose `exact` is itself.
+    Other(Arc<dyn Surface>),
+    /// It was stopped.
+    Stopped,
 }
 
 impl Sight {

@@ -101,7 +101,7 @@ pub use output_file::{ForeignFile, NameFault, NamePlace, NoDestination, OutputEr
 pub use report::{RunReport, RunStatus, frame_report};
 #[cfg(feature = "io")]
 pub use resume::Fingerprints;
-pub use stability::{stability, stability_of};
+pub use stability::{stability, stability_of, step_errors_of};
 #[cfg(feature = "io")]
 pub use stream::FileSink;
 pub use trochoid_engine::{
@@ -116,9 +116,9 @@ pub use trochoid_graph::{
     Declaration, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files, Guarantee, Harmonic,
     Interpolation, Item, Key, Kind, Knob, KnobDefault, KnobType, List, Means, MemoryUse, NodeError, NodeId, NodeType,
     Offer, Omission, OutputSpec, Paths, Port, Precision, REFUSALS, Refusal, RefusedFile, Registry, Relation, Right,
-    Role, Severity, Source, Spectrum, Stability, StabilityMap, Term, Tolerance, Verdict, Work, counted, escape_frame,
-    expand_frame, expected, folders_to_allow, in_bytes, nearest, quoted, quoted_path, refusal, refusals, resolved,
-    schema,
+    Role, Severity, Source, Spectrum, Stability, StabilityMap, StepErrorGroup, StepErrorRow, StepErrors, Term,
+    Tolerance, Verdict, Work, counted, escape_frame, expand_frame, expected, folders_to_allow, in_bytes, nearest,
+    quoted, quoted_path, refusal, refusals, resolved, schema,
 };
 pub use trochoid_image::{Format, FormatError, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]

@@ -37,9 +37,6 @@ use trochoid::{Buffers, Cache, Certifier, ReferenceFrame, Silent};
 /// Largest difference of a reference, relative to values of at least 1.
 const REFERENCE: f64 = 1e-9;
 
-/// The same on toon seas, whose cells hold 32-bit floats.
-const ROUNDED: f64 = 1e-5;
-
 /// Largest difference of a picture with strokes that do not depend on a view.
 const PAINTED: f64 = 1e-4;
 
@@ -81,7 +78,6 @@ fn compare(family: Family, seed: u64, tally: &mut Tally) {
         .step_by(step)
         .map(|at| [at as i64 % document.width, at as i64 / document.width])
         .collect();
-    let precision = if family == Family::Toon { ROUNDED } else { REFERENCE };
     let reference = ReferenceFrame::prepared(&graph, &names, FRAME, &mut Cache::new(), &Silent).unwrap();
     let references = reference.pixels(&pixels, &Silent).unwrap();
     for (pixel, references) in pixels.into_iter().zip(references) {
@@ -98,9 +94,9 @@ fn compare(family: Family, seed: u64, tally: &mut Tally) {
             assert_eq!(reference.value.len(), expected.len(), "{family:?} {seed}: {name}");
             for (channel, (expected, found)) in expected.into_iter().zip(reference.value).enumerate() {
                 let place = || format!("{family:?} {seed}: {name}, channel {channel} of pixel {pixel:?}");
-                let most = precision * if expected.is_finite() { expected.abs().max(1.0) } else { 1.0 };
+                let most = REFERENCE * if expected.is_finite() { expected.abs().max(1.0) } else { 1.0 };
                 let off = if found == expected { 0.0 } else { (found - expected).abs() };
-                tally.furthest = tally.furthest.max(off * precision / most);
+                tally.furthest = tally.furthest.max(off * REFERENCE / most);
                 if exceeds(off, most) {
                     tally.faults.push(format!("{}: the reference is {found}, not {expected}", place()));
                 }

@@ -11,12 +11,12 @@ use trochoid::{Form, StabilityMap, marks};
 
 const WIDTH: usize = 1200;
 const HEIGHT: usize = 1000;
-const FONT: &str = "labels";
+pub(super) const FONT: &str = "labels";
 /// Growth per step at the upper end of the scale.
 const MOST: f64 = 2.5;
 
-const INK: RGBColor = RGBColor(24, 32, 44);
-const PAPER: RGBColor = RGBColor(250, 248, 243);
+pub(super) const INK: RGBColor = RGBColor(24, 32, 44);
+pub(super) const PAPER: RGBColor = RGBColor(250, 248, 243);
 
 /// Returns the color of a growth: blue for decay, paler the slower; warm for growth, darker the faster.
 fn color(growth: f64) -> RGBColor {
@@ -36,7 +36,20 @@ fn color(growth: f64) -> RGBColor {
 /// # Errors
 /// The plot cannot be laid out or written.
 pub(super) fn write(path: &Path, over: OverwriteOptions, name: &str, map: &StabilityMap) -> Result<(), Box<dyn Error>> {
-    let pixels = draw(name, map)?;
+    picture(path, over, [WIDTH, HEIGHT], |area| draw(area, name, map))
+}
+
+/// Draws something and writes it as PNG, creating missing folders.
+///
+/// # Errors
+/// It cannot be laid out or written.
+pub(super) fn picture(
+    path: &Path,
+    over: OverwriteOptions,
+    [width, height]: [usize; 2],
+    draw: impl Fn(&Area<'_>) -> Result<(), Box<dyn Error>>,
+) -> Result<(), Box<dyn Error>> {
+    let pixels = pixels([width, height], draw)?;
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
     }
@@ -44,27 +57,35 @@ pub(super) fn write(path: &Path, over: OverwriteOptions, name: &str, map: &Stabi
         |channel: usize| -> Vec<f32> { pixels.chunks_exact(3).map(|p| f32::from(p[channel]) / 255.0).collect() };
     let channels = [0, 1, 2].map(channel);
     let channels = channels.each_ref().map(|channel| Samples::contiguous(channel));
-    let image = PngImage { metadata: marks(Form::Map), ..PngImage::new(WIDTH as u32, HEIGHT as u32, channels) };
+    let image = PngImage { metadata: marks(Form::Map), ..PngImage::new(width as u32, height as u32, channels) };
     Ok(write_png8(over.target(path, Form::Map), &image)?)
 }
 
-/// Draws the map; returns interleaved R, G and B.
-fn draw(name: &str, map: &StabilityMap) -> Result<Vec<u8>, Box<dyn Error>> {
+/// Draws something; returns interleaved R, G and B.
+fn pixels(
+    [width, height]: [usize; 2],
+    draw: impl Fn(&Area<'_>) -> Result<(), Box<dyn Error>>,
+) -> Result<Vec<u8>, Box<dyn Error>> {
     // The font is part of the program, so that every machine draws the same labels.
     register_font(FONT, FontStyle::Normal, dejavu::sans::regular()).map_err(|_| "the font cannot be read")?;
-    let mut pixels = vec![0; WIDTH * HEIGHT * 3];
+    let mut pixels = vec![0; width * height * 3];
     {
-        let area = BitMapBackend::with_buffer(&mut pixels, (WIDTH as u32, HEIGHT as u32)).into_drawing_area();
-        area.fill(&PAPER)?;
-        let (left, right) = area.split_horizontally(WIDTH as u32 - 170);
-        plane(&left, name, map)?;
-        scale(&right)?;
+        let area = BitMapBackend::with_buffer(&mut pixels, (width as u32, height as u32)).into_drawing_area();
+        draw(&area)?;
         area.present()?;
     }
     Ok(pixels)
 }
 
-type Area<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
+/// Draws the map.
+fn draw(area: &Area<'_>, name: &str, map: &StabilityMap) -> Result<(), Box<dyn Error>> {
+    area.fill(&PAPER)?;
+    let (left, right) = area.split_horizontally(WIDTH as u32 - 170);
+    plane(&left, name, map)?;
+    scale(&right)
+}
+
+pub(super) type Area<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
 
 fn plane(area: &Area<'_>, name: &str, map: &StabilityMap) -> Result<(), Box<dyn Error>> {
     let [[left, right], [low, high]] = map.ranges;
@@ -180,7 +201,7 @@ mod tests {
         write(&path, OverwriteOptions::default(), "sea", &map).unwrap();
         let info = trochoid::io::info(&path, &trochoid::io::Limits::default()).unwrap();
         assert_eq!((info.parts[0].data.width(), info.parts[0].data.height()), (WIDTH, HEIGHT));
-        let around = |map: &StabilityMap| draw("sea", map).unwrap();
+        let around = |map: &StabilityMap| pixels([WIDTH, HEIGHT], |area| draw(area, "sea", map)).unwrap();
         assert_ne!(around(&map), around(&StabilityMap { point: [0.0, 0.0], ..map.clone() }));
         assert_ne!(around(&map), around(&StabilityMap { growth: vec![0.5, 0.6], ..map.clone() }));
         assert_ne!(around(&map), around(&StabilityMap { measured: Vec::new(), ..map.clone() }));

@@ -1,6 +1,7 @@
 //! `trochoid stability`: compares theory and measurements of the long-term behavior of time-dependent nodes.
 
 mod map;
+mod steps;
 mod text;
 
 use crate::failure::{FAILED, Failure};
@@ -9,7 +10,7 @@ use crate::remedies;
 use crate::shell;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use trochoid::{CheckedGraph, Figure, Form, InputFiles, Loaded, NodeId, Offer, Stability, quoted_path};
+use trochoid::{CheckedGraph, Figure, Form, InputFiles, Loaded, NodeId, Offer, Stability, StepErrors, quoted_path};
 
 /// Options of `trochoid stability`.
 #[derive(Debug, clap::Args)]
@@ -20,6 +21,7 @@ node. If a measurement contradicts its prediction, the exit code is 1.
 Examples:
   trochoid stability -o map.png
   trochoid stability storm.json
+  trochoid stability sea.json --steps 100000 -o maps
   trochoid stability storm.json --set sea.c1=0.9 --set sea.c2=0.05 -o maps
   trochoid stability --json")]
 pub(crate) struct Args {
@@ -29,6 +31,16 @@ pub(crate) struct Args {
     /// Write the map of each recurrence's coefficients: a .png file for a single map, or a folder for all maps
     #[arg(short, long, value_name = "PATH")]
     out: Option<PathBuf>,
+    /// Also measure what 32-bit floats lose over N steps, beside 64-bit floats, for the node's settings and others like
+    /// them, which takes up to a minute [default N: 10000]; with --out, also plot it, as NODE.steps.png
+    #[arg(
+        long,
+        value_name = "N",
+        num_args = 0..=1,
+        default_missing_value = "10000",
+        value_parser = clap::value_parser!(u64).range(10..=10_000_000)
+    )]
+    steps: Option<u64>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -78,14 +90,16 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             Some(path) => files::inputs(&graph, path, &args.set, &[]),
             None => InputFiles::new(&graph, &[]),
         };
-        Failure::all(named(out, &graph).iter().filter_map(|path| args.over.refusal(path, Form::Map, &inputs)))?;
+        Failure::all(named(args, out, &graph).iter().filter_map(|path| args.over.refusal(path, Form::Map, &inputs)))?;
     }
-    let found = trochoid::stability(&graph, args.frame.unwrap_or(graph.frames().0));
+    let frame = args.frame.unwrap_or(graph.frames().0);
+    let found = trochoid::stability(&graph, frame);
     let maps = write_maps(args, &graph, &found)?;
+    let errors = step_errors(args, &graph, &found, frame)?;
     if args.json {
-        shell::print_json(&to_json(&graph, &found, &maps))?;
+        shell::print_json(&to_json(&graph, &found, &maps, &errors))?;
     } else {
-        shell::print(&text::report(&graph, &found, &maps))?;
+        shell::print(&text::report(&graph, &found, &maps, &errors))?;
     }
     let contradicted = |(id, report): &(NodeId, Stability)| {
         let name = &graph.node(*id).name;
@@ -101,18 +115,30 @@ fn contradiction(name: &str, figure: &Figure) -> Failure {
     Failure::new(FAILED, format!("node \"{name}\", {}: measured {measured}; predicted {predicted}", figure.name.trim()))
 }
 
-/// Returns the files that maps may be written to.
-fn named(out: &Path, graph: &CheckedGraph) -> Vec<PathBuf> {
+/// Returns the files that maps and plots may be written to.
+fn named(args: &Args, out: &Path, graph: &CheckedGraph) -> Vec<PathBuf> {
+    let plot = |name: &str| args.steps.map(|_| plot_of(out, name));
     if is_png(out) {
-        return vec![out.into()];
+        return [Some(out.into()), plot("")].into_iter().flatten().collect();
     }
     let mapped = graph.nodes().iter().filter(|node| node.ty.declaration().offers.contains(&Offer::StabilityMap));
-    let names: Vec<PathBuf> = mapped.map(|node| out.join(format!("{}.png", node.name))).collect();
+    let names: Vec<PathBuf> =
+        mapped.flat_map(|node| [Some(map_of(out, &node.name)), plot(&node.name)].into_iter().flatten()).collect();
     // Faults of the folder itself are found even if no node has a map.
     if names.is_empty() { vec![out.join("map.png")] } else { names }
 }
 
-/// Node type that has a map.
+/// Returns the file of a node's map in a folder.
+fn map_of(out: &Path, name: &str) -> PathBuf {
+    out.join(format!("{name}.png"))
+}
+
+/// Returns the file of a node's plot of errors in a folder, or beside its map.
+fn plot_of(out: &Path, name: &str) -> PathBuf {
+    if is_png(out) { out.with_extension("steps.png") } else { out.join(format!("{name}.steps.png")) }
+}
+
+/// Whether a path names a picture, not a folder.
 fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
 }
@@ -146,7 +172,7 @@ fn write_maps(
     let mut written = Vec::new();
     for (id, map) in mapped {
         let name = &graph.node(id).name;
-        let path = if is_png(out) { out.clone() } else { out.join(format!("{name}.png")) };
+        let path = if is_png(out) { out.clone() } else { map_of(out, name) };
         map::write(&path, args.over, name, map).map_err(|error| {
             let told = error.downcast_ref().map_or_else(|| error.to_string(), remedies::written);
             Failure::new(FAILED, told)
@@ -156,7 +182,39 @@ fn write_maps(
     Ok(written)
 }
 
-fn to_json(graph: &CheckedGraph, found: &[(NodeId, Stability)], maps: &[(NodeId, PathBuf)]) -> Value {
+/// Errors by steps of a node, and their plot.
+type NodeErrors = (NodeId, StepErrors, Option<PathBuf>);
+
+/// Measures the errors by steps of every node that carries a state, if they are requested, and writes their plots.
+fn step_errors(
+    args: &Args,
+    graph: &CheckedGraph,
+    found: &[(NodeId, Stability)],
+    frame: i64,
+) -> Result<Vec<NodeErrors>, Failure> {
+    let Some(steps) = args.steps else { return Ok(Vec::new()) };
+    let mut measured = Vec::new();
+    for (id, _) in found {
+        let Some(errors) = trochoid::step_errors_of(graph, *id, frame, steps, &|| false) else { continue };
+        let name = &graph.node(*id).name;
+        let path = args.out.as_ref().map(|out| plot_of(out, name));
+        if let Some(path) = &path {
+            steps::write(path, args.over, name, &errors).map_err(|error| {
+                let told = error.downcast_ref().map_or_else(|| error.to_string(), remedies::written);
+                Failure::new(FAILED, told)
+            })?;
+        }
+        measured.push((*id, errors, path));
+    }
+    Ok(measured)
+}
+
+fn to_json(
+    graph: &CheckedGraph,
+    found: &[(NodeId, Stability)],
+    maps: &[(NodeId, PathBuf)],
+    errors: &[NodeErrors],
+) -> Value {
     let nodes = found.iter().map(|(id, report)| {
         let figures = report.figures.iter().map(|figure| {
             json!({
@@ -179,6 +237,19 @@ fn to_json(graph: &CheckedGraph, found: &[(NodeId, Stability)], maps: &[(NodeId,
             "figures": figures.collect::<Vec<_>>(),
             "plane": region,
             "map": map,
+            "steps": errors.iter().find(|(measured, ..)| measured == id).map(|(_, errors, plot)| json!({
+                "steps": errors.steps,
+                "note": errors.note,
+                "groups": errors.groups.iter().map(|group| json!({
+                    "name": group.name,
+                    "rows": group.rows.iter().map(|row| json!({
+                        "setting": row.name,
+                        "errors": row.errors.iter().map(|error| json_number(Some(*error))).collect::<Vec<_>>(),
+                        "f64": json_number(Some(row.doubt)),
+                    })).collect::<Vec<_>>(),
+                })).collect::<Vec<_>>(),
+                "plot": plot.as_ref().map(|path| path.display().to_string()),
+            })),
         })
     });
     json!({ "document": graph.name(), "nodes": nodes.collect::<Vec<_>>() })

@@ -1,5 +1,6 @@
 //! The report as plain text, at most 100 columns wide.
 
+use super::{NodeErrors, steps};
 use crate::shell::{HEADING, printable, wrap};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -11,7 +12,12 @@ const NUMBER: usize = 12;
 const HOLDS: usize = 2;
 
 /// Formats the report on all nodes.
-pub(super) fn report(graph: &CheckedGraph, found: &[(NodeId, Stability)], maps: &[(NodeId, PathBuf)]) -> String {
+pub(super) fn report(
+    graph: &CheckedGraph,
+    found: &[(NodeId, Stability)],
+    maps: &[(NodeId, PathBuf)],
+    errors: &[NodeErrors],
+) -> String {
     let mut text = String::new();
     for (index, (id, report)) in found.iter().enumerate() {
         let node = graph.node(*id);
@@ -25,6 +31,12 @@ pub(super) fn report(graph: &CheckedGraph, found: &[(NodeId, Stability)], maps: 
         }
         if let Some((_, path)) = maps.iter().find(|(mapped, _)| mapped == id) {
             let _ = writeln!(text, "\n  map: {}", printable(&path.display().to_string()));
+        }
+        if let Some((_, errors, plot)) = errors.iter().find(|(measured, ..)| measured == id) {
+            let _ = write!(text, "\n{}", steps::table(errors));
+            if let Some(path) = plot {
+                let _ = writeln!(text, "\n  plot: {}", printable(&path.display().to_string()));
+            }
         }
     }
     if found.is_empty() {
@@ -42,7 +54,7 @@ fn row(figure: &Figure) -> String {
     let holds = match (figure.holds(), figure.relation) {
         (Some(false), _) => "≠",
         (Some(true), Relation::AtMost) => "≤",
-        (Some(true), Relation::AtLeast) => "≥",
+        (Some(true), Relation::AtLeast(_)) => "≥",
         (Some(true), Relation::Near(_)) => "≈",
         (Some(true), _) => "=",
         (None, _) => "",

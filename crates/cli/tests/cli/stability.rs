@@ -68,3 +68,45 @@ fn graphs_are_examined_node_by_node() {
         seas.run(&["stability", "a.json", "-o", name]).fails(2, &[name, "found the extension .", "expected .png"]);
     }
 }
+
+#[test]
+fn errors_by_steps_are_told_and_drawn() {
+    let scene = Scene::new(SCENE);
+    let run = scene.run(&arguments(&["--steps", "40", "-o", "maps"])).code(0).says(&[
+        "Errors of f32 beside f64, 24 × 20 cells",
+        "after steps                          10       40      f64",
+        "resampled, 24 Hz",
+        "1 - c1 - c2 = 1e-6",
+        "c1 = 1 - 1e-4, c2 = 9e-5",
+        "a moving body",
+        "plot: maps/sea.steps.png",
+    ]);
+    assert!(run.out.lines().all(|line| line.chars().count() <= 100), "{}", run.out);
+    scene.run(&["info", "maps/sea.steps.png"]).code(0).says(&["1500 × 1000 pixels"]);
+    let json = scene.run(&arguments(&["--json", "--steps", "12", "--set", "sea.mode=physical"])).code(0).json();
+    let steps = &json["nodes"][0]["steps"];
+    assert_eq!(steps["steps"], serde_json::json!([1, 2, 5, 10, 12]));
+    let groups = steps["groups"].as_array().unwrap();
+    let rows = groups.iter().flat_map(|group| group["rows"].as_array().unwrap());
+    assert!(rows.clone().count() >= 14);
+    assert!(rows.flat_map(|row| row["errors"].as_array().unwrap()).all(|error| error.as_f64().unwrap() < 1e-4));
+}
+
+/// Tests seas on and near the edges of the stable region, whose verdict and exit code agree.
+#[test]
+fn sound_seas_do_not_fail() {
+    let scene = Scene::new(SCENE);
+    for (c1, c2, boundary, side) in [
+        ("0.9", "-0.1", "periodic", "16"),
+        ("0.95", "0.05", "replicate", "24"),
+        ("0.9999", "9.999e-5", "replicate", "24"),
+    ] {
+        let set = [("c1", c1), ("c2", c2), ("boundary", boundary), ("columns", side)];
+        let set: Vec<String> = set.iter().map(|(knob, value)| format!("sea.{knob}={value}")).collect();
+        let mut arguments = vec!["stability", "--set", "sea.rows=16", "--set", "sea.mode=literal"];
+        set.iter().for_each(|set| arguments.extend(["--set", set.as_str()]));
+        let run = scene.run(&arguments).code(0);
+        assert!(run.out.contains("bounded") || run.out.contains("stable"), "{}", run.out);
+        assert!(!run.out.contains('≠'), "{}", run.out);
+    }
+}

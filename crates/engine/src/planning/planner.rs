@@ -92,7 +92,7 @@ impl<'g> Planner<'g, '_> {
             .map(|(members, offsets)| scheduler.pass(&members, offsets, &output_roots))
             .collect();
         let prepares = scheduler.prepares(&passes);
-        if self.settings.bounds {
+        if self.settings.bounds() {
             passes.iter_mut().for_each(|pass| with_bounds(pass, graph));
         }
         let controls = Controls { planner: &self, lowered: &lowered, program: &optimized.program, taps: &taps };

@@ -300,7 +300,7 @@ impl Scheduler<'_, '_, '_> {
             rule: &rule,
         };
         let mut compiled = compile(&program, &roots, &options);
-        if self.planner.settings.bounds {
+        if self.planner.settings.bounds() {
             compiled.origin = Origin { program, roots };
         }
         compiled

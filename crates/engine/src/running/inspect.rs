@@ -9,7 +9,7 @@ use crate::rules::blame::blame;
 use crate::rules::evaluate::{Values, evaluate};
 use crate::{Buffers, Cache, EvalError, Monitor, Plan, Settings};
 use std::collections::HashMap;
-use trochoid_graph::{NodeId, Op, Program, Slot};
+use trochoid_graph::{NodeId, Op, Program, Purpose, Slot};
 use trochoid_image::Window;
 
 /// A pixel and the controls that it is mixed from.
@@ -82,7 +82,7 @@ impl Plan<'_> {
             tile: None,
             threads: 0,
             compile_from: usize::MAX,
-            bounds: false,
+            purpose: Purpose::Pictures,
             exact: None,
             ..self.settings.clone()
         };

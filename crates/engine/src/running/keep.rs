@@ -90,7 +90,7 @@ impl Plan<'_> {
     /// Returns the only pass, if the planes of its stages can be kept: one sample per pixel, the whole picture, from
     /// the document alone, and without bounds.
     fn kept_pass(&self) -> Option<&Pass> {
-        let whole = self.window == self.graph.format().window() && !self.settings.bounds;
+        let whole = self.window == self.graph.format().window() && !self.settings.bounds();
         match &self.passes[..] {
             [pass] if self.settings.keep && whole && pass.offsets.len() == 1 && !self.bound.contains(&true) => {
                 Some(pass)

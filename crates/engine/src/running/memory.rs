@@ -119,7 +119,8 @@ impl Plan<'_> {
         for (id, wanted) in &self.prepares {
             let Some(stage) = self.stage(*id) else { continue };
             let of = |id: NodeId| uses.get(&id).copied().unwrap_or_default();
-            let mut taken = stage.memory(&MemoryContext::new(&self.context, wanted, &of));
+            let mut taken =
+                stage.memory(&MemoryContext::new(&self.context, wanted, &of).with_purpose(self.settings.purpose));
             if let Some(bytes) = known.get(id) {
                 (taken.held, taken.working) = (*bytes, 0);
             }

@@ -204,7 +204,7 @@ pub(crate) fn prepare(
                 let handles = |id: NodeId| -> Option<Handle> { ready.get(&id)?.prepared.handle() };
                 let cancelled = || monitor.cancelled();
                 let prepare = Prepare::new(&plan.context, &node.kinds, wanted, &handles, &cancelled, &cache.pool)
-                    .with_bounds(plan.settings.bounds);
+                    .with_purpose(plan.settings.purpose);
                 let prepared = stage.prepare(&prepare).map_err(|error| node_error(plan, *id, error, monitor))?;
                 let prepared: Arc<dyn Prepared> = prepared.into();
                 // If the estimate was too low, count the real size.
@@ -223,7 +223,7 @@ pub(crate) fn prepare(
 /// Returns the key of the planes that a stage fills over the picture: its content key, its channels, and the
 /// picture's format.
 pub(crate) fn key_of_planes(plan: &Plan<'_>, fill: &Fill, ready: &PreparedStage) -> Key {
-    ("filled", plan.keys[fill.node.0], &fill.wanted, plan.context.format, (plan.settings.bounds, ready.files)).key()
+    ("filled", plan.keys[fill.node.0], &fill.wanted, plan.context.format, (plan.settings.purpose, ready.files)).key()
 }
 
 /// Returns the keys of all stages that a plan prepares, each with the key of the files that it depends on. Files are
@@ -241,8 +241,8 @@ fn keys(plan: &Plan<'_>) -> Vec<(Key, Key)> {
         }
         let read = read.key();
         files.insert(*id, read);
-        // Stages prepared for bounds are cached separately.
-        keys.push((("prepared", plan.keys[id.0], wanted, (plan.settings.bounds, read)).key(), read));
+        // Stages prepared for bounds or references are cached separately.
+        keys.push((("prepared", plan.keys[id.0], wanted, (plan.settings.purpose, read)).key(), read));
     }
     keys
 }

@@ -4,7 +4,7 @@ use super::PreparedSurface;
 use crate::sea::check_sea;
 use crate::view::SurfaceHandle;
 use trochoid_graph::*;
-use trochoid_scene::{Floating, Pose, RigidBodies};
+use trochoid_scene::{Exact, Floating, Pose, RigidBodies};
 
 /// Floats a model on a sea, at one or more places: it rises, pitches and rolls with the water under it.
 ///
@@ -87,21 +87,26 @@ impl Stage for Float {
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let handle = |of: &One<port::Surface>| Ok::<_, NodeError>(prepare.handles::<SurfaceHandle>(of)?.swap_remove(0));
         let [model, sea] = [handle(&self.model)?, handle(&self.sea)?];
-        let pose = |body: &BodyPlacement| {
-            let floating = Floating {
-                place: [body.x, body.z],
-                heading: body.heading.to_radians(),
-                hull: [self.length, self.width],
-                lift: body.lift,
-                tilt: self.tilt,
-            };
-            floating.pose(sea.as_ref())
+        let floating = |body: &BodyPlacement| Floating {
+            place: [body.x, body.z],
+            heading: body.heading.to_radians(),
+            hull: [self.length, self.width],
+            lift: body.lift,
+            tilt: self.tilt,
         };
-        let poses: Option<Vec<Pose>> = self.bodies.iter().map(pose).collect();
-        match poses {
-            Some(poses) => Ok(Box::new(PreparedSurface::new(RigidBodies::new(model, poses)))),
-            None => Err(BadData::new("a model", "water to float on", "connect a sea").of_item(Self::SEA).into()),
+        let poses: Option<Vec<Pose>> = self.bodies.iter().map(|body| floating(body).pose(sea.as_ref())).collect();
+        let Some(poses) = poses else {
+            return Err(BadData::new("a model", "water to float on", "connect a sea").of_item(Self::SEA).into());
+        };
+        let mut bodies = RigidBodies::new(model, poses);
+        if prepare.referenced()
+            && let Exact::Other(water) = sea.exact(ChannelSet::EMPTY, prepare.cancellation())
+        {
+            let poses = self.bodies.iter().filter_map(|body| floating(body).pose(&*water));
+            bodies = bodies.with_exact(poses.collect(), water.doubt(1.0));
         }
+        prepare.check_cancelled()?;
+        Ok(Box::new(PreparedSurface::new(bodies)))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::lit::{eye, toward_eye};
 use crate::sea::{Roots, check_indices, check_roots, check_surfaces};
-use crate::view::RenderHandle;
+use crate::view::{RenderHandle, SurfaceHandle};
 use trochoid_field::random::{draw, key};
 use trochoid_graph::*;
 use trochoid_image::Format;
@@ -203,19 +203,27 @@ impl Stage for Hooks {
         let Some(render) = handle.as_deref().and_then(|handle| handle.downcast_ref::<RenderHandle>()) else {
             return Err(BadData::new("a view of passes", "a view of surfaces", "connect a Render").into());
         };
-        let mut claws: Vec<Claw> = Vec::new();
+        let (mut claws, mut exact): (Vec<Claw>, Vec<Claw>) = Default::default();
         for root in self.roots() {
             let only = |index: usize| root.surface.is_none_or(|only| only == index as i64);
-            for (_, surface) in render.surfaces.iter().enumerate().filter(|(index, _)| only(*index)) {
-                claws.extend(surface.anchors(root.uv).iter().filter_map(|anchor| root.grow(anchor, &eye, self.turned)));
+            let grown = |surface: &SurfaceHandle| {
+                let anchors = surface.anchors(root.uv);
+                anchors.iter().filter_map(|anchor| root.grow(anchor, &eye, self.turned)).collect::<Vec<_>>()
+            };
+            for index in (0..render.surfaces.len()).filter(|index| only(*index)) {
+                claws.extend(grown(&render.surfaces[index]));
+                if prepare.referenced() {
+                    exact.extend(grown(&render.exact[index]));
+                }
             }
             if prepare.cancelled() {
                 break;
             }
         }
         // Top ribbon first.
-        let claws = claws.into_iter().rev().map(|claw| (claw.bounds(), claw)).collect();
-        Ok(Box::new(PreparedHooks { view: self.view.clone(), claws, step: 1.0 + self.edge }))
+        let [claws, exact] =
+            [claws, exact].map(|claws| claws.into_iter().rev().map(|claw| (claw.bounds(), claw)).collect());
+        Ok(Box::new(PreparedHooks { view: self.view.clone(), claws, exact, step: 1.0 + self.edge }))
     }
 }
 
@@ -362,6 +370,8 @@ struct PreparedHooks {
     view: One<port::View>,
     /// Claws with their bounding boxes, top claw first.
     claws: Vec<([[f64; 2]; 2], Claw)>,
+    /// The same on the surfaces that references see.
+    exact: Vec<([[f64; 2]; 2], Claw)>,
     step: f64,
 }
 
@@ -419,7 +429,7 @@ impl Prepared for PreparedHooks {
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let depth = inputs.view(&self.view, Channel::Depth);
         let (mut drawn, mut left) = (Drawn::default(), 1.0);
-        for (_, claw) in self.claws.iter().filter(|(_, claw)| !self.is_hidden(claw, depth)) {
+        for (_, claw) in self.exact.iter().filter(|(_, claw)| !self.is_hidden(claw, depth)) {
             let Some((within, random)) = claw.at(inputs.at) else { continue };
             let found = claw.drawn(within, random);
             let mask = found.mask;
@@ -439,7 +449,11 @@ impl Prepared for PreparedHooks {
     }
 
     fn bytes(&self) -> usize {
-        self.claws.iter().map(|(_, claw)| size_of::<Claw>() + claw.parts.len() * size_of::<(Ribbon, f64)>()).sum()
+        self.claws
+            .iter()
+            .chain(&self.exact)
+            .map(|(_, claw)| size_of::<Claw>() + claw.parts.len() * size_of::<(Ribbon, f64)>())
+            .sum()
     }
 }
 

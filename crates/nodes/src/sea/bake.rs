@@ -2,7 +2,7 @@
 
 use super::check_sea;
 use crate::geometry::Up;
-use crate::view::SurfaceHandle;
+use crate::view::{MOST_DOUBT, NO_RUN, SurfaceHandle, exact};
 use rayon::prelude::*;
 use std::ops::Range;
 use trochoid_graph::*;
@@ -174,6 +174,10 @@ impl Stage for Bake {
             image
         });
         prepare.check_cancelled()?;
+        let surface = match prepare.referenced() {
+            true => exact(&[surface], ChannelSet::EMPTY, prepare)?.swap_remove(0),
+            false => surface,
+        };
         Ok(Box::new(PreparedBake { surface, grid, up, images }))
     }
 }
@@ -187,11 +191,21 @@ fn resting(surface: &SurfaceHandle, sea: ItemName) -> Result<&dyn Resting, NodeE
 }
 
 struct PreparedBake {
+    /// The surface that references see, if prepared for them.
     surface: SurfaceHandle,
     grid: Grid,
     up: Up,
     /// The channels of all outputs, row by row; empty if not wanted.
     images: [Vec<f32>; 8],
+}
+
+impl PreparedBake {
+    /// Returns all channels in the pixel of a sample, in f64.
+    fn truth(&self, at: [f64; 2]) -> Result<[f64; 8], NodeError> {
+        let Grid { origin, step, footprint, .. } = self.grid;
+        let rest = [0, 1].map(|axis| origin[axis] + at[axis].floor() * step[axis]);
+        Ok(channels(&resting(&self.surface, Bake::SEA)?.at(rest, footprint), self.up))
+    }
 }
 
 impl Prepared for PreparedBake {
@@ -213,10 +227,28 @@ impl Prepared for PreparedBake {
         Ok(())
     }
 
+    fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        // A level surface is seen face on.
+        let doubt = self.surface.doubt(1.0);
+        if doubt > MOST_DOUBT {
+            return Err(NO_RUN);
+        }
+        let pixels = bounding.block.pixels().map(|[x, y]| [x as f64, y as f64]);
+        let truths: Option<Vec<[f64; 8]>> = pixels.map(|pixel| self.truth(pixel).ok()).collect();
+        let Some(truths) = truths else { return Err(NoBound("the surface has no plane at rest")) };
+        for output in Out::ALL {
+            for (index, channel) in output.channels().enumerate() {
+                bounding.bound_by(outputs, output, index, |sample| {
+                    let (truth, off) = (truths[sample][channel], truths[sample][channel].abs() * REFERENCE + doubt);
+                    Span { low: truth - off, high: truth + off, clear: true }
+                });
+            }
+        }
+        Ok(())
+    }
+
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let Grid { origin, step, footprint, .. } = self.grid;
-        let rest = [0, 1].map(|axis| origin[axis] + inputs.at[axis].floor() * step[axis]);
-        let values = channels(&resting(&self.surface, Bake::SEA)?.at(rest, footprint), self.up);
+        let values = self.truth(inputs.at)?;
         Ok(Out::ALL.map(|output| Reference::Field(values[output.channels()].to_vec())).into())
     }
 

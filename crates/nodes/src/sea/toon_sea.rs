@@ -7,14 +7,15 @@ use trochoid_graph::*;
 use trochoid_image::Format;
 use trochoid_sea::toon::{
     self as model, Basin, Behavior, Boundary, Combine, Drift, Forecast, Instability, Mixing, Motion, Physics, Rift,
-    Shape, ToonError, ToonParameter,
+    Shape, ToonError, ToonParameter, TrailFields,
 };
 
 /// A finite sea raised by bursts that travel along splines. Their heights spread over a grid and die away; foam and
 /// lines trail behind them.
 ///
 /// # Formula
-/// h' = c1·(2·mean of the 4 neighbors − h₋) + c2·h + bursts, 60 times a second. A burst is
+/// h' = c1·(2·mean of the 4 neighbors − h₋) + c2·h + bursts, 60 times a second, computed by the change of the height:
+/// v' = c1·(v + 2·(mean − h)) − (1 − c1 − c2)·h + bursts, h' = h + v'. A burst is
 /// (p·H/2)·(cos(min(π·|(u−x)/r|/p, π)) + 1), scaled by 1 − c1 − c2; x is a cubic Bézier curve at (t mod d)/d. For
 /// Rift, r += k·max(d − m, 0), with m the distance from a burst, and r ÷= 1 + ε at each step. For DriftLines, two
 /// coordinates in the frame of the last bursts that passed.
@@ -32,7 +33,7 @@ use trochoid_sea::toon::{
 #[node(
     stage,
     end = Front,
-    revision = 1,
+    revision = 2,
     role = Sea,
     offers(Rest, Trails, StabilityMap),
     output(surface: Kind::Surface = "The sea at the frame's time.")
@@ -229,6 +230,25 @@ impl ToonSea {
         model::ToonSea::new(self.basin(), self.motion(), self.behavior(), bursts)
     }
 
+    /// Tells what heights and rift reach in the first seconds, unless it takes long to find out.
+    fn reached(&self, sea: &model::ToonSea) -> Option<String> {
+        const SECONDS: f64 = 2.0;
+        const LOOKS: u32 = 8;
+        const MOST_WORK: f64 = 1.0;
+        if sea.bursts().is_empty() || sea.steps_to(SECONDS) as f64 * step_seconds(sea) > MOST_WORK {
+            return None;
+        }
+        let mut simulation = sea.simulate(TrailFields { rift: true, drift: false });
+        let (mut low, mut high, mut most) = (0.0_f32, 0.0_f32, 0.0_f32);
+        for look in 0..=LOOKS {
+            let frame = simulation.at(SECONDS * f64::from(look) / f64::from(LOOKS));
+            (low, high) =
+                frame.height.iter().fold((low, high), |(low, high), height| (low.min(*height), high.max(*height)));
+            most = frame.rift.iter().copied().fold(most, f32::max);
+        }
+        Some(format!("in the first {SECONDS} s, heights from {low:.3} to {high:.3} m, a rift of up to {most:.3}"))
+    }
+
     /// Returns the list that a burst comes from, given its index among all bursts.
     fn list_of(&self, burst: usize) -> ItemName {
         let guided = self.bursts.len() + self.guides.iter().map(Guide::count).sum::<usize>();
@@ -312,6 +332,15 @@ impl ToonSea {
     }
 }
 
+/// Returns the seconds that a step of a sea takes, roughly.
+fn step_seconds(sea: &model::ToonSea) -> f64 {
+    // Per step, per cell, and per burst.
+    const STEP: f64 = 2e-5;
+    const CELL: f64 = 6e-10;
+    const BURST: f64 = 2e-7;
+    STEP + CELL * sea.basin().cells() as f64 + BURST * sea.bursts().len() as f64
+}
+
 /// Warns about a level sea with neither damping nor a restoring force.
 fn check_free(sea: &model::ToonSea, check: &mut Check<'_>) {
     if !Forecast::new(sea.motion(), sea.basin()).bounded {
@@ -358,22 +387,19 @@ impl Node for ToonSea {
     }
 
     fn work(&self, _format: Format, time: f64) -> Option<Work> {
-        // Seconds per step, per cell, and per burst.
-        const STEP: f64 = 2e-5;
-        const CELL: f64 = 6e-10;
-        const BURST: f64 = 2e-7;
         let sea = self.sea().ok()?;
-        let step = STEP + CELL * sea.basin().cells() as f64 + BURST * sea.bursts().len() as f64;
         let remedy = "lower \"preroll\", \"columns\" or \"rows\", or use fewer or shorter bursts; or start at an \
                       earlier frame: the first frame simulates all steps up to it, later ones only their own";
-        Some(Work { seconds: sea.steps_to(time) as f64 * step, item: Self::PREROLL, remedy })
+        Some(Work { seconds: sea.steps_to(time) as f64 * step_seconds(&sea), item: Self::PREROLL, remedy })
     }
 
     fn notes(&self) -> Vec<String> {
         let Ok(sea) = self.sea() else { return Vec::new() };
         let size = |cells: usize| (cells - 1) as f64 * sea.basin().spacing;
         let (x, z) = (size(sea.basin().columns), size(sea.basin().rows));
-        vec![format!("{} bursts on {x:.2} × {z:.2} m", sea.bursts().len())]
+        let mut notes = vec![format!("{} bursts on {x:.2} × {z:.2} m", sea.bursts().len())];
+        notes.extend(self.reached(&sea));
+        notes
     }
 
     fn dynamics(&self) -> Option<&dyn Dynamics> {
@@ -384,6 +410,10 @@ impl Node for ToonSea {
 impl Dynamics for ToonSea {
     fn stability(&self) -> Option<Stability> {
         Some(stability::toon(&self.sea().ok()?))
+    }
+
+    fn step_errors(&self, steps: u64, stop: &(dyn Fn() -> bool + Sync)) -> Option<StepErrors> {
+        stability::errors(&self.sea().ok()?, steps, stop)
     }
 
     fn paths(&self) -> Option<Paths> {
@@ -407,8 +437,11 @@ impl Stage for ToonSea {
     fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
         // Heights and the fields of the simulation, including trails in case a view requests them.
         const CELL: u64 = 64;
+        // Their f64 runs, and the fields of the surface taken from them.
+        const EXACT: u64 = 200;
         let cells = (self.columns * self.rows).max(0) as u64;
-        memory::of_grid(cells, CELL, context)
+        let exact = if context.purpose == Purpose::Pictures { 0 } else { EXACT };
+        memory::of_grid(cells, CELL + exact, context)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

@@ -41,10 +41,10 @@ use crate::lit::Vectors3;
 use std::path::PathBuf;
 use std::sync::Arc;
 use trochoid_graph::{
-    BadData, Channel, FrameContext, Handle, Inputs, NodeError, NodeType, One, Prepared, Reference, References,
-    escape_remedy, port,
+    BadData, Channel, ChannelSet, FrameContext, Handle, Inputs, NoBound, NodeError, NodeType, One, Prepare, Prepared,
+    Reference, References, escape_remedy, port,
 };
-use trochoid_scene::{DVec3, GivenUp, Surface};
+use trochoid_scene::{DVec3, Exact, GivenUp, Surface};
 
 /// Handle output by nodes with a surface.
 pub(crate) type SurfaceHandle = Arc<dyn Surface>;
@@ -54,6 +54,32 @@ pub(crate) struct RenderHandle {
     pub(crate) camera: trochoid_scene::Camera,
     /// The surfaces in view, in the order of [`Channel::Surface`].
     pub(crate) surfaces: Vec<SurfaceHandle>,
+    /// The same for references; the same surfaces unless the Render was prepared for references.
+    pub(crate) exact: Vec<SurfaceHandle>,
+}
+
+/// Largest doubt about a surface itself, in meters and radians, up to which its points bound those that rays meet.
+pub(crate) const MOST_DOUBT: f64 = 1e-6;
+
+/// Why there is no bound beyond it.
+pub(crate) const NO_RUN: NoBound =
+    NoBound("rounding may carry even the f64 run of a toon sea further than 1e-6 m from its definition");
+
+/// Returns the surfaces that references see, with at least the wanted channels.
+///
+/// # Errors
+/// The user cancelled.
+pub(crate) fn exact(
+    surfaces: &[SurfaceHandle],
+    wanted: ChannelSet,
+    prepare: &Prepare<'_>,
+) -> Result<Vec<SurfaceHandle>, NodeError> {
+    let of = |surface: &SurfaceHandle| match surface.exact(wanted, prepare.cancellation()) {
+        Exact::Itself => Ok(surface.clone()),
+        Exact::Other(exact) => Ok(exact),
+        Exact::Stopped => Err(NodeError::Cancelled),
+    };
+    surfaces.iter().map(of).collect()
 }
 
 /// Returns the error of a reference whose ray was given up.

@@ -1,6 +1,6 @@
 //! Render: surfaces as seen by a camera.
 
-use super::{RenderHandle, SurfaceHandle, too_rough};
+use super::{MOST_DOUBT, NO_RUN, RenderHandle, SurfaceHandle, exact, too_rough};
 use crate::geometry::memory;
 use std::cell::RefCell;
 use trochoid_graph::*;
@@ -108,6 +108,7 @@ impl Stage for Render {
         let format = prepare.frame.format;
         let (follows, fineness) = (self.points.sums(), self.fineness);
         let (mut visible, mut certain) = (None, None);
+        let exact = if prepare.referenced() { exact(&surfaces, wanted, prepare)? } else { surfaces.clone() };
         if wanted != ChannelSet::EMPTY {
             let surfaces = borrowed(&surfaces);
             // Points of surfaces are searched for starting from rest points.
@@ -119,12 +120,12 @@ impl Stage for Render {
             let found = scene::Visible::prepare_unless(&camera, &surfaces, format, fineness, prepared, stop);
             visible = Some(found.ok_or(NodeError::Cancelled)?);
             if prepare.bounded() {
-                let found = scene::Certain::new(&camera, &surfaces, format, stop);
+                let found = scene::Certain::new(&camera, &borrowed(&exact), format, stop);
                 certain = Some(found.ok_or(NodeError::Cancelled)?);
             }
         }
         let port = self.surfaces.id();
-        Ok(Box::new(PreparedRender { port, camera, surfaces, format, follows, visible, certain }))
+        Ok(Box::new(PreparedRender { port, camera, surfaces, exact, format, follows, visible, certain }))
     }
 }
 
@@ -133,6 +134,8 @@ struct PreparedRender {
     port: PortId,
     camera: scene::Camera,
     surfaces: Vec<SurfaceHandle>,
+    /// The surfaces that references see.
+    exact: Vec<SurfaceHandle>,
     format: Format,
     /// Precision with which each sample is moved to the surface itself; `None` for the mesh.
     follows: Option<scene::Sums>,
@@ -157,7 +160,8 @@ thread_local! {
 
 impl Prepared for PreparedRender {
     fn handle(&self) -> Option<Handle> {
-        Some(std::sync::Arc::new(RenderHandle { camera: self.camera, surfaces: self.surfaces.clone() }))
+        let (camera, surfaces, exact) = (self.camera, self.surfaces.clone(), self.exact.clone());
+        Some(std::sync::Arc::new(RenderHandle { camera, surfaces, exact }))
     }
 
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
@@ -202,17 +206,29 @@ impl Prepared for PreparedRender {
             return Err(NoBound("no bounds were requested"));
         };
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
-        let (surfaces, offset) = (borrowed(&self.surfaces), bounding.block.offset);
+        if self.exact.iter().any(|surface| surface.doubt(1.0) > MOST_DOUBT) {
+            return Err(NO_RUN);
+        }
+        let (surfaces, offset) = (borrowed(&self.exact), bounding.block.offset);
         let sights = certain.sights(&surfaces, &pixels, offset);
         let same = match &self.visible {
             Some(visible) => visible.same_sheets(&surfaces, &pixels, offset, &sights),
             None => vec![true; sights.len()],
         };
+        let projector = self.camera.projector(self.format);
+        let lost = |(sight, [x, y]): (&scene::Sight, [f64; 2])| {
+            let scene::Sight::Point(hit, _) = sight else { return 0.0 };
+            let facing = hit.normal.dot(projector.ray(x, y).direction).abs();
+            REFERENCE_RAY * (1.0 + hit.distance) + self.exact[hit.surface].doubt(facing)
+        };
+        let lost: Vec<f64> = sights.iter().zip(bounding.block.places()).map(lost).collect();
         let view = Channel::ALL.into_iter().enumerate().map(|(index, channel)| (channel, Out::View, index));
         for (channel, output, index) in view.chain([(Channel::Coverage, Out::Coverage, 0)]) {
             let filled = bounding.filled[usize::from(output)][index];
             let (Some(filled), Some(bounds)) = (filled, outputs.take(output, index)) else { continue };
-            for (((bound, value), sight), same) in bounds.iter_mut().zip(filled).zip(&sights).zip(&same) {
+            for ((((bound, value), sight), same), lost) in
+                bounds.iter_mut().zip(filled).zip(&sights).zip(&same).zip(&lost)
+            {
                 let hit = match sight {
                     scene::Sight::Unclear => {
                         *bound = Bound::UNKNOWN.encode();
@@ -224,7 +240,7 @@ impl Prepared for PreparedRender {
                 let (value, exact) = (f64::from(*value), scene::channel_of(hit, channel));
                 let distance = if value == exact { 0.0 } else { (value - exact).abs() };
                 let is_whole = matches!(channel, Channel::Coverage | Channel::Surface);
-                let lost = hit.filter(|_| !is_whole).map_or(0.0, |hit| REFERENCE_RAY * (1.0 + hit.distance));
+                let lost = if is_whole { 0.0 } else { *lost };
                 *bound = Bound::of(distance + lost).with(*same).encode();
             }
         }
@@ -232,7 +248,7 @@ impl Prepared for PreparedRender {
     }
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let surfaces = borrowed(&self.surfaces);
+        let surfaces = borrowed(&self.exact);
         let hit = scene::reference::trace(&self.camera, &surfaces, self.format, inputs.at[0], inputs.at[1]);
         let hit = hit.map_err(too_rough)?;
         let channels = Channel::ALL.iter().map(|channel| scene::channel_of(hit.as_ref(), *channel)).collect();

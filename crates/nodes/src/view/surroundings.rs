@@ -20,8 +20,9 @@ pub(crate) struct Facets {
 /// The surfaces of a view, including some beyond its edges, as obstacles of rays.
 pub(crate) struct Surroundings {
     projector: Projector,
-    /// Kept alive, so that no other surface can reuse the addresses that identify these.
-    surfaces: Vec<SurfaceHandle>,
+    /// The surfaces, and those that references see. Both are kept alive, so that no other surface can reuse the addresses
+    /// that identify these.
+    surfaces: [Vec<SurfaceHandle>; 2],
     obstacles: Obstacles,
 }
 
@@ -56,10 +57,10 @@ impl Surroundings {
         let projector = surroundings(&eye, facets.beyond, facets.detail);
         // Surfaces are identified by their addresses. The shared value keeps them alive, so that no address is reused.
         let address = |surface: &SurfaceHandle| Arc::as_ptr(surface).cast::<()>().addr();
-        let addresses: Vec<usize> = render.surfaces.iter().map(address).collect();
+        let addresses: Vec<usize> = render.surfaces.iter().chain(&render.exact).map(address).collect();
         prepare.shared(&(projector, addresses), || {
-            let surfaces = render.surfaces.clone();
-            let obstacles = Obstacles::new(&projector, &borrowed(&surfaces));
+            let surfaces = [render.surfaces.clone(), render.exact.clone()];
+            let obstacles = Obstacles::new(&projector, &borrowed(&surfaces[0]));
             Ok(Self { projector, surfaces, obstacles })
         })
     }
@@ -79,7 +80,7 @@ impl Surroundings {
     /// # Errors
     /// A surface is too rough along the ray.
     pub(crate) fn first_reference(&self, ray: &Ray, limit: f64) -> Result<Option<f64>, GivenUp> {
-        first_reference(&self.projector, &borrowed(&self.surfaces), ray, limit)
+        first_reference(&self.projector, &borrowed(&self.surfaces[1]), ray, limit)
     }
 
     /// Returns the size of a facet at a point, in meters.

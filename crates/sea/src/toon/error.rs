@@ -136,7 +136,13 @@ impl Instability {
     /// Returns what was found.
     pub(crate) fn found(&self) -> String {
         let [c1, c2] = self.found;
-        format!("c1 {c1}, c2 {c2}, with which the sea grows by {:.4} a step", self.growth)
+        let growth = match self.growth - 1.0 {
+            // A double root on the edge.
+            none if none < 1e-15 => "evenly, step by step".into(),
+            slow if slow < 1e-3 => format!("by 1 + {slow:.1e} a step"),
+            _ => format!("by {:.4} a step", self.growth),
+        };
+        format!("c1 {c1}, c2 {c2}, with which the sea grows {growth}")
     }
 }
 

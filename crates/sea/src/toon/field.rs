@@ -4,39 +4,57 @@ use rayon::prelude::*;
 use super::splat::flushed;
 use super::{Basin, Boundary, Mixing};
 
+/// Velocities below this count as 0. Heights count as 0 from far larger ones on, so that none is left without a velocity.
+const REST: f32 = 1e-36;
+
 /// Number of rows that one task steps.
 const ROWS: usize = 32;
 
-/// The height fields of a step and of the step before.
+/// Heights and their velocities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
-    /// h, row by row.
+    /// h in meters, row by row.
     pub height: Vec<f32>,
-    /// h₋.
-    pub before: Vec<f32>,
+    /// v, the change of h in the last step, in meters.
+    pub velocity: Vec<f32>,
 }
 
 impl Field {
     /// Returns a field at rest.
     pub fn at_rest(basin: &Basin) -> Self {
-        Self { height: vec![0.0; basin.cells()], before: vec![0.0; basin.cells()] }
+        Self { height: vec![0.0; basin.cells()], velocity: vec![0.0; basin.cells()] }
     }
 
-    /// Does one literal step: h' = c₁(2·Lm(h) − h₋) + c₂·h.
-    ///
-    /// It is computed as h + (c₁·((h − h₋) + ½Σ(neighbor − h)) − (1 − c₁ − c₂)·h): the plain form would lose or gain
-    /// (fl c₁ + fl c₂ − 1)/(1 − c₁) of a level sea at each step.
+    /// Does one literal step without bursts: h' = c₁(2·Lm(h) − h₋) + c₂·h, see [`accelerate`](Self::accelerate).
     ///
     /// # Panics
     /// The field does not have the basin's size.
     pub fn step(&mut self, mixing: Mixing, basin: &Basin) {
+        self.accelerate(mixing, basin);
+        let chunks = self.height.par_chunks_mut(basin.columns * ROWS);
+        chunks.zip(self.velocity.par_chunks(basin.columns * ROWS)).for_each(|(height, velocity)| {
+            for (height, velocity) in height.iter_mut().zip(velocity) {
+                *height = moved(*height, *velocity);
+            }
+        });
+    }
+
+    /// Does the first part of a literal step: v' = c₁·(v + ½Σ(neighbor − h)) − (1 − c₁ − c₂)·h, while the heights stay.
+    /// Then bursts change the velocities, and h' = h + v' ([`ToonSea::inject`](super::ToonSea::inject)).
+    ///
+    /// With v = h − h₋, this is h' = c₁(2·Lm(h) − h₋) + c₂·h. That form would lose or gain (fl c₁ + fl c₂ − 1)/(1 − c₁)
+    /// of a level sea at each step, and take the rounding of heights for velocities, which persist if c₁ is near 1.
+    ///
+    /// # Panics
+    /// The field does not have the basin's size.
+    pub fn accelerate(&mut self, mixing: Mixing, basin: &Basin) {
         let (columns, cells) = (basin.columns, basin.cells());
-        assert!(self.height.len() == cells && self.before.len() == cells, "the field is of the basin's size");
+        assert!(self.height.len() == cells && self.velocity.len() == cells, "the field is of the basin's size");
         let zeros = if basin.boundary == Boundary::Fixed { vec![0.0; columns] } else { Vec::new() };
         let level = Level::new();
         let height = &self.height;
         let row_at = |row: usize| &height[row * columns..(row + 1) * columns];
-        self.before.par_chunks_mut(columns * ROWS).enumerate().for_each(|(task, out)| {
+        self.velocity.par_chunks_mut(columns * ROWS).enumerate().for_each(|(task, out)| {
             dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
                 for (index, out) in out.chunks_exact_mut(columns).enumerate() {
                     let row = task * ROWS + index;
@@ -56,17 +74,23 @@ impl Field {
                 }
             }));
         });
-        std::mem::swap(&mut self.height, &mut self.before);
     }
 }
 
-/// Steps one row: `out` holds h₋ and receives h'.
+/// Returns h' = h + v'.
+#[inline(always)]
+pub(crate) fn moved(height: f32, velocity: f32) -> f32 {
+    flushed(height + velocity)
+}
+
+/// Steps one row: `out` holds v and receives v'.
 #[inline(always)]
 fn step_row(mixing: Mixing, boundary: Boundary, row: &[f32], up: &[f32], down: &[f32], out: &mut [f32]) {
     let (c1, loss) = (mixing.c1 as f32, mixing.loss() as f32);
-    let next = |left: f32, right: f32, up: f32, down: f32, h: f32, before: f32| {
+    let next = |left: f32, right: f32, up: f32, down: f32, h: f32, v: f32| {
         let bend = 0.5 * (((left - h) + (right - h)) + ((up - h) + (down - h)));
-        flushed(h + (c1 * ((h - before) + bend) - loss * h))
+        let next = c1 * (v + bend) - loss * h;
+        if next.abs() < REST { 0.0 } else { next }
     };
     let n = row.len();
     let (first, last) = match boundary {

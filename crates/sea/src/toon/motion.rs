@@ -28,8 +28,18 @@ impl Default for Mixing {
 impl Mixing {
     /// Returns 1 − c₁ − c₂: the share that a step takes from a level sea, and the scale of bursts with which a
     /// resting burst reaches its own height (in the mean over the basin).
+    ///
+    /// It has the precision of the number itself, however much c₁ and c₂ cancel it.
     pub fn loss(&self) -> f64 {
-        1.0 - self.c1 - self.c2
+        // The difference of two numbers, and what its rounding lost.
+        let less = |a: f64, b: f64| {
+            let difference = a - b;
+            let taken = difference - a;
+            (difference, (a - (difference - taken)) - (b + taken))
+        };
+        let (first, lost) = less(1.0, self.c1);
+        let (second, also_lost) = less(first, self.c2);
+        second + (lost + also_lost)
     }
 }
 

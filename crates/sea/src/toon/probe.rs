@@ -1,13 +1,12 @@
 //! Measures the behavior of a motion on a small grid by powers of its own step. No formula of the spectrum is used,
 //! so that [`Forecast`](super::Forecast) can be checked against it.
 
-use super::reference::Advance;
+use super::reference::{Advance, mean};
 use super::{Basin, Motion};
 
 /// The f64 step of a motion on a small grid as a matrix, made by stepping every unit state.
 ///
-/// A state consists of the heights, and of the previous heights or the velocities; one more number carries a constant
-/// level force.
+/// A state consists of the heights and the velocities; one more number carries a constant level force.
 #[derive(Clone, Debug)]
 pub struct Probe {
     basin: Basin,
@@ -43,15 +42,11 @@ impl Probe {
         let square = |value: f64| value * value;
         let (drag, pull, courant) =
             (physics.damping * dt, square(physics.frequency * dt), square(physics.speed * dt / basin.spacing));
-        // The recurrence with c₁ = ½ and c₂ = 0 computes the mean of the neighbors if the previous heights are 0.
-        let mean = super::Mixing { c1: 0.5, c2: 0.0 };
-        let means = Advance::new(&Motion::Literal(mean), &basin, dt);
+        // Here the other half of the state is the heights of the step before.
         Some(Self::of(basin, |force, height, other| {
-            let (mut mean, mut none) = (height.clone(), vec![0.0; height.len()]);
-            means.step(&none.clone(), &mut mean, &mut none);
             let next = |cell: usize| {
                 let (h, before) = (height[cell], other[cell]);
-                let bend = 4.0 * courant * (mean[cell] - h);
+                let bend = 4.0 * courant * (mean(&basin, height, cell) - h);
                 (2.0 * h - before + drag * before + bend - pull * h + force[cell]) / (1.0 + drag)
             };
             let next = (0..height.len()).map(next).collect();

@@ -20,42 +20,48 @@ pub(crate) fn transfer(motion: &Motion, spacing: f64, gap: f64, seconds: f64) ->
     }
 }
 
-/// Returns M^τ, M = [[b, −c₁], [1, 0]], on (h, h₋), and the sum of Mʲ(1, 0) over the τ steps.
+/// Returns M^τ, M = [[1 − d, c₁], [−d, c₁]] with d = 1 − c₁ − c₂ + 2c₁(1 − λ), on (h, v), v the change of h in the last
+/// step, and the sum of Mʲ(1, 1) over the τ steps.
 ///
-/// With the roots g₁, g₂ of g² − b·g + c₁ and Uₙ = (g₁ⁿ − g₂ⁿ)/(g₁ − g₂): M^τ = [[U_τ₊₁, −c₁U_τ], [U_τ, −c₁U_τ₋₁]].
+/// With the roots g₁, g₂ of g² − b·g + c₁, b = 1 + c₁ − d, and Uₙ = (g₁ⁿ − g₂ⁿ)/(g₁ − g₂):
+/// M^τ = ½(g₁^τ + g₂^τ)·1 + U_τ·(M − ½b·1).
 pub(crate) fn resampled(mixing: Mixing, gap: f64, steps: f64) -> Transfer {
     let Mixing { c1, .. } = mixing;
-    // b = 1 + c₁ − d, d = (1 − g₁)(1 − g₂) without cancellation.
+    // d = (1 − g₁)(1 − g₂), without cancellation.
     let d = mixing.loss() + 2.0 * c1 * gap;
     let b = 1.0 + c1 - d;
-    let discriminant = b * b - 4.0 * c1;
-    let power = |exponent: f64| -> f64 {
-        if discriminant < 0.0 {
-            let angle = libm::atan2(libm::sqrt(-discriminant), b);
-            let sine = libm::sin(angle);
-            let ratio = if sine == 0.0 { exponent } else { libm::sin(exponent * angle) / sine };
-            libm::exp((exponent - 1.0) / 2.0 * libm::log(c1)) * ratio
-        } else {
-            let (large, _) = roots(b, c1, discriminant);
-            // g₂/g₁ as an exponent: both roots are positive.
-            let fall = libm::log(c1 / (large * large));
-            let ratio = if fall == 0.0 { exponent } else { libm::expm1(exponent * fall) / libm::expm1(fall) };
-            libm::exp((exponent - 1.0) * libm::log(large)) * ratio
-        }
-    };
-    let (before, now, after) = (power(steps - 1.0), power(steps), power(steps + 1.0));
-    let (first, second) = if discriminant > 0.0 && d < 1e-2 {
-        // Near g₁ = 1 the quotient by d cancels, so sum U_j root by root.
-        let (large, small) = roots(b, c1, discriminant);
-        let one = large - small;
-        // 1 − g₁ = d/(1 − g₂).
+    let discriminant = (1.0 - c1) * (1.0 - c1) - d * (2.0 * (1.0 + c1) - d);
+    let half = (1.0 - d - c1) / 2.0;
+    if discriminant < 0.0 {
+        let angle = libm::atan2(libm::sqrt(-discriminant), b);
+        let (turned, sine) = (steps * angle, libm::sin(angle));
+        let ratio = if sine == 0.0 { steps } else { libm::sin(turned) / sine };
+        // |g| = √c₁.
+        let power = |exponent: f64| libm::exp(exponent / 2.0 * libm::log(c1));
+        let now = power(steps - 1.0) * ratio;
+        let mean = power(steps) * libm::cos(turned);
+        let halved = libm::sin(turned / 2.0);
+        let fallen = -libm::expm1(steps / 2.0 * libm::log(c1)) + 2.0 * power(steps) * halved * halved - half * now;
+        return [mean + half * now, c1 * now, -d * now, mean - half * now, fallen / d, now];
+    }
+    let (large, small) = roots(b, c1, discriminant);
+    // g₂/g₁ as an exponent: both roots are positive.
+    let fall = libm::log(c1 / (large * large));
+    let ratio = if fall == 0.0 { steps } else { libm::expm1(steps * fall) / libm::expm1(fall) };
+    let now = libm::exp((steps - 1.0) * libm::log(large)) * ratio;
+    let mean = libm::exp(steps * libm::log(large)) * (1.0 + libm::exp(steps * fall)) / 2.0;
+    let raised = if d >= 1e-2 {
+        (1.0 - (mean + half * now)) / d
+    } else if discriminant > 0.01 * (1.0 - c1) * (1.0 - c1) {
+        // Near g₁ = 1 the quotient by d cancels, so sum U_j root by root; 1 − g₁ = d/(1 − g₂).
         let lacking = d / (1.0 - small);
-        let sum = |count: f64| (large * series(lacking, count) - small * series(1.0 - small, count)) / one;
-        (sum(steps), sum(steps - 1.0))
+        (large * series(lacking, steps) - small * series(1.0 - small, steps)) / (large - small)
     } else {
-        ((1.0 - after + c1 * now) / d, (1.0 - now + c1 * before) / d)
+        // Nearly equal roots.
+        let (decay, apart) = (steps / 2.0 * libm::log(c1), libm::sinh(steps * fall / 4.0));
+        (-libm::expm1(decay) - 2.0 * libm::exp(decay) * apart * apart - half * now) / d
     };
-    [after, -c1 * now, now, -c1 * before, first, second]
+    [mean + half * now, c1 * now, -d * now, mean - half * now, raised, now]
 }
 
 /// Returns Σ gʲ over j = 0…count−1 with g = 1 − lacking, for any real count.
@@ -92,6 +98,52 @@ pub(crate) fn physical(physics: Physics, spacing: f64, gap: f64, dt: f64) -> Tra
     };
     let reached = cosine + damping * sine;
     [reached, sine, -square * sine, cosine - damping * sine, push * raised(square, damping, reached, dt), push * sine]
+}
+
+/// Sizes of the terms that a transfer is computed from, and the number of roundings of these sizes by which it may be
+/// off.
+pub(crate) struct Scales {
+    pub(crate) factors: Transfer,
+    pub(crate) roundings: f64,
+}
+
+/// Returns the scales of [`transfer`].
+pub(crate) fn scales(motion: &Motion, spacing: f64, gap: f64, seconds: f64) -> Scales {
+    let factors = transfer(motion, spacing, gap, seconds);
+    match *motion {
+        Motion::Literal(mixing) | Motion::Resampled { mixing, .. } => {
+            let (c1, steps) = (mixing.c1, seconds * LITERAL_HZ);
+            let d = mixing.loss() + 2.0 * c1 * gap;
+            let discriminant = (1.0 - c1) * (1.0 - c1) - d * (2.0 * (1.0 + c1) - d);
+            let apart = libm::sqrt(discriminant.abs());
+            let large = if discriminant < 0.0 { libm::sqrt(c1) } else { (1.0 + c1 - d + apart) / 2.0 };
+            let power = libm::exp(steps * libm::log(large));
+            // U_τ is at most τ·|g|^(τ−1) and 2|g|^τ/|g₁ − g₂|.
+            let now = power * (steps.max(1.0) / large).min(2.0 / apart);
+            let beside = (1.0 - d - c1).abs() / 2.0 * now;
+            let (own, turned) = (power + beside, steps * libm::sqrt(d.abs()));
+            let raised = if d >= 1e-2 {
+                (1.0 + own) / d
+            } else if discriminant > 0.01 * (1.0 - c1) * (1.0 - c1) {
+                2.0 * steps.max(1.0) / apart
+            } else {
+                ((1.0 - power).abs() + turned * turned + beside) / d
+            };
+            let roundings = 64.0 + 16.0 * steps * (std::f64::consts::PI - libm::log(c1));
+            Scales { factors: [own, c1 * now, d.abs() * now, own, raised.max(factors[4].abs()), now], roundings }
+        }
+        Motion::Physical { physics, .. } => {
+            let Physics { speed, damping, frequency, push } = physics;
+            let stiffness = speed / spacing;
+            let square = frequency * frequency + 4.0 * stiffness * stiffness * gap;
+            let push = push.unwrap_or(frequency * frequency).abs();
+            let sine = seconds.min(1.0 / libm::sqrt((square - damping * damping).abs()));
+            let (own, turned) = (1.0 + damping * sine, libm::sqrt(square) * seconds);
+            let raised = if turned * turned > 1e-8 { own / square } else { seconds * seconds };
+            let factors = [own, sine, square * sine, own, push * raised, push * sine];
+            Scales { factors, roundings: 64.0 + 16.0 * (turned + damping * seconds) }
+        }
+    }
 }
 
 /// Returns the effect of a unit acceleration on h over dt: (1 − reached)/ω², without cancellation.

@@ -3,7 +3,7 @@ use trochoid_key::content_key;
 
 use super::burst::StampParameters;
 use super::error::within;
-use super::splat::{DRIFTS, DriftStep, RiftStep, Splat, Stamp, Targets};
+use super::splat::{DriftStep, Gains, RiftStep, Splat, Stamp, StepFields};
 use super::spline::Spline;
 use super::trail::decayed;
 use super::{Basin, Burst, Drift, Field, LITERAL_HZ, Motion, Rift, Shape, ToonError, ToonParameter};
@@ -114,23 +114,17 @@ impl ToonSea {
         sea
     }
 
-    /// Adds the bursts of one time to a field, as a literal step does, and lets them leave their trails in `rift` if
-    /// it has the basin's size. Together with [`Field::step`], in either order, this is a literal step in parts.
+    /// Adds the bursts of one time to the velocities of a field, moves its heights by them, and lets the bursts leave
+    /// their trails in `rift` if it has the basin's size. After [`Field::accelerate`], this completes a literal step.
     ///
     /// # Panics
     /// The field does not have the basin's size.
     pub fn inject(&self, time: f64, field: &mut Field, rift: &mut [f32], scratch: &mut Scratch) {
         assert_eq!(field.height.len(), self.basin.cells(), "the field is of the basin's size");
         let wanted = TrailFields { rift: rift.len() == self.basin.cells(), drift: false };
-        self.splat(
-            time,
-            1.0 / LITERAL_HZ,
-            wanted,
-            &mut field.height,
-            rift,
-            std::array::from_fn(|_| &mut [][..]),
-            scratch,
-        );
+        let Field { height, velocity } = field;
+        let fields = StepFields { force: velocity, height, rift, ..StepFields::default() };
+        self.splat(time, 1.0 / LITERAL_HZ, wanted, fields, scratch);
     }
 
     /// Returns the share of a burst that goes into the force of a step.
@@ -142,16 +136,13 @@ impl ToonSea {
         }
     }
 
-    /// Adds the bursts of a time to a field of heights or forces, and to trails over the seconds that end then.
-    #[allow(clippy::too_many_arguments, reason = "the fields of one step")]
+    /// Adds the bursts of a time to forces or velocities, and to trails over the seconds that end then.
     pub(crate) fn splat(
         &self,
         time: f64,
         seconds: f64,
         wanted: TrailFields,
-        height: &mut [f32],
-        rift: &mut [f32],
-        drift: [&mut [f32]; DRIFTS],
+        fields: StepFields<'_>,
         scratch: &mut Scratch,
     ) {
         let Behavior { shape, oriented, rift: trail, drift: lines, .. } = self.behavior;
@@ -175,20 +166,20 @@ impl ToonSea {
         }
         let steps = seconds * LITERAL_HZ;
         let (left, added) = decayed(trail.decay, steps);
-        let rift_step = wanted.rift.then_some(RiftStep {
+        let rift = wanted.rift.then_some(RiftStep {
             combine: trail.combine,
             distance: (trail.distance / self.basin.spacing) as f32,
             gain: (trail.gain * self.basin.spacing * added) as f32,
             left: left as f32,
         });
         let (left, added) = decayed(lines.decay, steps);
-        let drift_step = wanted.drift.then_some(DriftStep {
+        let drift = wanted.drift.then_some(DriftStep {
             gain: added as f32,
             left: left as f32,
             renewal: (lines.renewal * steps) as f32,
         });
-        let targets = Targets { height, gain: self.injection() as f32, rift, rift_step, drift, drift_step };
-        scratch.splat.add(&scratch.stamps, shape, self.basin.columns, self.basin.rows, targets);
+        let gains = Gains { force: self.injection() as f32, rift, drift };
+        scratch.splat.add(&scratch.stamps, shape, [self.basin.columns, self.basin.rows], gains, fields);
     }
 
     /// Returns the time of step k, in seconds.

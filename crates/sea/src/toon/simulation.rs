@@ -1,6 +1,6 @@
 use super::modes::Modes;
 use super::propagator::Propagator;
-use super::splat::DRIFTS;
+use super::splat::{DRIFTS, StepFields};
 use super::trail::decayed;
 use super::{Field, LITERAL_HZ, Mixing, Motion, Scratch, ToonSea, TrailFields};
 
@@ -41,7 +41,7 @@ pub struct Simulation {
 /// State of a sea.
 #[derive(Clone, Debug, Default)]
 struct State {
-    /// h and h₋ by cell if steps use the recurrence itself, or the two numbers of each mode.
+    /// h and v by cell if steps use the recurrence itself, or the two numbers of each mode.
     a: Vec<f32>,
     b: Vec<f32>,
     rift: Vec<f32>,
@@ -263,16 +263,17 @@ impl Simulation {
     fn literal_step(&mut self) {
         let Some(mixing) = self.recurrence else { return };
         let (a, b) = (std::mem::take(&mut self.state.a), std::mem::take(&mut self.state.b));
-        let mut field = Field { height: a, before: b };
+        let mut field = Field { height: a, velocity: b };
         if self.heights {
-            field.step(mixing, &self.sea.basin);
+            field.accelerate(mixing, &self.sea.basin);
         }
         self.step += 1;
         let State { rift, drift, .. } = &mut self.state;
-        let drift = drift.each_mut().map(Vec::as_mut_slice);
+        let Field { height, velocity } = &mut field;
+        let fields = StepFields { force: velocity, height, rift, drift: drift.each_mut().map(Vec::as_mut_slice) };
         let time = self.sea.time_of(self.step);
-        self.sea.splat(time, 1.0 / LITERAL_HZ, self.wanted, &mut field.height, rift, drift, &mut self.scratch);
-        (self.state.a, self.state.b) = (field.height, field.before);
+        self.sea.splat(time, 1.0 / LITERAL_HZ, self.wanted, fields, &mut self.scratch);
+        (self.state.a, self.state.b) = (field.height, field.velocity);
     }
 
     /// Advances the state, or the shown state, over seconds that end at a time, under its bursts.
@@ -281,8 +282,10 @@ impl Simulation {
         let state = if shown { &mut self.shown } else { &mut self.state };
         self.force.clear();
         self.force.resize(state.a.len(), 0.0);
-        let drift = state.drift.each_mut().map(Vec::as_mut_slice);
-        self.sea.splat(time, seconds, self.wanted, &mut self.force, &mut state.rift, drift, &mut self.scratch);
+        let State { rift, drift, .. } = &mut *state;
+        let drift = drift.each_mut().map(Vec::as_mut_slice);
+        let fields = StepFields { force: &mut self.force, rift, drift, ..StepFields::default() };
+        self.sea.splat(time, seconds, self.wanted, fields, &mut self.scratch);
         if let (Some(modes), Some((_, propagator))) = (&self.modes, self.propagators.first()) {
             modes.forward(&mut self.force, &mut self.coefficients);
             propagator.apply(&mut state.a, &mut state.b, Some(&self.coefficients));

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::kernel::sincos_turns;
 
+use super::field::moved;
 use super::{Combine, Shape};
 
 /// Size of a tile in cells: the data of a thread stay in the nearest cache.
@@ -97,20 +98,29 @@ impl Splat {
 }
 
 /// Fields of a step; empty fields are not touched.
-pub(crate) struct Targets<'a> {
-    /// Heights, and the factor of what is added to them.
+#[derive(Default)]
+pub(crate) struct StepFields<'a> {
+    /// Forces, or velocities that bursts change.
+    pub(crate) force: &'a mut [f32],
+    /// Heights that then move by these velocities.
     pub(crate) height: &'a mut [f32],
-    pub(crate) gain: f32,
     pub(crate) rift: &'a mut [f32],
-    pub(crate) rift_step: Option<RiftStep>,
     /// Weight, and the two phases.
     pub(crate) drift: [&'a mut [f32]; DRIFTS],
-    pub(crate) drift_step: Option<DriftStep>,
+}
+
+/// How bursts change the fields of a step.
+#[derive(Clone, Copy)]
+pub(crate) struct Gains {
+    /// Factor of what is added to forces.
+    pub(crate) force: f32,
+    pub(crate) rift: Option<RiftStep>,
+    pub(crate) drift: Option<DriftStep>,
 }
 
 /// Scratch buffers of one tile.
 struct Tile {
-    height: [f32; TILE],
+    force: [f32; TILE],
     /// The sum of d − m, or the least m².
     rift: [f32; TILE],
     drift: [[f32; TILE]; DRIFTS],
@@ -126,7 +136,14 @@ struct TilePlace {
 
 impl Splat {
     /// Adds bursts to the fields of a grid, in each cell in the order of the bursts.
-    pub(crate) fn add(&mut self, stamps: &[Stamp], shape: Shape, columns: usize, rows: usize, targets: Targets<'_>) {
+    pub(crate) fn add(
+        &mut self,
+        stamps: &[Stamp],
+        shape: Shape,
+        [columns, rows]: [usize; 2],
+        gains: Gains,
+        fields: StepFields<'_>,
+    ) {
         let across = columns.div_ceil(TILE_COLUMNS);
         self.bin(stamps, across, [columns, rows]);
         // Far away the printed profile is constant; bursts add the difference from it within their radius.
@@ -135,14 +152,15 @@ impl Splat {
             Shape::Literal => -f64::from(COS_1) * stamps.iter().map(|stamp| f64::from(stamp.factor)).sum::<f64>(),
         };
         let level = Level::new();
-        let Targets { height, gain, rift, rift_step, drift, drift_step } = targets;
+        let StepFields { force, height, rift, drift } = fields;
         let band = columns * TILE_ROWS;
-        let mut bands: Vec<Band<'_>> = Vec::with_capacity(rows.div_ceil(TILE_ROWS));
+        let mut bands: Vec<StepFields<'_>> = Vec::with_capacity(rows.div_ceil(TILE_ROWS));
         let mut rifts = rift.chunks_mut(band);
         let mut drifts = drift.map(|values| values.chunks_mut(band));
-        let mut heights = height.chunks_mut(band);
+        let (mut forces, mut heights) = (force.chunks_mut(band), height.chunks_mut(band));
         for _ in 0..rows.div_ceil(TILE_ROWS) {
-            bands.push(Band {
+            bands.push(StepFields {
+                force: forces.next().unwrap_or_default(),
                 height: heights.next().unwrap_or_default(),
                 rift: rifts.next().unwrap_or_default(),
                 drift: drifts.each_mut().map(|values| values.next().unwrap_or_default()),
@@ -150,13 +168,13 @@ impl Splat {
         }
         let this = &*self;
         bands.into_par_iter().enumerate().for_each(|(index, mut band)| {
-            let mut tile = Tile { height: [0.0; TILE], rift: [0.0; TILE], drift: [[0.0; TILE]; DRIFTS] };
+            let mut tile = Tile { force: [0.0; TILE], rift: [0.0; TILE], drift: [[0.0; TILE]; DRIFTS] };
             let row = index * TILE_ROWS;
             for tile_column in 0..across {
                 let bin = index * across + tile_column;
                 let members = &this.members[this.starts[bin] as usize..this.starts[bin + 1] as usize];
                 let place = TilePlace { column: tile_column * TILE_COLUMNS, row, rows: (rows - row).min(TILE_ROWS) };
-                let step = Step { stamps, members, shape, base: far as f32, gain, rift: rift_step, drift: drift_step };
+                let step = Step { stamps, members, shape, base: far as f32, gains };
                 dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
                     step.tile(simd, place, columns, &mut tile, &mut band);
                 }));
@@ -205,13 +223,6 @@ impl Splat {
     }
 }
 
-/// Rows of a field that a row of tiles covers.
-struct Band<'a> {
-    height: &'a mut [f32],
-    rift: &'a mut [f32],
-    drift: [&'a mut [f32]; DRIFTS],
-}
-
 /// Inputs of one tile.
 #[derive(Clone, Copy)]
 struct Step<'a> {
@@ -220,12 +231,10 @@ struct Step<'a> {
     shape: Shape,
     /// Amount that is added everywhere.
     base: f32,
-    gain: f32,
-    rift: Option<RiftStep>,
-    drift: Option<DriftStep>,
+    gains: Gains,
 }
 
-/// What the kernel adds to heights, if anything.
+/// What the kernel adds to forces, if anything.
 const INTENDED: u8 = 1;
 const LITERAL: u8 = 2;
 /// How the kernel treats rifts, if at all.
@@ -235,10 +244,10 @@ const NEAREST: u8 = 2;
 
 impl Step<'_> {
     #[inline(always)]
-    fn tile<S: Simd>(&self, simd: S, place: TilePlace, columns: usize, tile: &mut Tile, band: &mut Band<'_>) {
+    fn tile<S: Simd>(&self, simd: S, place: TilePlace, columns: usize, tile: &mut Tile, band: &mut StepFields<'_>) {
         if !self.members.is_empty() {
-            tile.height.fill(self.base);
-            let rift = match self.rift {
+            tile.force.fill(self.base);
+            let rift = match self.gains.rift {
                 None => NONE,
                 Some(RiftStep { combine: Combine::Sum, .. }) => {
                     tile.rift.fill(0.0);
@@ -249,7 +258,7 @@ impl Step<'_> {
                     NEAREST
                 }
             };
-            let shape = (!band.height.is_empty()).then_some(self.shape);
+            let shape = (!band.force.is_empty()).then_some(self.shape);
             match (shape, rift) {
                 (None, NONE) => {}
                 (None, SUM) => self.stamp::<S, NONE, SUM>(simd, place, tile),
@@ -261,7 +270,7 @@ impl Step<'_> {
                 (Some(Shape::Literal), SUM) => self.stamp::<S, LITERAL, SUM>(simd, place, tile),
                 (Some(Shape::Literal), _) => self.stamp::<S, LITERAL, NEAREST>(simd, place, tile),
             }
-            if self.drift.is_some() {
+            if self.gains.drift.is_some() {
                 tile.drift.iter_mut().for_each(|values| values.fill(0.0));
                 self.drifts(simd, place, tile);
             }
@@ -286,7 +295,7 @@ impl Step<'_> {
     fn stamp<S: Simd, const SHAPE: u8, const RIFT: u8>(&self, simd: S, place: TilePlace, tile: &mut Tile) {
         let lane = f32x16::from_slice(simd, &LANE);
         let zero = f32x16::splat(simd, 0.0);
-        let distance = self.rift.map_or(0.0, |rift| rift.distance);
+        let distance = self.gains.rift.map_or(0.0, |rift| rift.distance);
         for &member in self.members {
             let stamp = &self.stamps[member as usize];
             let (rows, vectors, [x, z]) = Self::window(stamp, place);
@@ -313,8 +322,8 @@ impl Step<'_> {
                             q = q * v + PROFILE[0];
                             (v * v) * q
                         };
-                        let height = &mut tile.height[at..at + LANES];
-                        (f32x16::from_slice(simd, height) + profile * stamp.factor).store_slice(height);
+                        let force = &mut tile.force[at..at + LANES];
+                        (f32x16::from_slice(simd, force) + profile * stamp.factor).store_slice(force);
                     }
                     if RIFT != NONE {
                         let square = dx2 + dz * dz;
@@ -372,22 +381,27 @@ impl Step<'_> {
 
     /// Adds the tile's sums to the fields.
     #[inline(always)]
-    fn store(&self, place: TilePlace, columns: usize, tile: &Tile, band: &mut Band<'_>) {
+    fn store(&self, place: TilePlace, columns: usize, tile: &Tile, band: &mut StepFields<'_>) {
         let touched = !self.members.is_empty();
         let width = (columns - place.column).min(TILE_COLUMNS);
         for row in 0..place.rows {
             let at = row * columns + place.column;
             let sums = row * TILE_COLUMNS..row * TILE_COLUMNS + width;
-            if band.height.is_empty() {
+            if band.force.is_empty() {
                 // Only trails are simulated.
             } else if touched {
-                for (height, &sum) in band.height[at..at + width].iter_mut().zip(&tile.height[sums.clone()]) {
-                    *height += self.gain * sum;
+                for (force, &sum) in band.force[at..at + width].iter_mut().zip(&tile.force[sums.clone()]) {
+                    *force += self.gains.force * sum;
                 }
             } else if self.base != 0.0 {
-                band.height[at..at + width].iter_mut().for_each(|height| *height += self.gain * self.base);
+                band.force[at..at + width].iter_mut().for_each(|force| *force += self.gains.force * self.base);
             }
-            if let Some(rift) = self.rift {
+            if !band.height.is_empty() {
+                for (height, velocity) in band.height[at..at + width].iter_mut().zip(&band.force[at..at + width]) {
+                    *height = moved(*height, *velocity);
+                }
+            }
+            if let Some(rift) = self.gains.rift {
                 let values = band.rift[at..at + width].iter_mut().zip(&tile.rift[sums.clone()]);
                 match rift.combine {
                     _ if !touched => values.for_each(|(value, _)| *value = flushed(*value * rift.left)),
@@ -400,7 +414,7 @@ impl Step<'_> {
                     }),
                 }
             }
-            if let Some(drift) = self.drift {
+            if let Some(drift) = self.gains.drift {
                 for (field, added) in band.drift.iter_mut().zip(&tile.drift) {
                     let values = field[at..at + width].iter_mut().zip(&added[sums.clone()]);
                     if touched {

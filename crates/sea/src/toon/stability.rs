@@ -49,9 +49,14 @@ impl Forecast {
                 (ends(&radius), !free, Some(speed * seconds / basin.spacing))
             }
         };
-        let half_life = if radius < 1.0 { -LN_2 / libm::log(radius) } else { f64::INFINITY };
+        let half_life = half_life(libm::log(radius));
         Self { eigenvalues: [1.0 - gaps[1], 1.0 - gaps[0]], radius, bounded, half_life, stiffness }
     }
+}
+
+/// Returns the number of steps after which half is left of what a step multiplies by e^`growth`.
+pub(super) fn half_life(growth: f64) -> f64 {
+    if growth < 0.0 { -LN_2 / growth } else { f64::INFINITY }
 }
 
 impl Mixing {

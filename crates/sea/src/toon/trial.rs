@@ -1,8 +1,9 @@
 //! Measures a motion by running the f32 code that makes pictures.
 
+use super::field::moved;
 use super::modes::Modes;
 use super::propagator::Propagator;
-use super::reference::Advance;
+use super::reference::{Advance, mean};
 use super::{Basin, Field, Forecast, Mixing, Motion, Physics, Probe};
 
 /// Most cells along each side of a grid that is run.
@@ -54,20 +55,21 @@ pub struct Transient {
 }
 
 /// The product's step on either kind of state.
-enum Stepper {
+pub(super) enum Stepper {
     Cells { mixing: Mixing, field: Field },
     Modes { modes: Modes, propagator: Box<Propagator>, a: Vec<f32>, b: Vec<f32>, weight: Vec<f64> },
 }
 
 impl Stepper {
-    fn new(motion: &Motion, basin: &Basin, height: Vec<f32>, start_moving: bool) -> Self {
-        let other = if start_moving { height.clone() } else { vec![0.0; height.len()] };
+    /// Starts from heights without velocities.
+    pub(super) fn new(motion: &Motion, basin: &Basin, height: Vec<f32>) -> Self {
+        let velocity = vec![0.0; height.len()];
         match motion {
-            Motion::Literal(mixing) => Self::Cells { mixing: *mixing, field: Field { height, before: other } },
+            Motion::Literal(mixing) => Self::Cells { mixing: *mixing, field: Field { height, velocity } },
             _ => {
                 let modes = Modes::new(basin);
                 let propagator = Box::new(Propagator::new(motion, basin, &modes, 1.0 / motion.rate()));
-                let [a, b] = [height, other].map(|mut field| {
+                let [a, b] = [height, velocity].map(|mut field| {
                     let mut coefficients = Vec::new();
                     modes.forward(&mut field, &mut coefficients);
                     coefficients
@@ -87,12 +89,14 @@ impl Stepper {
         }
     }
 
-    fn step(&mut self, basin: &Basin, force: Option<&[f32]>) {
+    pub(super) fn step(&mut self, basin: &Basin, force: Option<&[f32]>) {
         match self {
             Self::Cells { mixing, field } => {
-                field.step(*mixing, basin);
-                for (height, force) in field.height.iter_mut().zip(force.unwrap_or_default()) {
-                    *height += force;
+                let Some(force) = force else { return field.step(*mixing, basin) };
+                field.accelerate(*mixing, basin);
+                for ((height, velocity), force) in field.height.iter_mut().zip(&mut field.velocity).zip(force) {
+                    *velocity += force;
+                    *height = moved(*height, *velocity);
                 }
             }
             Self::Modes { propagator, a, b, .. } => propagator.apply(a, b, force),
@@ -101,13 +105,13 @@ impl Stepper {
 
     fn numbers(&self) -> [&[f32]; 2] {
         match self {
-            Self::Cells { field, .. } => [&field.height, &field.before],
+            Self::Cells { field, .. } => [&field.height, &field.velocity],
             Self::Modes { a, b, .. } => [a, b],
         }
     }
 
     /// Returns the size of the state, as the root of a sum of squares.
-    fn size(&self) -> f64 {
+    pub(super) fn size(&self) -> f64 {
         let [first, second] = self.numbers();
         let square = |value: f32| f64::from(value) * f64::from(value);
         let first: f64 = match self {
@@ -115,6 +119,15 @@ impl Stepper {
             Self::Cells { .. } => first.iter().map(|value| square(*value)).sum(),
         };
         libm::sqrt(first + second.iter().map(|value| square(*value)).sum::<f64>())
+    }
+
+    /// Multiplies the state by a power of 2.
+    pub(super) fn scale(&mut self, by: f32) {
+        let (first, second) = match self {
+            Self::Cells { field, .. } => (&mut field.height, &mut field.velocity),
+            Self::Modes { a, b, .. } => (a, b),
+        };
+        first.iter_mut().chain(second).for_each(|value| *value *= by);
     }
 
     fn heights(&mut self) -> Vec<f32> {
@@ -129,12 +142,8 @@ impl Stepper {
     }
 }
 
-fn is_recurrence(motion: &Motion) -> bool {
-    !matches!(motion, Motion::Physical { .. })
-}
-
 /// Returns the motion as the product steps it: by the recurrence itself if that is a literal step.
-fn stepped(motion: &Motion) -> Motion {
+pub(super) fn stepped(motion: &Motion) -> Motion {
     match *motion {
         Motion::Resampled { mixing, rate } if rate == super::LITERAL_HZ => Motion::Literal(mixing),
         other => other,
@@ -147,7 +156,7 @@ impl Trial {
         let basin = Basin { columns: basin.columns.min(SIDE), rows: basin.rows.min(SIDE), ..*basin };
         let start: Vec<f32> = (0..basin.cells()).map(|cell| noisy(&basin, cell)).collect();
         let motion = stepped(motion);
-        let mut stepper = Stepper::new(&motion, &basin, start.clone(), is_recurrence(&motion));
+        let mut stepper = Stepper::new(&motion, &basin, start.clone());
         let mut sizes = vec![stepper.size()];
         let mut subnormal = 0;
         let steps = rayon::scope(|_| {
@@ -177,7 +186,7 @@ impl Trial {
 }
 
 /// Returns the level, the checkerboard and a little noise, by a hash of the cell.
-fn noisy(basin: &Basin, cell: usize) -> f32 {
+pub(super) fn noisy(basin: &Basin, cell: usize) -> f32 {
     let (x, z) = (cell % basin.columns, cell / basin.columns);
     let mut hash = (cell as u32).wrapping_mul(0x9e37_79b9) ^ 0x85eb_ca6b;
     hash = (hash ^ (hash >> 15)).wrapping_mul(0x2c1b_3c6d);
@@ -210,24 +219,22 @@ fn half_life(sizes: &[f64]) -> f64 {
 /// The recurrence as printed, in f32 and without flushing.
 struct PrintedRecurrence {
     mixing: Mixing,
-    advance: Advance,
+    basin: Basin,
     height: Vec<f64>,
     before: Vec<f64>,
 }
 
 impl PrintedRecurrence {
     fn new(mixing: Mixing, basin: &Basin, start: &[f32]) -> Self {
-        // Lm in f64 plain loops, everything of the recurrence rounded to f32 as printed.
-        let advance = Advance::new(&Motion::Literal(Mixing { c1: 0.5, c2: 0.0 }), basin, 1.0);
         let wide: Vec<f64> = start.iter().map(|&value| f64::from(value)).collect();
-        Self { mixing, advance, height: wide.clone(), before: wide }
+        Self { mixing, basin: *basin, height: wide.clone(), before: wide }
     }
 
     fn step(&mut self) {
-        let (mut mean, mut none) = (self.height.clone(), vec![0.0; self.height.len()]);
-        self.advance.step(&none.clone(), &mut mean, &mut none);
+        // The mean in f64, everything else rounded to f32 as printed.
+        let means: Vec<f64> = (0..self.height.len()).map(|cell| mean(&self.basin, &self.height, cell)).collect();
         let (c1, c2) = (self.mixing.c1 as f32, self.mixing.c2 as f32);
-        for (cell, mean) in mean.into_iter().enumerate() {
+        for (cell, mean) in means.into_iter().enumerate() {
             let (h, before, mean) = (self.height[cell] as f32, self.before[cell] as f32, mean as f32);
             let next = c1 * (2.0 * mean - before) + c2 * h;
             (self.before[cell], self.height[cell]) = (f64::from(h), f64::from(next));
@@ -261,9 +268,8 @@ impl LevelDrift {
         };
         let start: Vec<f32> = (0..basin.cells()).map(|cell| (LEVEL * f64::from(noisy(&basin, cell))) as f32).collect();
         let wide: Vec<f64> = start.iter().map(|&value| f64::from(value)).collect();
-        let other = if is_recurrence(&motion) { wide.clone() } else { vec![0.0; basin.cells()] };
-        let exact = probe.heights_after(steps, &wide, &other, force);
-        let mut stepper = Stepper::new(&motion, &basin, start, is_recurrence(&motion));
+        let exact = probe.heights_after(steps, &wide, &vec![0.0; basin.cells()], force);
+        let mut stepper = Stepper::new(&motion, &basin, start);
         let mut forces = vec![force as f32; basin.cells()];
         if let Stepper::Modes { modes, .. } = &stepper {
             let mut coefficients = Vec::new();
@@ -298,10 +304,12 @@ impl Transient {
         let middle = basin.rows / 2 * basin.columns + basin.columns / 2;
         let unit: Vec<f64> = (0..basin.cells()).map(|cell| f64::from(cell == middle)).collect();
         let none = vec![0.0; basin.cells()];
-        let mut states = vec![(unit.clone(), none.clone())];
-        if is_recurrence(motion) {
-            states.push((none.clone(), unit));
-        }
+        let negative = unit.iter().map(|value| -value).collect();
+        let mut states = match motion {
+            Motion::Physical { .. } => vec![(unit, none.clone())],
+            // A height of 1 m after 0, and a height of 0 after 1 m.
+            _ => vec![(unit.clone(), unit), (none.clone(), negative)],
+        };
         let mut transient = Self { gain: 1.0, step: 0, steps: steps as u64 };
         for step in 1..=transient.steps {
             let mut gain = 0.0;

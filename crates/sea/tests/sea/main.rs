@@ -1,5 +1,6 @@
 //! Tests of the fast forms of seas against their f64 references, and against known properties.
 
+mod doubt;
 mod drift;
 mod evaluation;
 mod folding;
@@ -11,3 +12,4 @@ mod ripple;
 mod spray;
 mod stability;
 mod toon;
+mod twice;

@@ -200,3 +200,47 @@ fn transient_gains_are_known() {
         }
     }
 }
+
+/// Tests half-lives and growth on both sides of all edges of the stable region, against runs of the f32 code.
+#[test]
+fn the_slowest_wave_is_that_of_the_f32_code() {
+    let mut motions = Vec::new();
+    for (boundary, [columns, rows]) in BOUNDARIES.into_iter().zip([[8, 8], [6, 8], [7, 5]]) {
+        let basin = basin(columns, rows, boundary);
+        let corners = Mixing::stable_region(&basin);
+        for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            for (index, t) in [0.0, 0.2, 0.5, 0.8].into_iter().enumerate() {
+                for by in [1.0 - 0.02, 1.0 - 1e-3, 1.0 - 1e-4, 1.0 + 1e-3] {
+                    let [c1, c2] = [0, 1].map(|axis| by * (a[axis] + t * (b[axis] - a[axis])));
+                    let mixing = Mixing { c1, c2 };
+                    motions.push((Motion::Literal(mixing), basin));
+                    let rate = [60.0, 30.0, 24.0, 97.0][index];
+                    let motion = Motion::Resampled { mixing, rate };
+                    if ToonSea::new(basin, motion, Behavior::default(), Vec::new()).is_ok() {
+                        motions.push((motion, basin));
+                    }
+                }
+            }
+        }
+        for (speed, damping, frequency) in [(6.0, 16.0, 16.0), (2.0, 0.01, 1.0), (50.0, 300.0, 2.0), (1.0, 0.3, 0.3)] {
+            motions.push((
+                Motion::Physical { physics: Physics { speed, damping, frequency, push: None }, rate: 60.0 },
+                basin,
+            ));
+        }
+    }
+    let compared = motions.into_par_iter().map(|(motion, basin)| {
+        let predicted = Decay::predicted(&motion, &basin);
+        if predicted.growth.abs() < 2e-5 {
+            return (false, None);
+        }
+        let measured = Decay::measured(&motion, &basin);
+        let off = (measured.growth / predicted.growth - 1.0).abs();
+        (true, (off > 0.05).then(|| format!("{motion:?} {:?}: {predicted:?}, {measured:?}", basin.boundary)))
+    });
+    let compared: Vec<(bool, Option<String>)> = compared.collect();
+    let count = compared.iter().filter(|(compared, _)| *compared).count();
+    let wrong: Vec<String> = compared.into_iter().filter_map(|(_, wrong)| wrong).collect();
+    assert!(wrong.is_empty(), "{} of {count}\n{}", wrong.len(), wrong.join("\n"));
+    assert!(count >= 200, "{count}");
+}

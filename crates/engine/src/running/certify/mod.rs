@@ -26,7 +26,7 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use trochoid_graph::{CheckedGraph, Kind, NodeId};
+use trochoid_graph::{CheckedGraph, Kind, NodeId, Purpose};
 use trochoid_image::{Rgb, Window};
 
 /// Size of the tiles that are certified one by one.
@@ -62,7 +62,7 @@ impl<'g> Certifier<'g> {
     ) -> Result<Self, PlanError> {
         // Folded constants have already been rounded; here the error of every operation counts.
         let switches = Switches { demand: true, ..Switches::NONE };
-        let settings = Settings { switches, bounds: true, tile: None, ..settings.clone() };
+        let settings = Settings { switches, purpose: Purpose::Bounds, tile: None, ..settings.clone() };
         Ok(Self { plan: Plan::new(graph, outputs, frame, bound, &settings)? })
     }
 

@@ -109,7 +109,7 @@ impl<'p> Fills<'p> {
         let views = SharingView::of(fills, &by_slot);
         let extents = extents(plan, ready, fills);
         let picture = plan.graph.format().window();
-        let bounding = plan.settings.bounds;
+        let bounding = plan.settings.bounds();
         let image = |fill: &Fill, feeds: &Vec<Feed>| {
             let extent = match feeds.iter().find(|feed| **feed != Feed::Nothing) {
                 Some(Feed::Slot(slot)) => extents.get(&slot.node),
@@ -391,7 +391,7 @@ impl<'p> Fills<'p> {
         let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(None) };
         let cancelled = || self.monitor.cancelled();
         let block = Block::of(window, sample.offset);
-        if self.plan.settings.bounds {
+        if self.plan.settings.bounds() {
             let exact = self.plan.settings.exact == Some(state.fill.node);
             let found = match sample.index {
                 0 if self.sharing => Found::Now,

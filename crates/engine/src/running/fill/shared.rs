@@ -155,7 +155,7 @@ impl<'p> Fills<'p> {
             let state = &self.fills[index];
             let planes = SHARING_CHANNELS.map(|channel| &state.planes[0][channel as usize][..]);
             view.compare(sample, state.window, planes);
-            if self.plan.settings.bounds {
+            if self.plan.settings.bounds() {
                 let behind = state.planes[0].len() / 2;
                 let bounds = SHARING_CHANNELS.map(|channel| &state.planes[0][behind + channel as usize][..]);
                 view.doubt(sample, planes, bounds);
@@ -225,7 +225,7 @@ impl<'p> Fills<'p> {
                 indices.push(first + x);
                 pixels.push([window.x0 + x as i64, y]);
             }
-            if self.plan.settings.bounds {
+            if self.plan.settings.bounds() {
                 let pixels = (window.x0..window.x1).map(|x| [x, y]);
                 doubtful.extend(pixels.filter(|pixel| asked.iter().any(|view| view.is_doubtful(*pixel))));
             }
@@ -284,7 +284,7 @@ impl<'p> Fills<'p> {
             })
             .collect();
         let cancelled = || self.monitor.cancelled();
-        if self.plan.settings.bounds {
+        if self.plan.settings.bounds() {
             let exact = self.plan.settings.exact == Some(state.fill.node);
             let before = Found::Before(None);
             let (none, _) = fill_with_bounds(&*ready.prepared, exact, &block, &ports, &cancelled, before, outputs)?;

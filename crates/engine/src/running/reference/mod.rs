@@ -13,7 +13,7 @@ use crate::{Cache, EvalError, Monitor, Plan, PlanError, Settings, Silent, Switch
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
-use trochoid_graph::{Body, CheckedGraph, Kind, NodeId, Reference, References, Source};
+use trochoid_graph::{Body, CheckedGraph, Kind, NodeId, Purpose, Reference, References, Source};
 use trochoid_image::{Shading, Window};
 
 /// A frame whose outputs can be evaluated in f64 at any pixel.
@@ -77,7 +77,7 @@ impl<'g> ReferenceFrame<'g> {
         monitor: &dyn Monitor,
     ) -> Result<Self, ReferenceError> {
         let mut plan = Self::plan(graph, outputs, frame, Settings::default().memory_limit)?;
-        plan.settings.bounds = true;
+        plan.settings.purpose = Purpose::Bounds;
         Self::of(plan, cache, monitor)
     }
 
@@ -99,7 +99,8 @@ impl<'g> ReferenceFrame<'g> {
         frame: i64,
         memory_limit: u64,
     ) -> Result<Plan<'g>, ReferenceError> {
-        let settings = Settings { switches: Switches::NONE, memory_limit, ..Settings::default() };
+        let purpose = Purpose::References;
+        let settings = Settings { switches: Switches::NONE, memory_limit, purpose, ..Settings::default() };
         Ok(Plan::new(graph, outputs, frame, &[], &settings)?)
     }
 

@@ -1,8 +1,10 @@
 //! Long-term numerical behavior of seas: predictions compared with measurements.
 
+mod errors;
 mod toon;
 mod waves;
 
+pub(crate) use errors::errors;
 pub(crate) use toon::toon;
 pub(crate) use waves::waves;
 

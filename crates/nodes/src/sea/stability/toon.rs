@@ -3,11 +3,13 @@
 use super::{duration, figure};
 use trochoid_graph::{Figure, Relation, Stability, StabilityMap, Verdict};
 use trochoid_sea::toon::{
-    Basin, Boundary, Forecast, LITERAL_HZ, LevelDrift, Mixing, Motion, Physics, Probe, ToonSea, Transient, Trial,
+    Basin, Boundary, Decay, Forecast, LITERAL_HZ, LevelDrift, Mixing, Motion, Physics, Probe, ToonSea, Transient, Trial,
 };
 
 /// Number of steps for which a level sea is held.
 const DRIFT_STEPS: u64 = 1_000_000;
+/// Logarithm of the growth per step below which the rounding of heights hides it.
+const LEAST_GROWTH: f64 = 2e-5;
 /// Number of points of the map along each axis.
 const MAP: usize = 280;
 /// Ranges of c₁ and c₂ on the map: the whole stable region of every grid, with a margin.
@@ -26,33 +28,46 @@ pub(crate) fn toon(sea: &ToonSea) -> Stability {
         Forecast { radius, .. } if radius < 1.0 - 1e-12 => Verdict::Stable,
         _ => Verdict::Bounded,
     };
-    let explanation = explanation(sea, &forecast, verdict);
+    let stored = Decay::predicted(motion, basin);
+    let explanation = explanation(sea, &stored, verdict);
     let map = match motion {
         Motion::Literal(mixing) | Motion::Resampled { mixing, .. } => Some(map(*mixing, basin)),
         Motion::Physical { .. } => None,
     };
-    Stability { verdict, explanation, figures: figures(sea, &forecast), map }
+    Stability { verdict, explanation, figures: figures(sea, &forecast, &stored), map }
 }
 
 fn cells(basin: &Basin) -> String {
     format!("{} × {} cells", basin.columns, basin.rows)
 }
 
-fn explanation(sea: &ToonSea, forecast: &Forecast, verdict: Verdict) -> Vec<String> {
+fn explanation(sea: &ToonSea, stored: &Decay, verdict: Verdict) -> Vec<String> {
     let (motion, basin) = (sea.motion(), sea.basin());
     let rate = motion.rate();
     let mut explanation = vec![match verdict {
         Verdict::Stable => format!(
             "Every wave dies away: the slowest loses half in {:.3} steps ({}), and is down to a thousandth in {:.1}.",
-            forecast.half_life,
-            duration(forecast.half_life / rate),
-            forecast.half_life * libm::log2(1000.0),
+            stored.half_life,
+            duration(stored.half_life / rate),
+            stored.half_life * libm::log2(1000.0),
         ),
         Verdict::Bounded => "No wave grows, but at least one never dies away, so what bursts add to it stays.".into(),
         Verdict::Unstable | Verdict::ClosedForm => {
             "Once bursts push the level of the sea, it drifts without limit: set damping or frequency above 0.".into()
         }
     }];
+    // Below this, the level would double in longer than any animation.
+    const GROWS: f64 = 1e-12;
+    if stored.growth > GROWS && verdict != Verdict::Unstable {
+        let doubles = std::f64::consts::LN_2 / stored.growth;
+        explanation.push(format!(
+            "As 32-bit floats hold its coefficients, a wave that should stay grows by {:.1e} a step, and doubles in {:.1e} \
+             steps ({}).",
+            stored.growth,
+            doubles,
+            duration(doubles / rate),
+        ));
+    }
     match motion {
         Motion::Literal(mixing) | Motion::Resampled { mixing, .. } => {
             let [[low1, high1], [low2, high2]] = mixing.limits(basin);
@@ -80,13 +95,17 @@ fn explanation(sea: &ToonSea, forecast: &Forecast, verdict: Verdict) -> Vec<Stri
     explanation
 }
 
-fn figures(sea: &ToonSea, forecast: &Forecast) -> Vec<Figure> {
+fn figures(sea: &ToonSea, forecast: &Forecast, stored: &Decay) -> Vec<Figure> {
     let (motion, basin) = (sea.motion(), sea.basin());
     let probe = Probe::new(motion, basin);
     let small = Forecast::new(motion, probe.basin());
     let (trial, transient) = (Trial::new(motion, basin), Transient::new(motion, basin));
+    let (slowest, run) = (Decay::predicted(motion, probe.basin()), Decay::measured(motion, probe.basin()));
     let drifting = LevelDrift::new(motion, &probe, DRIFT_STEPS);
-    let decides = forecast.half_life > 0.5 && forecast.half_life < 400.0;
+    // A run of 4000 steps shows only what has died away by then.
+    let decides = stored.half_life > 0.5 && stored.half_life < 400.0;
+    // Below this growth, what rounding does to heights decides.
+    let grows = slowest.growth.is_finite() && slowest.growth.abs() > LEAST_GROWTH;
     let mut figures = vec![
         Figure {
             predicted: Some(forecast.eigenvalues[0]),
@@ -111,16 +130,23 @@ fn figures(sea: &ToonSea, forecast: &Forecast) -> Vec<Figure> {
             ..figure("spectral_radius_small", "  the same on a small grid", "")
         },
         Figure {
-            predicted: Some(forecast.half_life),
-            measured: Some(trial.half_life),
-            relation: if decides { Relation::Near(0.05) } else { Relation::Unrelated },
+            predicted: Some(stored.half_life),
+            measured: decides.then_some(trial.half_life),
+            relation: Relation::Near(0.05),
             note: format!("{} f32 steps of {}", trial.steps, cells(&trial.basin)),
             ..figure("half_life", "half-life", "steps")
         },
         Figure {
+            predicted: Some(slowest.growth),
+            measured: grows.then_some(run.growth),
+            relation: Relation::Near(0.05),
+            note: format!("{} f32 steps, {}", run.steps, cells(probe.basin())),
+            ..figure("growth_small", "  growth on a small grid, log", "")
+        },
+        Figure {
             predicted: Some(modal_gain(motion, basin)),
             measured: Some(transient.gain),
-            relation: if basin.boundary == Boundary::Fixed { Relation::Unrelated } else { Relation::AtLeast },
+            relation: if basin.boundary == Boundary::Fixed { Relation::Unrelated } else { Relation::AtLeast(1e-6) },
             note: format!("one wave; all within ±1 m, at step {}", transient.step),
             ..figure("transient_gain", "worst transient gain", "")
         },

@@ -126,7 +126,7 @@ fn folds(sea: &Sea, explanation: &mut Vec<String>, figures: &mut Vec<Figure>) {
             predicted: proved.then(|| fold.jacobian_infimum()),
             measured: Some(least),
             // The slack covers strains, which are f32.
-            relation: if proved { Relation::AtLeast } else { Relation::Unrelated },
+            relation: if proved { Relation::AtLeast(0.0) } else { Relation::Unrelated },
             note: format!("{samples} points at {} times{}", TIMES.len(), if proved { "; a bound" } else { "" }),
             ..figure("jacobian", "least det J", "")
         },

@@ -1,15 +1,14 @@
 //! A toon sea at a frame, and the simulations shared by frames.
 
+use super::exact::ExactSea;
 use crate::view::SurfaceHandle;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use trochoid_graph::{Handle, NodeError, Prepare, Prepared, Reference, References};
-use trochoid_scene::GridSurface;
-use trochoid_sea::toon::{DriftPhases, Simulation, ToonFrame, ToonSea, TrailFields, reference};
+use trochoid_scene::{GridSurface, Number};
+use trochoid_sea::toon::{DriftPhases, Simulation, ToonFrame, ToonSea, TrailFields};
 
-const RIFT: TrailFields = TrailFields { rift: true, drift: false };
-const DRIFT: TrailFields = TrailFields { rift: false, drift: true };
-/// Everything a view can request from the sea.
-const ALL: TrailFields = TrailFields { rift: true, drift: true };
+pub(super) const RIFT: TrailFields = TrailFields { rift: true, drift: false };
+pub(super) const DRIFT: TrailFields = TrailFields { rift: false, drift: true };
 
 /// Trails at a given time, computed on request.
 struct Trails {
@@ -45,6 +44,7 @@ impl Trails {
 }
 
 /// Position of the grid.
+#[derive(Clone, Copy)]
 pub(crate) struct GridLayout {
     pub(crate) columns: usize,
     pub(crate) spacing: f64,
@@ -53,14 +53,7 @@ pub(crate) struct GridLayout {
 }
 
 impl GridLayout {
-    fn exact(&self, frame: reference::Reference, scale: f64) -> SurfaceHandle {
-        let single = |values: Vec<f64>, scale: f64| values.into_iter().map(|value| (value * scale) as f32).collect();
-        let rift = single(frame.rift, 1.0);
-        let drift = frame.drift.map(|values| single(values, scale));
-        Arc::new(self.grid(single(frame.height, 1.0)).with_trails(|| rift, || drift))
-    }
-
-    fn grid(&self, heights: Vec<f32>) -> GridSurface {
+    pub(super) fn grid<T: Number>(&self, heights: Vec<T>) -> GridSurface<T> {
         GridSurface::new(heights, self.columns, self.spacing, self.origin, self.level)
     }
 }
@@ -91,12 +84,10 @@ impl Simulations {
 
 pub(crate) struct PreparedToonSea {
     surface: SurfaceHandle,
-    sea: ToonSea,
-    time: f64,
-    layout: GridLayout,
+    cells: usize,
     simulations: Simulations,
-    /// The same surface from the f64 simulation, computed when a reference is first requested.
-    reference: OnceLock<SurfaceHandle>,
+    /// The f64 runs from which references take their surface.
+    exact: Arc<ExactSea>,
 }
 
 impl PreparedToonSea {
@@ -125,9 +116,11 @@ impl PreparedToonSea {
             Err(_) => sea.simulate(TrailFields::default()).at(time).height.to_vec(),
         };
         let simulations = Simulations { heights: simulation, trails: [rift.shared.clone(), drift.shared.clone()] };
-        let surface: SurfaceHandle =
-            Arc::new(layout.grid(heights).with_trails(move || rift.rift(), move || drift.drift()));
-        Ok(Self { surface, sea, time, layout, simulations, reference: OnceLock::new() })
+        let exact = Arc::new(ExactSea::new(&sea, layout, prepare)?);
+        let make = exact.clone();
+        let surface = layout.grid(heights).with_trails(move || rift.rift(), move || drift.drift());
+        let surface = surface.with_exact(move |wanted, stop| make.surface(wanted, stop));
+        Ok(Self { surface: Arc::new(surface), cells: sea.basin().cells(), simulations, exact })
     }
 }
 
@@ -137,13 +130,10 @@ impl Prepared for PreparedToonSea {
     }
 
     fn reference(&self, _inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
-        let surface = self.reference.get_or_init(|| {
-            self.layout.exact(reference::frame(&self.sea, self.time, ALL), self.sea.behavior().drift.scale())
-        });
-        Ok(vec![Reference::Handle(Arc::new(surface.clone()))])
+        Ok(vec![Reference::Handle(Arc::new(self.surface.clone()))])
     }
 
     fn bytes(&self) -> usize {
-        self.sea.basin().cells() * size_of::<f32>() + self.simulations.bytes()
+        self.cells * size_of::<f32>() + self.simulations.bytes() + self.exact.bytes()
     }
 }

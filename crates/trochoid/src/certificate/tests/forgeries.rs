@@ -90,6 +90,44 @@ impl Forgery {
     }
 }
 
+/// A toon sea whose bursts are `HEIGHT` high, seen by rays and baked.
+const TOON: &str = r##"{ "trochoid": 1, "format": { "width": 24, "height": 16 },
+  "nodes": {
+    "camera": { "type": "Camera", "position": [4, 6, 14], "target": [4, 0, 3], "fov": 50 },
+    "sea": { "type": "ToonSea", "columns": 24, "rows": 20, "spacing": 0.4, "preroll": 300, "bursts": [
+      { "path": [1, 1, 3, 6, 6, 2, 8, 6], "height": HEIGHT, "along": 1.5, "across": 2 } ] },
+    "view": { "type": "Render", "camera": "camera", "surfaces": ["sea"], "points": "exact" },
+    "high": { "type": "Height", "view": "view" },
+    "foam": { "type": "Rift", "view": "view" },
+    "bake": { "type": "Bake", "sea": "sea", "width": 9, "depth": 7 }
+  },
+  "outputs": {
+    "high": { "field": "high", "file": "high.exr", "precision": "float" },
+    "foam": { "field": "foam", "file": "foam.exr", "precision": "float" },
+    "bake": { "field": "bake.height", "file": "bake.exr", "precision": "float" },
+    "normal": { "field": "bake.normal", "file": "normal.exr", "precision": "float" } } }"##;
+
+/// Pictures of a simulation that is off by a hundred-thousandth, with certificates that are true of it, are not those of
+/// the document; those of the simulation itself are.
+#[test]
+fn a_disturbed_simulation_is_detected() {
+    let toon = |height: &str| Studio::new(&TOON.replace("HEIGHT", height));
+    let (honest, disturbed) = (toon("3"), toon("3.00003"));
+    let images = honest.make(1);
+    for (image, other) in images.iter().zip(disturbed.make(1)) {
+        let name = image.file_name().and_then(|name| name.to_str()).expect("a name");
+        assert_eq!(failures(&certificate_of(image), image), Vec::<String>::new(), "{name}");
+        let certificate = Certificate::read(&certificate_of(image)).expect("read").expect("sealed");
+        let all = &certificate.outputs[0].error.channels[0].clear;
+        let bound = all.max.as_ref().expect("bounded").bound;
+        assert!(bound < 4e-6 && all.bounded > 90, "{name}: {bound:e} of {}", all.bounded);
+        let mut forgery = Forgery::of(&honest, image);
+        forgery.image = StoredImage::read(&other).expect("read");
+        let (certificate, image) = forgery.seal(&honest);
+        assert!(!failures(&certificate, &image).is_empty(), "{name}");
+    }
+}
+
 /// A way to forge: a name, the image, and the change.
 type Way = (&'static str, &'static str, fn(&mut Forgery));
 
