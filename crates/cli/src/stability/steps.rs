@@ -91,13 +91,14 @@ fn plot(panel: &Area<'_>, group: &StepErrorGroup, errors: &StepErrors) -> Result
     for (index, (row, color)) in group.rows.iter().zip(COLORS).enumerate() {
         let y = TITLE + LINE * index as i32 + LINE / 2;
         legend.draw(&PathElement::new([(28, y), (62, y)], color.stroke_width(3)))?;
-        legend.draw(&Text::new(row.name.clone(), (72, y - 10), font(18)))?;
+        legend.draw(&Text::new(row.name.clone(), (72, y - 5), font(18)))?;
     }
     let all = group.rows.iter().flat_map(|row| &row.errors).copied();
     let most = all.fold(1e-6_f64, f64::max);
     let first = errors.steps.first().map_or(1.0, |steps| *steps as f64);
     let last = errors.steps.last().map_or(10.0, |steps| *steps as f64).max(2.0 * first);
     let mut chart = ChartBuilder::on(&sub)
+        .margin_left(16)
         .margin_right(30)
         .margin_top(8)
         .x_label_area_size(60)
@@ -110,7 +111,7 @@ fn plot(panel: &Area<'_>, group: &StepErrorGroup, errors: &StepErrors) -> Result
         .axis_style(INK)
         .label_style(font(16))
         .axis_desc_style(font(19))
-        .x_desc("steps")
+        .x_desc("steps from rest, as in a preroll")
         .y_desc("error")
         .x_labels(6)
         .y_labels(8)

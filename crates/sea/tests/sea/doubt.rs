@@ -101,7 +101,7 @@ fn held(sea: &ToonSea, mixing: Mixing, literal: u64) -> Result<f64, String> {
     let found = format!("{:?} {mixing:?}, {preroll}: {far:e} of {doubt:?}", sea.basin());
     let size = height.iter().fold(1.0_f64, |most, height| most.max(height.abs()));
     // Where roots of modulus 1 nearly meet, little is certain.
-    if far > doubt.height || picture > between + doubt.height || !(doubt.height < 1e-2 * size) {
+    if far > doubt.height || picture > between + doubt.height || doubt.height >= 1e-2 * size {
         return Err(found);
     }
     Ok(far / doubt.height)

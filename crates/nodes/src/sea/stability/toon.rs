@@ -71,12 +71,15 @@ fn explanation(sea: &ToonSea, stored: &Decay, verdict: Verdict) -> Vec<String> {
     match motion {
         Motion::Literal(mixing) | Motion::Resampled { mixing, .. } => {
             let [[low1, high1], [low2, high2]] = mixing.limits(basin);
+            let margin = match mixing.margin(basin) {
+                none if none < 1e-12 => "any size".into(),
+                small if small < 1e-3 => format!("{small:.1e}"),
+                margin => format!("{margin:.4}"),
+            };
             explanation.push(format!(
                 "It becomes unstable with c1 outside {low1:.4} to {high1:.4} at c2 {}, with c2 outside {low2:.4} to \
-                 {high2:.4} at c1 {}, or with a change of {:.4} in the worst direction.",
-                mixing.c2,
-                mixing.c1,
-                mixing.margin(basin),
+                 {high2:.4} at c1 {}, or with a change of {margin} in the worst direction.",
+                mixing.c2, mixing.c1,
             ));
             if mixing.c1 > 0.0 {
                 let Physics { speed, damping, frequency, .. } = mixing.continuum(basin.spacing);
@@ -141,7 +144,7 @@ fn figures(sea: &ToonSea, forecast: &Forecast, stored: &Decay) -> Vec<Figure> {
             measured: grows.then_some(run.growth),
             relation: Relation::Near(0.05),
             note: format!("{} f32 steps, {}", run.steps, cells(probe.basin())),
-            ..figure("growth_small", "  growth on a small grid, log", "")
+            ..figure("growth_small", "  ln of growth on a small grid", "")
         },
         Figure {
             predicted: Some(modal_gain(motion, basin)),
@@ -163,14 +166,15 @@ fn figures(sea: &ToonSea, forecast: &Forecast, stored: &Decay) -> Vec<Figure> {
             ..figure("explicit_radius", "  growth if explicit", "")
         });
     }
+    // Each step rounds by 2⁻²⁴, and errors accumulate for as long as a step is remembered.
+    let bounded = (forecast.radius < 1.0 - 1e-6)
+        .then(|| transient.gain.max(1.0) * 4.0 / f64::from(1u32 << 24) / (1.0 - forecast.radius));
     figures.extend([
         Figure {
-            // Each step rounds by 2⁻²⁴, and errors accumulate for as long as a step is remembered.
-            predicted: (forecast.radius < 1.0 - 1e-6)
-                .then(|| transient.gain.max(1.0) * 4.0 / f64::from(1u32 << 24) / (1.0 - forecast.radius)),
+            predicted: bounded,
             measured: Some(drifting.drift),
             relation: Relation::AtMost,
-            note: "a sea held level in f32; a bound".into(),
+            note: if bounded.is_some() { "a sea held level in f32; a bound" } else { "a sea held level in f32" }.into(),
             ..figure("drift", "drift over 10⁶ steps", "")
         },
         Figure {
