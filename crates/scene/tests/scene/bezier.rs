@@ -254,8 +254,8 @@ fn agreement(camera: &Camera, surface: &dyn Surface, tolerance: f64) -> f64 {
     for index in (0..80 * 60).step_by(7) {
         let at = |channel: Channel| f64::from(samples.channel(channel)[index]);
         let vector = |channels: [Channel; 3]| DVec3::from(channels.map(at));
-        let hit =
-            reference::trace(camera, &[surface], format, (index % 80) as f64 + 0.5, (index / 80) as f64 + 0.5).unwrap();
+        let hit = reference::trace(camera, &[surface], format, (index % 80) as f64 + 0.5, (index / 80) as f64 + 0.5)
+            .expect("a first point");
         all += 1;
         good += usize::from(match hit {
             None => at(Channel::Coverage) == 0.0,

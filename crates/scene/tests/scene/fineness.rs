@@ -44,7 +44,8 @@ fn off(surface: &dyn Surface, fineness: f64) -> f64 {
         let Some(point) = point else { continue };
         errors.push((f64::from(samples.channel(Channel::Depth)[index]) - point.depth).abs());
         if index % 97 == 0 {
-            let truth = reference::trace(&camera, &[surface], format, *x as f64 + 0.5, *y as f64 + 0.5).unwrap();
+            let truth =
+                reference::trace(&camera, &[surface], format, *x as f64 + 0.5, *y as f64 + 0.5).expect("a first point");
             let same = truth.is_some_and(|truth| (truth.position - point.position).length() < 1e-7);
             // Where a crest hides another one by less than the error of the mesh, the other one may be found.
             assert!(same || errors[errors.len() - 1] > 1e-3, "({x}, {y}): {point:?} should be {truth:?}");
