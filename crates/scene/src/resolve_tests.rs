@@ -46,7 +46,7 @@ fn plain(visible: &Visible, number: u64, pixel: [f64; 2]) -> [f32; Channel::ALL.
     set(Channel::Height, height);
     if !mesh.normals.is_empty() {
         let normal = DVec3::from_array([0, 1, 2].map(|axis| blend_of(&|vertex| mesh.normals[vertex][axis])));
-        set(Channel::Jacobian, if mesh.displaced { normal.y } else { 1.0 });
+        set(Channel::Jacobian, 1.0);
         let normal = if outer == mesh.inside { -unit_or_up(normal) } else { unit_or_up(normal) };
         set(Channel::NormalX, normal.x);
         set(Channel::NormalY, normal.y);
@@ -136,10 +136,10 @@ impl Random {
             slope_variances,
             trails,
             level: 0.25,
-            displaced: has(1) && has(2),
             inside: has(64),
             tolerance: None,
             topology: Topology::Triangles(triangles),
+            between: Between::Triangles,
         }
     }
 }
