@@ -105,8 +105,8 @@ fn figures(sea: &ToonSea, forecast: &Forecast, stored: &Decay) -> Vec<Figure> {
     let (trial, transient) = (Trial::new(motion, basin), Transient::new(motion, basin));
     let (slowest, run) = (Decay::predicted(motion, probe.basin()), Decay::measured(motion, probe.basin()));
     let drifting = LevelDrift::new(motion, &probe, DRIFT_STEPS);
-    // A run of 4000 steps shows only what has died away by then.
-    let decides = stored.half_life > 0.5 && stored.half_life < 400.0;
+    // A run of 4000 steps shows only what has died away by then, to 1e-26; what swings slowly needs all of that.
+    let decides = stored.half_life > 0.5 && stored.half_life < 46.0;
     // Below this growth, what rounding does to heights decides.
     let grows = slowest.growth.is_finite() && slowest.growth.abs() > LEAST_GROWTH;
     let mut figures = vec![
