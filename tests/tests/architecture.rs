@@ -30,9 +30,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "trochoid-io",
         ],
     ),
+    ("trochoid-kernel", &["trochoid-graph", "trochoid-jit", "trochoid-memory", "trochoid-weights"]),
     (
         "trochoid-engine",
-        &["trochoid-graph", "trochoid-image", "trochoid-jit", "trochoid-key", "trochoid-memory", "trochoid-weights"],
+        &["trochoid-graph", "trochoid-image", "trochoid-kernel", "trochoid-key", "trochoid-memory", "trochoid-weights"],
     ),
     (
         "trochoid",

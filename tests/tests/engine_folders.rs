@@ -8,10 +8,9 @@ use std::collections::BTreeMap;
 const FOLDERS: &[(&str, &[&str])] = &[
     ("settings", &[]),
     ("rules", &[]),
-    ("kernel", &["rules"]),
-    ("judge", &["kernel", "settings"]),
-    ("planning", &["judge", "kernel", "rules", "settings"]),
-    ("running", &["judge", "kernel", "planning", "rules", "settings"]),
+    ("judge", &["settings"]),
+    ("planning", &["judge", "rules", "settings"]),
+    ("running", &["judge", "planning", "rules", "settings"]),
 ];
 
 /// Returns source text without comments and string contents.
@@ -151,10 +150,10 @@ fn a_planted_import_is_found() {
         assert!(found("planning/plan.rs", planted), "not found: {planted}");
     }
     assert!(found("planning/deep/file.rs", "use super::super::super::running::tile::Worker;"));
-    assert!(found("kernel/run.rs", "use crate::planning::plan::Pass;"));
+    assert!(found("rules/error.rs", "use crate::planning::plan::Pass;"));
     assert!(found("elsewhere.rs", ""));
     for sound in [
-        "use super::plan::Pass;\nuse crate::kernel::{Chunks, Machine};\nuse crate::{Settings, Plan};",
+        "use super::plan::Pass;\nuse crate::rules::{error, interval};\nuse crate::{Settings, Plan};",
         "//! As [`EvalError`](crate::EvalError).\n/// crate::running::run\npub(super) fn f() {} // crate::running",
         "const _: &str = \"crate::running::run\";",
     ] {

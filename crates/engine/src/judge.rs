@@ -1,9 +1,9 @@
 //! Checks finished pixels against the convex hull of their palette.
 
 use crate::Judging;
-use crate::kernel::Range;
 use std::sync::Arc;
 use trochoid_image::Rgb;
+use trochoid_kernel::Range;
 use trochoid_weights::{Audit, BoxHull, Hull};
 
 /// Sampled judging checks one row in this many.

@@ -6,12 +6,11 @@
 //! out; [`Plan::evaluate`] returns a [`Frame`]. The output is bit-identical for every tile size, number of threads,
 //! and switch of [`Switches`]. [`ReferenceFrame`] is the slow f64 evaluator against which everything is checked.
 //!
-//! Data flows one way: `planning` makes plans, `running` executes them. Both build on `kernel`, which compiles
-//! programs and runs them over chunks of samples, and on `rules`, which derive further facts about each operation
-//! (interval, error, blame and variance).
+//! Data flows one way: `planning` makes plans, `running` executes them. Both build on the crate `trochoid-kernel`,
+//! which compiles programs and runs them over chunks of samples, and on `rules`, which derive further facts about
+//! each operation (interval, error and blame).
 
 mod judge;
-mod kernel;
 mod planning;
 mod rules;
 mod running;

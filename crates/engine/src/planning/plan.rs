@@ -3,11 +3,11 @@
 use super::planner::Planner;
 use super::shading::ViewsByNode;
 use crate::judge::Judge;
-use crate::kernel::CompiledProgram;
 use crate::{Account, LeftOut, Settings};
 use std::sync::{Arc, OnceLock};
 use trochoid_graph::{CheckedGraph, FrameContext, Key, Kind, NodeId, PortId, Program, Settled, Slot, Variance};
 use trochoid_image::Window;
+use trochoid_kernel::CompiledProgram;
 
 /// Why a plan cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -6,12 +6,12 @@ use super::plan::{Feed, Fill, Pass};
 use super::planner::Planner;
 use super::shading::{SHARING_CHANNELS, ViewsByNode};
 use crate::Switches;
-use crate::kernel::{CompiledProgram, Options, Origin, ValueRule, compile};
 use std::collections::{HashMap, HashSet};
 use trochoid_graph::{
     Channel, ChannelSet, Kind, NodeId, Op, PortId, Program, Rate, Settled, Slot, Source, Stage, Variance, literal,
 };
 use trochoid_image::Shading;
+use trochoid_kernel::{CompiledProgram, Options, Origin, ValueRule, compile};
 
 /// Channels that stages have to fill.
 #[derive(Default)]

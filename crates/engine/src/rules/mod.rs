@@ -6,4 +6,3 @@ pub(crate) mod blame;
 pub(crate) mod error;
 pub(crate) mod evaluate;
 pub(crate) mod interval;
-pub(crate) mod variance;

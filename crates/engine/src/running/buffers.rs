@@ -1,11 +1,11 @@
 //! Buffers of the caller that replace nodes.
 
 use super::buffer_fault::{BufferFault, rule};
-use crate::kernel::Plane;
 use crate::{EvalError, Plan};
 use std::collections::HashMap;
 use trochoid_graph::{Kind, Slot};
 use trochoid_image::Window;
+use trochoid_kernel::Plane;
 use trochoid_weights::sums;
 
 /// The caller's f32 buffers by node name, one slice per channel.

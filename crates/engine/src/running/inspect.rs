@@ -4,13 +4,13 @@ use super::fill::Fills;
 use super::memory::Pictures;
 use super::prepare::prepare;
 use super::run::programs;
-use crate::kernel::Chunks;
 use crate::rules::blame::blame;
 use crate::rules::evaluate::{Values, evaluate};
 use crate::{Buffers, Cache, EvalError, Monitor, Plan, Settings};
 use std::collections::HashMap;
 use trochoid_graph::{NodeId, Op, Program, Purpose, Slot};
 use trochoid_image::Window;
+use trochoid_kernel::Chunks;
 
 /// A pixel and the controls that it is mixed from.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,10 +1,10 @@
 //! Evaluates batches of shading samples, for renderers that shade points instead of images.
 
 use super::buffer_fault::BufferFault;
-use crate::kernel::{Chunks, Machine, Plane};
 use crate::{Buffers, EvalError, Plan, PlanError, Settings};
 use std::collections::BTreeMap;
 use trochoid_graph::{CheckedGraph, Kind, NodeId};
+use trochoid_kernel::{Chunks, Machine, Plane};
 use trochoid_weights::sums;
 
 /// An output's pointwise program with every front-end node bound to a buffer of the caller.

@@ -7,7 +7,6 @@ use super::memory::Pictures;
 use super::prepare::{PreparedStage, prepare};
 use super::tile::{Evaluation, Worker};
 use crate::judge::Judge;
-use crate::kernel::{Chunks, CompiledProgram, WeightAudit};
 use crate::planning::plan::{Feed, Pass, PlannedOutput};
 use crate::{Buffers, Cache, EvalError, Monitor, Plan};
 use std::collections::HashMap;
@@ -16,6 +15,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use trochoid_graph::{Guarantee, Kind, NodeId, Omission, PortId, Prepared, Source, Variance};
 use trochoid_image::{Plane, Window};
+use trochoid_kernel::{Chunks, CompiledProgram, WeightAudit};
 use trochoid_weights::{Audit, BoxHull, HullBuilder};
 
 /// Takes finished rows, instead of planes in memory.

@@ -5,7 +5,6 @@ use super::fill::Fills;
 use super::keep::PlaneKeeper;
 use super::prepare::PreparedStage;
 use crate::judge::{Judge, is_judged, nan_count};
-use crate::kernel::{Chunk, Look, Machine, Plane, WeightAudit};
 use crate::planning::plan::{Pass, Sample};
 use crate::{Buffers, EvalError, Monitor, Plan};
 use std::collections::HashMap;
@@ -13,6 +12,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use trochoid_graph::NodeId;
 use trochoid_image::Window;
+use trochoid_kernel::{Chunk, Look, Machine, Plane, WeightAudit};
 use trochoid_memory::{Target, write_around};
 use trochoid_weights::Audit;
 

@@ -1,10 +1,10 @@
 //! Broken kernels must be noticed: a report of zeros proves nothing unless other reports are possible.
 
 use super::nodes::registry;
-use crate::kernel::Fault;
 use crate::{Buffers, Cache, Frame, Plan, ReferenceFrame, Settings, Silent, Switches};
 use std::path::Path;
 use trochoid_graph::{CheckedGraph, Document, check};
+use trochoid_kernel::Fault;
 
 const DOCUMENT: &str = r##"{
   "trochoid": 1,

@@ -1,7 +1,6 @@
 //! Tests the rules of every operation against what the operation computes.
 
 use crate::Instructions;
-use crate::kernel::{Options, Origin, Plane, compile};
 use crate::planning::bounds::BOUNDS;
 use crate::rules::interval::{Bounds, Interval, interval};
 use crate::running::certify::Trace;
@@ -9,6 +8,7 @@ use crate::running::inspect::Inspection;
 use proptest::prelude::*;
 use std::collections::HashMap;
 use trochoid_graph::{Bound, Color, NodeId, Op, Partition, Program, Scalar, Slot, Type, Variance};
+use trochoid_kernel::{Options, Origin, Plane, compile};
 
 const NODE: NodeId = NodeId(0);
 

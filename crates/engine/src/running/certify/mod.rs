@@ -15,7 +15,6 @@ use tally::CertifiedTile;
 pub use tally::{Certified, Distribution};
 pub(crate) use trace::Trace;
 
-use crate::kernel::Chunks;
 use crate::planning::bounds::BOUNDS;
 use crate::planning::plan::{Pass, PlannedOutput};
 use crate::running::fill::Fills;
@@ -28,6 +27,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use trochoid_graph::{CheckedGraph, Kind, NodeId, Purpose};
 use trochoid_image::{Rgb, Window};
+use trochoid_kernel::Chunks;
 
 /// Size of the tiles that are certified one by one.
 const TILE: (usize, usize) = (128, 32);

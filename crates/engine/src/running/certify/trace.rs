@@ -1,11 +1,11 @@
 //! Runs a program with bounds on the errors of everything that it computes: operation by operation, over chunks.
 
-use crate::kernel::{CHUNK, CompiledProgram, Origin, Plane, TakeRow};
 use crate::planning::bounds::BOUNDS;
 use crate::rules::error::{self, Fields, Known, Sum};
 use fearless_simd::Level;
 use std::collections::HashMap;
 use trochoid_graph::{Bound, Op, Slot, Type};
+use trochoid_kernel::{CHUNK, CompiledProgram, Origin, Plane, TakeRow};
 use trochoid_memory::{Kernel, Stream, dispatch};
 use trochoid_weights::arithmetic as a;
 

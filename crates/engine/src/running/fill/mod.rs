@@ -9,7 +9,6 @@ mod parts;
 mod runner;
 mod shared;
 
-use crate::kernel::{Chunk, CompiledProgram, Plane, WeightAudit};
 use crate::planning::plan::{Feed, Fill, Pass, Sample};
 use crate::planning::shading::SHARING_CHANNELS;
 use crate::running::certify::{Found, fill_with_bounds};
@@ -28,6 +27,7 @@ use trochoid_graph::{
     Block, Connection, Inputs, NoBound, NodeError, NodeId, Outputs, SharedResult, Slot, Stage, Variance,
 };
 use trochoid_image::Window;
+use trochoid_kernel::{Chunk, CompiledProgram, Plane, WeightAudit};
 
 /// All stages of a pass, with their planes over the current tile.
 pub(crate) struct Fills<'p> {

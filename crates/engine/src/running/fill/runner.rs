@@ -1,7 +1,7 @@
 //! Runs the pointwise program before a stage.
 
-use crate::kernel::{Chunk, CompiledProgram, Machine, Plane, TakeRow, WeightAudit};
 use crate::running::certify::Trace;
+use trochoid_kernel::{Chunk, CompiledProgram, Machine, Plane, TakeRow, WeightAudit};
 
 /// Runs the program alone, or with bounds on its errors.
 #[derive(Debug)]

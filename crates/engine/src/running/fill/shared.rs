@@ -2,7 +2,6 @@
 
 use super::runner::Runner;
 use super::{ConnectionPlanes, FillState, Fills, Taps};
-use crate::kernel::Plane;
 use crate::planning::plan::{Feed, Fill};
 use crate::planning::shading::SHARING_CHANNELS;
 use crate::running::certify::{Found, fill_with_bounds};
@@ -10,6 +9,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use trochoid_graph::{Block, Bound, Channel, Connection, Inputs, NodeError, NodeId, Outputs, Slot};
 use trochoid_image::{Shading, Window};
+use trochoid_kernel::Plane;
 
 /// What a view sees at the samples of the current tile.
 pub(super) struct SharingView {

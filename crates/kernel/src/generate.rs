@@ -1,36 +1,36 @@
 //! Generates instructions from steps: assigns chunks, chains colors through the accumulator, and folds mixes of
 //! constants into the instructions that read them.
 
-use super::audit::ValueRule;
-use super::code::{Code, ColorOperand, Instruction, Row};
-use super::order::{Order, Step};
+use crate::audit::ValueRule;
+use crate::code::{Code, ColorOperand, Instruction, Row};
+use crate::order::{Order, Step};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use trochoid_graph::{NodeId, Op, Type};
 
 /// Location of an operation's result.
 #[derive(Clone, Debug)]
-pub(super) enum Location {
+pub(crate) enum Location {
     Scalar(Row),
     Color(ColorOperand),
     Partition(Vec<Row>),
 }
 
 /// Input of code generation.
-pub(super) struct GeneratorInput<'a> {
-    pub(super) ops: &'a [(Op, NodeId)],
-    pub(super) roots: &'a [u32],
+pub(crate) struct GeneratorInput<'a> {
+    pub(crate) ops: &'a [(Op, NodeId)],
+    pub(crate) roots: &'a [u32],
     /// Values that are already computed: planes, and results of earlier code.
-    pub(super) given: HashMap<u32, Location>,
+    pub(crate) given: HashMap<u32, Location>,
     /// Whether to fold operations into each other; otherwise each one is an instruction.
-    pub(super) fuse: bool,
+    pub(crate) fuse: bool,
     /// Whether to run also what no root needs.
-    pub(super) everything: bool,
+    pub(crate) everything: bool,
     /// Planes to check against the rules of their kinds.
-    pub(super) checks: Vec<(u32, ValueRule)>,
+    pub(crate) checks: Vec<(u32, ValueRule)>,
 }
 
 /// Generates code.
-pub(super) fn generate(input: GeneratorInput<'_>) -> Code {
+pub(crate) fn generate(input: GeneratorInput<'_>) -> Code {
     let is_constant = |at: u32| matches!(input.ops[at as usize].0, Op::Constant(_) | Op::ConstantColor(_));
     let given = |at: u32| input.given.contains_key(&at) || is_constant(at);
     let mut wanted = input.roots.to_vec();

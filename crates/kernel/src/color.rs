@@ -1,7 +1,7 @@
 //! Mixes colors over a chunk; each source of a color is compiled into the loop.
 
-use super::audit::BitRange;
-use super::code::{CHUNK, Chunk};
+use crate::audit::BitRange;
+use crate::code::{CHUNK, Chunk};
 use fearless_simd::{Bytes, Simd, SimdBase, f32x16, mask32x16, u32x16};
 use trochoid_memory::{Stream, Target};
 
@@ -18,32 +18,32 @@ macro_rules! rgb {
         [r, g, b]
     }};
 }
-pub(super) use rgb;
+pub(crate) use rgb;
 
-pub(super) const LANES: usize = 16;
+pub(crate) const LANES: usize = 16;
 const VECTORS: usize = CHUNK / LANES;
 
-pub(super) type Lanes<S> = f32x16<S>;
+pub(crate) type Lanes<S> = f32x16<S>;
 
 #[inline(always)]
-pub(super) fn load<S: Simd>(simd: S, row: &[f32; CHUNK], i: usize) -> Lanes<S> {
+pub(crate) fn load<S: Stream>(simd: S, row: &[f32; CHUNK], i: usize) -> Lanes<S> {
     f32x16::from_slice(simd, &row[LANES * i..LANES * (i + 1)])
 }
 
 #[inline(always)]
-pub(super) fn splat<S: Simd>(simd: S, color: &[f32; 3]) -> [Lanes<S>; 3] {
+pub(crate) fn splat<S: Stream>(simd: S, color: &[f32; 3]) -> [Lanes<S>; 3] {
     rgb!(c => simd.splat_f32x16(color[c]))
 }
 
 /// A mask prepared for mixing: which end of the mix is nearer, and the distance from it.
 #[derive(Clone, Copy)]
-pub(super) struct PreparedMask<S: Simd> {
+pub(crate) struct PreparedMask<S: Stream> {
     near_a: mask32x16<S>,
     by: Lanes<S>,
 }
 
 #[inline(always)]
-pub(super) fn prepare_mask<S: Simd>(simd: S, t: Lanes<S>) -> PreparedMask<S> {
+pub(crate) fn prepare_mask<S: Stream>(simd: S, t: Lanes<S>) -> PreparedMask<S> {
     let near_a = simd.simd_lt_f32x16(t, simd.splat_f32x16(0.5));
     let by = simd.select_f32x16(near_a, t, simd.sub_f32x16(t, simd.splat_f32x16(1.0)));
     PreparedMask { near_a, by }
@@ -51,24 +51,32 @@ pub(super) fn prepare_mask<S: Simd>(simd: S, t: Lanes<S>) -> PreparedMask<S> {
 
 /// Does [`mix`](trochoid_weights::arithmetic::mix) lane by lane: the same operations in the same order.
 #[inline(always)]
-pub(super) fn mix<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>, t: PreparedMask<S>) -> Lanes<S> {
+pub(crate) fn mix<S: Stream>(simd: S, a: Lanes<S>, b: Lanes<S>, t: PreparedMask<S>) -> Lanes<S> {
     mix_with_difference(simd, a, b, simd.sub_f32x16(b, a), t)
 }
 
 /// Does the same with the difference known.
 #[inline(always)]
-pub(super) fn mix_with_difference<S: Simd>(
+pub(crate) fn mix_with_difference<S: Stream>(
     simd: S,
     a: Lanes<S>,
     b: Lanes<S>,
     difference: Lanes<S>,
     t: PreparedMask<S>,
 ) -> Lanes<S> {
-    simd.mul_add_precise_f32x16(t.by, difference, simd.select_f32x16(t.near_a, a, b))
+    let near = simd.select_f32x16(t.near_a, a, b);
+    if S::FUSED { simd.mul_add_precise_f32x16(t.by, difference, near) } else { mul_add(simd, t.by, difference, near) }
+}
+
+/// Adds a product, rounded once, without an instruction for that. It is long, and inlined into each mix, it would be
+/// half of all code of this crate.
+#[inline(never)]
+fn mul_add<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>, c: Lanes<S>) -> Lanes<S> {
+    simd.mul_add_precise_f32x16(a, b, c)
 }
 
 /// Source of a color in a mix.
-pub(super) trait MixOperand<S: Simd>: Copy {
+pub(crate) trait MixOperand<S: Stream>: Copy {
     /// Values that all three channels share.
     type Shared: Copy;
     /// Whether it reads the accumulator.
@@ -79,31 +87,31 @@ pub(super) trait MixOperand<S: Simd>: Copy {
 }
 
 #[derive(Clone, Copy)]
-pub(super) struct FromLast;
+pub(crate) struct FromLast;
 
 #[derive(Clone, Copy)]
-pub(super) struct FromRows<'a>(pub(super) [&'a [f32; CHUNK]; 3]);
+pub(crate) struct FromRows<'a>(pub(super) [&'a [f32; CHUNK]; 3]);
 
 #[derive(Clone, Copy)]
-pub(super) struct FromConstant<S: Simd>(pub(super) [Lanes<S>; 3]);
+pub(crate) struct FromConstant<S: Stream>(pub(super) [Lanes<S>; 3]);
 
 #[derive(Clone, Copy)]
-pub(super) struct FromPair<'a, S: Simd> {
+pub(crate) struct FromPair<'a, S: Stream> {
     from: [Lanes<S>; 3],
     to: [Lanes<S>; 3],
     difference: [Lanes<S>; 3],
     by: &'a [f32; CHUNK],
 }
 
-impl<'a, S: Simd> FromPair<'a, S> {
+impl<'a, S: Stream> FromPair<'a, S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, from: &[f32; 3], to: &[f32; 3], by: &'a [f32; CHUNK]) -> Self {
+    pub(crate) fn new(simd: S, from: &[f32; 3], to: &[f32; 3], by: &'a [f32; CHUNK]) -> Self {
         let difference = rgb!(c => to[c] - from[c]);
         Self { from: splat(simd, from), to: splat(simd, to), difference: splat(simd, &difference), by }
     }
 }
 
-impl<S: Simd> MixOperand<S> for FromLast {
+impl<S: Stream> MixOperand<S> for FromLast {
     type Shared = ();
     const READS_LAST: bool = true;
 
@@ -116,7 +124,7 @@ impl<S: Simd> MixOperand<S> for FromLast {
     }
 }
 
-impl<S: Simd> MixOperand<S> for FromRows<'_> {
+impl<S: Stream> MixOperand<S> for FromRows<'_> {
     type Shared = ();
 
     #[inline(always)]
@@ -128,7 +136,7 @@ impl<S: Simd> MixOperand<S> for FromRows<'_> {
     }
 }
 
-impl<S: Simd> MixOperand<S> for FromConstant<S> {
+impl<S: Stream> MixOperand<S> for FromConstant<S> {
     type Shared = ();
 
     #[inline(always)]
@@ -140,7 +148,7 @@ impl<S: Simd> MixOperand<S> for FromConstant<S> {
     }
 }
 
-impl<S: Simd> MixOperand<S> for FromPair<'_, S> {
+impl<S: Stream> MixOperand<S> for FromPair<'_, S> {
     type Shared = PreparedMask<S>;
 
     #[inline(always)]
@@ -156,7 +164,7 @@ impl<S: Simd> MixOperand<S> for FromPair<'_, S> {
 
 /// Mixes into the accumulator.
 #[inline(always)]
-pub(super) fn mix_rows<S: Simd>(
+pub(crate) fn mix_rows<S: Stream>(
     simd: S,
     last: &mut [&mut Chunk; 3],
     a: impl MixOperand<S>,
@@ -177,7 +185,7 @@ pub(super) fn mix_rows<S: Simd>(
 /// Mixes straight into the three targets of a root, from their sample `start` on, and records the bits of the result.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "one call site; all of it is the loop's")]
-pub(super) fn mix_out<S: Stream>(
+pub(crate) fn mix_out<S: Stream>(
     simd: S,
     last: &[&mut Chunk; 3],
     a: impl MixOperand<S>,
@@ -234,7 +242,7 @@ fn put<S: Stream>(
 }
 
 #[inline(always)]
-fn mix_vector<S: Simd, A: MixOperand<S>, B: MixOperand<S>>(
+fn mix_vector<S: Stream, A: MixOperand<S>, B: MixOperand<S>>(
     simd: S,
     i: usize,
     old: [Lanes<S>; 3],
@@ -252,7 +260,7 @@ fn mix_vector<S: Simd, A: MixOperand<S>, B: MixOperand<S>>(
 
 /// Mixes by y two pairs mixed by x, into the accumulator.
 #[inline(always)]
-pub(super) fn patch_rows<S: Simd>(
+pub(crate) fn patch_rows<S: Stream>(
     simd: S,
     last: &mut [&mut Chunk; 3],
     corners: &[[f32; 3]; 4],
@@ -278,7 +286,7 @@ pub(super) fn patch_rows<S: Simd>(
 
 /// Writes the accumulator to the targets of a root.
 #[inline(always)]
-pub(super) fn write_out<S: Stream>(
+pub(crate) fn write_out<S: Stream>(
     simd: S,
     last: &[&mut Chunk; 3],
     out: &mut [Target<'_>; 3],
@@ -296,12 +304,12 @@ pub(super) fn write_out<S: Stream>(
 }
 
 /// Extremes of the bits of three channels, in registers.
-struct ColorBitRange<S: Simd> {
+struct ColorBitRange<S: Stream> {
     least: [u32x16<S>; 3],
     largest: [u32x16<S>; 3],
 }
 
-impl<S: Simd> ColorBitRange<S> {
+impl<S: Stream> ColorBitRange<S> {
     #[inline(always)]
     fn load(simd: S, bits: &[BitRange; 3]) -> Self {
         Self {
@@ -330,7 +338,7 @@ impl<S: Simd> ColorBitRange<S> {
 
 /// Records the extremes of the bits of a row of weights or of a channel.
 #[inline(always)]
-pub(super) fn see_row<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut BitRange) {
+pub(crate) fn see_row<S: Stream>(simd: S, row: &[f32; CHUNK], bits: &mut BitRange) {
     let mut least = u32x16::from_slice(simd, &bits.least);
     let mut largest = u32x16::from_slice(simd, &bits.largest);
     for i in 0..VECTORS {
@@ -344,7 +352,7 @@ pub(super) fn see_row<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut BitRange)
 
 /// Records the largest bits of a row of any numbers, with the sign shifted out.
 #[inline(always)]
-pub(super) fn see_field<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut BitRange) {
+pub(crate) fn see_field<S: Stream>(simd: S, row: &[f32; CHUNK], bits: &mut BitRange) {
     let mut largest = u32x16::from_slice(simd, &bits.largest);
     for i in 0..VECTORS {
         let value: u32x16<S> = load(simd, row, i).bitcast();
@@ -356,7 +364,7 @@ pub(super) fn see_field<S: Simd>(simd: S, row: &[f32; CHUNK], bits: &mut BitRang
 /// Does [`clamp`](trochoid_weights::arithmetic::clamp) for 0 < max − min and bounds below 2¹²⁶: the quotient alone
 /// then tells on which side of the bounds x lies, so all cases share one formula.
 #[inline(always)]
-pub(super) fn clamp_rows<S: Simd>(simd: S, to: &mut [f32; CHUNK], x: &[f32; CHUNK], min: f32, max: f32) {
+pub(crate) fn clamp_rows<S: Stream>(simd: S, to: &mut [f32; CHUNK], x: &[f32; CHUNK], min: f32, max: f32) {
     let (low, width) = (simd.splat_f32x16(min), simd.splat_f32x16(max - min));
     let (zero, one) = (simd.splat_f32x16(0.0), simd.splat_f32x16(1.0));
     for i in 0..VECTORS {
@@ -370,7 +378,7 @@ pub(super) fn clamp_rows<S: Simd>(simd: S, to: &mut [f32; CHUNK], x: &[f32; CHUN
 
 /// Returns whether all of a mask equals `value` (0 or 1) on a chunk.
 #[inline(always)]
-pub(super) fn is_all<S: Simd>(simd: S, row: &[f32; CHUNK], value: f32) -> bool {
+pub(crate) fn is_all<S: Stream>(simd: S, row: &[f32; CHUNK], value: f32) -> bool {
     let mut differs = simd.splat_u32x16(0);
     let value: u32x16<S> = simd.splat_u32x16(value.to_bits());
     for i in 0..VECTORS {

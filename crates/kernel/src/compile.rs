@@ -1,30 +1,32 @@
 //! Compiles a program to code that runs once per tile, once per row, and for every pixel.
 
-use super::audit::ValueRule;
-use super::code::{ColorOperand, CompiledProgram, Row};
-use super::generate::{GeneratorInput, Location, generate};
-use super::native::Native;
-use super::order::cost;
-use crate::rules::variance::variance;
+use crate::audit::ValueRule;
+use crate::code::{ColorOperand, CompiledProgram, Row};
+use crate::generate::{GeneratorInput, Location, generate};
+use crate::native::Native;
+use crate::order::cost;
+use crate::variance::variance;
 use std::collections::HashMap;
 use trochoid_graph::{NodeId, Op, Program, Slot, Type, Variance};
 use trochoid_memory::Instructions;
 
 /// How a program is compiled; never what it computes.
 #[derive(Clone, Copy)]
-pub(crate) struct Options<'a> {
+pub struct Options<'a> {
     /// Compute values that do not vary per pixel once per tile or once per row.
-    pub(crate) hoist: bool,
+    pub hoist: bool,
     /// Fuse operations, chain colors, and jump over branches without weight.
-    pub(crate) fuse: bool,
+    pub fuse: bool,
     /// Also run what no root needs.
-    pub(crate) everything: bool,
-    pub(crate) instructions: Instructions,
+    pub everything: bool,
+    /// Instruction sets that may be used.
+    pub instructions: Instructions,
     /// Run as machine code, if possible.
-    pub(crate) native: bool,
-    pub(crate) variance: &'a dyn Fn(&Slot) -> Variance,
+    pub native: bool,
+    /// How a plane varies over the picture.
+    pub variance: &'a dyn Fn(&Slot) -> Variance,
     /// Planes of the caller, and the values that are legal in them.
-    pub(crate) rule: &'a dyn Fn(&Slot) -> Option<ValueRule>,
+    pub rule: &'a dyn Fn(&Slot) -> Option<ValueRule>,
 }
 
 /// How often an operation runs.
@@ -38,7 +40,7 @@ enum Frequency {
 }
 
 /// Compiles what `roots` need.
-pub(crate) fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -> CompiledProgram {
+pub fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -> CompiledProgram {
     let ops = program.ops();
     let mut out = CompiledProgram { instructions: options.instructions, ..CompiledProgram::default() };
     let mut planes = PlaneList { slots: Vec::new(), known: HashMap::new() };

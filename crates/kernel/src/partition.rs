@@ -1,19 +1,19 @@
 //! Operations over the weights of partitions, chunk by chunk.
 
-use super::audit::WeightAudit;
-use super::code::CHUNK;
+use crate::audit::WeightAudit;
+use crate::code::CHUNK;
 use trochoid_weights::arithmetic as a;
 
 /// One channel of one color, as a Blend reads it.
 #[derive(Clone, Copy)]
-pub(super) enum ChannelOperand<'a> {
+pub(crate) enum ChannelOperand<'a> {
     Row(&'a [f32; CHUNK]),
     Constant(f32),
 }
 
 /// Computes Σ wᵢ·cᵢ of one channel, in f64, rounded once.
 #[inline(always)]
-pub(super) fn blend<'a>(to: &mut [f32; CHUNK], terms: impl Iterator<Item = (&'a [f32; CHUNK], ChannelOperand<'a>)>) {
+pub(crate) fn blend<'a>(to: &mut [f32; CHUNK], terms: impl Iterator<Item = (&'a [f32; CHUNK], ChannelOperand<'a>)>) {
     let mut sums = [0.0f64; CHUNK];
     for (weights, channel) in terms {
         match channel {
@@ -36,7 +36,7 @@ pub(super) fn blend<'a>(to: &mut [f32; CHUNK], terms: impl Iterator<Item = (&'a 
 
 /// Returns the smallest weight, and the largest deviation of the sum of weights from 1.
 #[inline(always)]
-pub(super) fn audit<'a>(weights: impl Iterator<Item = &'a [f32; CHUNK]>) -> WeightAudit {
+pub(crate) fn audit<'a>(weights: impl Iterator<Item = &'a [f32; CHUNK]>) -> WeightAudit {
     let mut sums = [0.0f64; CHUNK];
     let mut min = [f32::INFINITY; CHUNK];
     for row in weights {

@@ -2,9 +2,11 @@
 
 /// Extremes of weights seen while running.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct WeightAudit {
-    pub(crate) min: f32,
-    pub(crate) max_deviation: f64,
+pub struct WeightAudit {
+    /// Least weight or distance of a mask from the ends of [0, 1].
+    pub min: f32,
+    /// Largest deviation of a sum of weights from 1.
+    pub max_deviation: f64,
 }
 
 impl Default for WeightAudit {
@@ -14,17 +16,18 @@ impl Default for WeightAudit {
 }
 
 impl WeightAudit {
-    pub(crate) fn merge(self, other: Self) -> Self {
+    /// Joins the extremes of two runs.
+    pub fn merge(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max_deviation: self.max_deviation.max(other.max_deviation) }
     }
 }
 
 /// Bits of 1.
-pub(super) const ONE: u32 = 0x3f80_0000;
+pub(crate) const ONE: u32 = 0x3f80_0000;
 
 /// Rule for the samples of a plane, as a bound on their bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ValueRule {
+pub enum ValueRule {
     /// In [0, 1].
     Mask,
     /// Finite and ≥ 0.
@@ -35,7 +38,7 @@ pub(crate) enum ValueRule {
 
 impl ValueRule {
     /// Returns whether samples with these largest bits (shifted for a field) are all legal, and none is −0.
-    pub(super) fn allows(self, largest: u32) -> bool {
+    pub(crate) fn allows(self, largest: u32) -> bool {
         largest
             <= match self {
                 Self::Mask => ONE,
@@ -48,9 +51,9 @@ impl ValueRule {
 
 /// Least and largest bits seen, by lane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BitRange {
-    pub(super) least: [u32; 16],
-    pub(super) largest: [u32; 16],
+pub(crate) struct BitRange {
+    pub(crate) least: [u32; 16],
+    pub(crate) largest: [u32; 16],
 }
 
 impl Default for BitRange {
@@ -61,21 +64,21 @@ impl Default for BitRange {
 
 impl BitRange {
     /// Returns both over all lanes; `None` if nothing was seen.
-    pub(super) fn range(&self) -> Option<(u32, u32)> {
+    pub(crate) fn range(&self) -> Option<(u32, u32)> {
         let least = self.least.iter().copied().min()?;
         let largest = self.largest.iter().copied().max()?;
         (least <= largest).then_some((least, largest))
     }
 
     /// Returns the largest over all lanes; 0 if nothing was seen.
-    pub(super) fn largest(&self) -> u32 {
+    pub(crate) fn largest(&self) -> u32 {
         self.largest.iter().copied().fold(0, u32::max)
     }
 
     /// Returns the smaller of the least t and the least 1 − t; −∞ for NaN, unless a negative number hides it.
     ///
     /// Negative numbers have larger bits than all others, and larger ones the further they lie below 0.
-    pub(super) fn least_weight(&self) -> f32 {
+    pub(crate) fn least_weight(&self) -> f32 {
         let Some((least, largest)) = self.range() else { return f32::INFINITY };
         let (low, high) = (f32::from_bits(least), f32::from_bits(largest));
         if high.is_nan() {

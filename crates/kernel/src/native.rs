@@ -1,9 +1,9 @@
 //! Runs code as machine code: each instruction is translated once, so that no dispatch is needed over rows.
 
-use super::audit::{BitRange, ValueRule};
-use super::code::{Chunk, Code, ColorOperand, Instruction, Row};
-use super::run::{CodeFrame, KernelInputs, Look, RowEnd, filled};
-use super::sweep::is_simple;
+use crate::audit::{BitRange, ValueRule};
+use crate::code::{Chunk, Code, ColorOperand, Instruction, Row};
+use crate::run::{CodeFrame, KernelInputs, Look, RowEnd, filled};
+use crate::sweep::is_simple;
 use fearless_simd::Level;
 use std::sync::{Arc, OnceLock};
 use trochoid_jit::{Lanes, Op, Program, Run, STEP, Set, Stores, Value};
@@ -32,7 +32,7 @@ pub(crate) struct Native {
 
 /// Scratch space that a machine needs to run it.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+pub(crate) struct Scratch {
     state: Vec<Lanes>,
     slots: Vec<Lanes>,
     /// Padded to whole steps.
@@ -44,7 +44,7 @@ pub(super) struct Scratch {
 impl Native {
     /// Translates code that reads the given numbers of planes, columns and lines; `None` if the processor or one of
     /// the instructions has no machine code.
-    pub(super) fn new(code: &Code, planes: usize, columns: usize, lines: usize, level: Level) -> Option<Self> {
+    pub(crate) fn new(code: &Code, planes: usize, columns: usize, lines: usize, level: Level) -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         let set = match level {
             Level::Avx512(_) => Set::Avx512,
@@ -71,7 +71,7 @@ impl Native {
     /// Runs over the first `width` pixels of a row, like `sweep`. Returns false if there is no machine code after
     /// all.
     #[allow(clippy::too_many_arguments, reason = "the machine's parts, borrowed one by one")]
-    pub(super) fn row(
+    pub(crate) fn row(
         &self,
         frame: &mut CodeFrame<'_>,
         inputs: KernelInputs<'_>,

@@ -12,7 +12,7 @@ const END: u32 = u32::MAX;
 
 /// One step of the order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Step {
+pub(crate) enum Step {
     Run(u32),
     /// The steps up to the matching `Run` of the Mix at `mix` are only needed if its mask is not all `closed`.
     Open {
@@ -22,14 +22,14 @@ pub(super) enum Step {
 }
 
 /// Program to order, with its uses and branches.
-pub(super) struct Order<'a> {
+pub(crate) struct Order<'a> {
     ops: &'a [(Op, NodeId)],
     /// Whether a value is already computed.
     given: &'a dyn Fn(u32) -> bool,
     /// Mixes of two constants, computed where they are used.
-    pub(super) inline: Vec<bool>,
+    pub(crate) inline: Vec<bool>,
     /// Number of operand slots that refer to each operation.
-    pub(super) uses: Vec<u32>,
+    pub(crate) uses: Vec<u32>,
     /// Operation that all paths from each one to the roots pass next.
     next: Vec<u32>,
     /// Cost of everything that passes through each operation, including the operation itself.
@@ -52,7 +52,7 @@ enum Task {
 
 impl<'a> Order<'a> {
     /// Analyzes what `roots` need from a program.
-    pub(super) fn new(ops: &'a [(Op, NodeId)], roots: &[u32], given: &'a dyn Fn(u32) -> bool, fuse: bool) -> Self {
+    pub(crate) fn new(ops: &'a [(Op, NodeId)], roots: &[u32], given: &'a dyn Fn(u32) -> bool, fuse: bool) -> Self {
         let count = ops.len();
         let mut needed = vec![false; count];
         let mut uses = vec![0u32; count];
@@ -131,7 +131,7 @@ impl<'a> Order<'a> {
     }
 
     /// Returns the steps that compute `roots`.
-    pub(super) fn steps(&self, roots: &[u32]) -> Vec<Step> {
+    pub(crate) fn steps(&self, roots: &[u32]) -> Vec<Step> {
         let mut steps = Vec::new();
         let mut done = vec![false; self.ops.len()];
         let mut nested = 0;
@@ -234,7 +234,7 @@ fn meet(next: &[Option<u32>], depth: &[u32], mut a: u32, mut b: u32) -> u32 {
 
 /// Returns the relative cost of an operation per pixel, to divide a program's time among its nodes and to find
 /// expensive branches; measured and rounded.
-pub(super) fn cost(op: &Op) -> f64 {
+pub(crate) fn cost(op: &Op) -> f64 {
     match op {
         Op::Power { .. } => 20.0,
         Op::Clamp { .. } => 4.0,

@@ -1,7 +1,7 @@
 //! Stands in for `native.rs` if machine code is not compiled in.
 
-use super::code::Code;
-use super::run::{CodeFrame, KernelInputs, Look};
+use crate::code::Code;
+use crate::run::{CodeFrame, KernelInputs, Look};
 use fearless_simd::Level;
 use trochoid_memory::Target;
 
@@ -10,15 +10,15 @@ use trochoid_memory::Target;
 pub(crate) enum Native {}
 
 #[derive(Debug, Default)]
-pub(super) struct Scratch {}
+pub(crate) struct Scratch {}
 
 impl Native {
-    pub(super) fn new(_code: &Code, _planes: usize, _columns: usize, _lines: usize, _level: Level) -> Option<Self> {
+    pub(crate) fn new(_code: &Code, _planes: usize, _columns: usize, _lines: usize, _level: Level) -> Option<Self> {
         None
     }
 
     #[allow(clippy::too_many_arguments, reason = "as the other")]
-    pub(super) fn row(
+    pub(crate) fn row(
         &self,
         _frame: &mut CodeFrame<'_>,
         _inputs: KernelInputs<'_>,

@@ -1,13 +1,13 @@
 //! Runs code over rows, chunk by chunk.
 
-use super::audit::ValueRule;
-use super::code::{CHUNK, Chunk, ColorOperand, Instruction, Row};
-use super::color::{
+use crate::audit::ValueRule;
+use crate::code::{CHUNK, Chunk, ColorOperand, Instruction, Row};
+use crate::color::{
     FromConstant, FromLast, FromPair, FromRows, clamp_rows, is_all, mix_out, mix_rows, patch_rows, rgb, see_field,
     see_row, splat, write_out,
 };
-use super::partition::{ChannelOperand, audit, blend};
-use super::run::{CodeFrame, KernelInputs, Look, PlaneRow, RowEnd, filled};
+use crate::partition::{ChannelOperand, audit, blend};
+use crate::run::{CodeFrame, KernelInputs, Look, PlaneRow, RowEnd, filled};
 use fearless_simd::{Level, Simd};
 use trochoid_memory::{Kernel, Stream, Target, dispatch, prefetch};
 use trochoid_weights::arithmetic as a;
@@ -18,7 +18,7 @@ const AHEAD: usize = 256;
 /// Runs code over the first `width` pixels of a row, chunk by chunk, and writes the results to its targets from
 /// sample `start` on.
 #[allow(clippy::too_many_arguments, reason = "the machine's parts, borrowed one by one")]
-pub(super) fn sweep(
+pub(crate) fn sweep(
     level: Level,
     frame: &mut CodeFrame<'_>,
     inputs: KernelInputs<'_>,
@@ -198,7 +198,7 @@ impl Sweep<'_, '_, '_, '_> {
                     let to = self.start + x - self.from;
                     mix(simd, frame, inputs, x, [a, b], *t, straight.map(|root| (root, &mut *self.out, to)));
                     if let Some(root) = out.filter(|_| straight.is_none()) {
-                        #[cfg(test)]
+                        #[cfg(feature = "faults")]
                         sabotage(instruction, self.frame);
                         self.out_color(simd, x, root);
                         continue;
@@ -241,7 +241,7 @@ impl Sweep<'_, '_, '_, '_> {
                     }
                 }
             }
-            #[cfg(test)]
+            #[cfg(feature = "faults")]
             sabotage(instruction, self.frame);
         }
     }
@@ -375,16 +375,16 @@ fn mix<S: Stream>(
 }
 
 /// Returns whether [`clamp_rows`] supports these bounds.
-pub(super) fn is_simple(min: f32, max: f32) -> bool {
+pub(crate) fn is_simple(min: f32, max: f32) -> bool {
     max > min && min.abs() < a::LARGE && max.abs() < a::LARGE
 }
 
 /// Returns whether the kernels are broken on purpose.
 #[inline(always)]
-pub(super) fn is_faulty(frame: &CodeFrame<'_>) -> bool {
-    #[cfg(test)]
-    return frame.fault != super::code::Fault::None;
-    #[cfg(not(test))]
+pub(crate) fn is_faulty(frame: &CodeFrame<'_>) -> bool {
+    #[cfg(feature = "faults")]
+    return frame.fault != crate::code::Fault::None;
+    #[cfg(not(feature = "faults"))]
     {
         let _ = frame;
         false
@@ -392,9 +392,9 @@ pub(super) fn is_faulty(frame: &CodeFrame<'_>) -> bool {
 }
 
 /// Corrupts what an instruction wrote, as the program's fault requests.
-#[cfg(test)]
+#[cfg(feature = "faults")]
 fn sabotage(instruction: &Instruction, frame: &mut CodeFrame<'_>) {
-    use super::code::Fault;
+    use crate::code::Fault;
     let mut spoil = |row: u32, f: fn(f32) -> f32| {
         if let Some(chunk) = &mut frame.own[row as usize] {
             chunk.0.iter_mut().for_each(|v| *v = f(*v));

@@ -3,7 +3,7 @@
 use trochoid_graph::{Op, Slot, Variance};
 
 /// Returns how an operation's result varies, from how its operands vary.
-pub(crate) fn variance(op: &Op, of: &dyn Fn(u32) -> Variance, slot: &dyn Fn(&Slot) -> Variance) -> Variance {
+pub fn variance(op: &Op, of: &dyn Fn(u32) -> Variance, slot: &dyn Fn(&Slot) -> Variance) -> Variance {
     match op {
         Op::Load(s) | Op::LoadColor(s) => slot(s),
         Op::Constant(_) | Op::ConstantColor(_) => Variance::Constant,

@@ -1,20 +1,21 @@
 //! Instructions to which programs are compiled.
 
-use super::audit::ValueRule;
-use super::native::Native;
+use crate::audit::ValueRule;
+use crate::native::Native;
 use trochoid_graph::{NodeId, Program, Slot};
 use trochoid_memory::Instructions;
 
 /// Number of samples in a chunk.
-pub(crate) const CHUNK: usize = 128;
+pub const CHUNK: usize = 128;
 
 /// A chunk of samples, aligned to cache lines.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(crate) struct Chunk(pub(crate) [f32; CHUNK]);
+pub struct Chunk(pub [f32; CHUNK]);
 
 impl Chunk {
-    pub(crate) const ZERO: Self = Self([0.0; CHUNK]);
+    /// A chunk of zeros.
+    pub const ZERO: Self = Self([0.0; CHUNK]);
 }
 
 /// Source of a chunk.
@@ -168,16 +169,18 @@ impl Code {
 
 /// Program and roots from which a compiled program was made.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Origin {
-    pub(crate) program: Program,
-    pub(crate) roots: Vec<u32>,
+pub struct Origin {
+    /// The program.
+    pub program: Program,
+    /// Positions of the operations whose values are the results.
+    pub roots: Vec<u32>,
 }
 
 /// A compiled program.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct CompiledProgram {
+pub struct CompiledProgram {
     /// Planes read, in the order in which the machine expects them.
-    pub(crate) planes: Vec<Slot>,
+    pub planes: Vec<Slot>,
     /// Runs once per tile, over its columns.
     pub(crate) column: Code,
     /// Runs once per row, over one chunk.
@@ -185,18 +188,18 @@ pub(crate) struct CompiledProgram {
     /// Runs over every pixel.
     pub(crate) main: Code,
     /// Nodes that the operations came from, and the relative cost of each operation per pixel, for reports.
-    pub(crate) costs: Vec<(NodeId, f64)>,
+    pub costs: Vec<(NodeId, f64)>,
     /// The main code as machine code.
     pub(crate) native: Option<Native>,
     /// Number of channels, by root.
-    pub(crate) roots: Vec<usize>,
+    pub roots: Vec<usize>,
     /// Instruction sets that the machine may use.
-    pub(crate) instructions: Instructions,
+    pub instructions: Instructions,
     /// What it was compiled from, if bounds on errors are requested.
-    pub(crate) origin: Origin,
+    pub origin: Origin,
     /// Fault built into the kernels, so that tests see whether it is noticed.
-    #[cfg(test)]
-    pub(crate) fault: Fault,
+    #[cfg(feature = "faults")]
+    pub fault: Fault,
 }
 
 impl CompiledProgram {
@@ -207,9 +210,10 @@ impl CompiledProgram {
 }
 
 /// A deliberately broken kernel.
-#[cfg(test)]
+#[cfg(feature = "faults")]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) enum Fault {
+pub enum Fault {
+    /// The kernels are sound.
     #[default]
     None,
     /// Mix overshoots its second color.
@@ -224,18 +228,19 @@ pub(crate) enum Fault {
 
 /// A plane over a tile, wherever its rows are in memory.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Plane<'a> {
-    pub(crate) samples: &'a [f32],
+pub struct Plane<'a> {
+    /// Samples, row by row.
+    pub samples: &'a [f32],
     /// Index of the tile's first sample.
-    pub(crate) start: usize,
+    pub start: usize,
     /// Distance from one row to the next; 0 if one row serves for all.
-    pub(crate) stride: usize,
+    pub stride: usize,
 }
 
 impl<'a> Plane<'a> {
     /// Returns the first `width` samples of row y.
     #[inline(always)]
-    pub(crate) fn row(&self, y: usize, width: usize) -> &'a [f32] {
+    pub fn row(&self, y: usize, width: usize) -> &'a [f32] {
         let start = self.start + y * self.stride;
         &self.samples[start..start + width]
     }

@@ -1,44 +1,46 @@
 //! Runs compiled programs.
 
-use super::audit::{BitRange, ValueRule, WeightAudit};
-use super::code::{CHUNK, Chunk, Code, CompiledProgram, Plane};
-use super::native::Scratch;
-use super::sweep::{is_faulty, sweep};
+use crate::audit::{BitRange, ValueRule, WeightAudit};
+use crate::code::{CHUNK, Chunk, Code, CompiledProgram, Plane};
+use crate::native::Scratch;
+use crate::sweep::{is_faulty, sweep};
 use fearless_simd::Level;
 use trochoid_memory::Target;
 
 /// Least and largest value of each channel of a color root, over some rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Range {
-    pub(crate) least: [f32; 3],
-    pub(crate) largest: [f32; 3],
+pub struct Range {
+    /// Least value by channel.
+    pub least: [f32; 3],
+    /// Largest value by channel.
+    pub largest: [f32; 3],
 }
 
 /// Callback that sees each chunk of a color root: (root, samples by channel).
-pub(crate) type Look<'l> = &'l mut dyn FnMut(usize, [&[f32]; 3]);
+pub type Look<'l> = &'l mut dyn FnMut(usize, [&[f32]; 3]);
 
 /// Callback that takes rows as (root, channel, y within the tile, samples).
-pub(crate) type TakeRow<'s> = &'s mut dyn FnMut(usize, usize, usize, &[f32]);
+pub type TakeRow<'s> = &'s mut dyn FnMut(usize, usize, usize, &[f32]);
 
 /// Chunks of one thread's machines, in one allocation: scattered chunks would compete for the same cache sets.
 #[derive(Debug)]
-pub(crate) struct Chunks(Vec<Chunk>);
+pub struct Chunks(Vec<Chunk>);
 
 impl Chunks {
     /// Allocates as many chunks as the programs need.
-    pub(crate) fn of<'c>(programs: impl IntoIterator<Item = &'c CompiledProgram>) -> Self {
+    pub fn of<'c>(programs: impl IntoIterator<Item = &'c CompiledProgram>) -> Self {
         Self(vec![Chunk::ZERO; programs.into_iter().map(CompiledProgram::chunks).sum()])
     }
 
     /// Returns all chunks, to be handed out to machines.
-    pub(crate) fn all(&mut self) -> &mut [Chunk] {
+    pub fn all(&mut self) -> &mut [Chunk] {
         &mut self.0
     }
 }
 
 /// A program and its chunks, for one thread.
 #[derive(Debug)]
-pub(crate) struct Machine<'p> {
+pub struct Machine<'p> {
     compiled: &'p CompiledProgram,
     level: Level,
     column: CodeFrame<'p>,
@@ -55,48 +57,48 @@ pub(crate) struct Machine<'p> {
 
 /// The end of a row, where it is not as long as a whole chunk, and its results.
 #[derive(Debug, Default)]
-pub(super) struct RowEnd {
+pub(crate) struct RowEnd {
     /// Inputs by plane, padded.
-    pub(super) padded: Vec<Chunk>,
+    pub(crate) padded: Vec<Chunk>,
     /// Results by channel.
-    pub(super) results: Vec<Chunk>,
+    pub(crate) results: Vec<Chunk>,
 }
 
 /// State of some code.
 #[derive(Debug)]
-pub(super) struct CodeFrame<'p> {
-    pub(super) code: &'p Code,
+pub(crate) struct CodeFrame<'p> {
+    pub(crate) code: &'p Code,
     /// Own chunks; each is `None` only while it is being written.
-    pub(super) own: Vec<Option<&'p mut Chunk>>,
-    pub(super) last: [&'p mut Chunk; 3],
-    pub(super) weights: BitRange,
-    pub(super) partitions: WeightAudit,
-    pub(super) checks: Vec<BitRange>,
+    pub(crate) own: Vec<Option<&'p mut Chunk>>,
+    pub(crate) last: [&'p mut Chunk; 3],
+    pub(crate) weights: BitRange,
+    pub(crate) partitions: WeightAudit,
+    pub(crate) checks: Vec<BitRange>,
     /// Bits of colors, by root.
-    pub(super) colors: Vec<[BitRange; 3]>,
+    pub(crate) colors: Vec<[BitRange; 3]>,
     /// Bits of scalars, by root, with the sign shifted out.
-    pub(super) scalars: Vec<BitRange>,
-    #[cfg(test)]
-    pub(super) fault: super::code::Fault,
+    pub(crate) scalars: Vec<BitRange>,
+    #[cfg(feature = "faults")]
+    pub(crate) fault: crate::code::Fault,
 }
 
 /// Planes of a tile, with the start of the current row in each.
 #[derive(Debug)]
-pub(crate) struct TilePlanes<'a> {
-    pub(super) planes: Vec<PlaneRow<'a>>,
+pub struct TilePlanes<'a> {
+    pub(crate) planes: Vec<PlaneRow<'a>>,
     width: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PlaneRow<'a> {
-    pub(super) plane: Plane<'a>,
+pub(crate) struct PlaneRow<'a> {
+    pub(crate) plane: Plane<'a>,
     /// Index of the current row's first sample.
-    pub(super) at: usize,
+    pub(crate) at: usize,
 }
 
 impl<'a> PlaneRow<'a> {
     /// Returns a view of a chunk as the samples from column `x` on.
-    pub(super) fn padded(chunk: &'a Chunk, x: usize) -> Self {
+    pub(crate) fn padded(chunk: &'a Chunk, x: usize) -> Self {
         // Column x is sample 0: at + x wraps around to it.
         Self { plane: Plane { samples: &chunk.0, start: 0, stride: 0 }, at: x.wrapping_neg() }
     }
@@ -110,15 +112,15 @@ impl<'a> TilePlanes<'a> {
 
 /// Inputs that code reads.
 #[derive(Clone, Copy)]
-pub(super) struct KernelInputs<'a> {
-    pub(super) planes: &'a [PlaneRow<'a>],
-    pub(super) columns: &'a [Vec<f32>],
-    pub(super) lines: &'a [Chunk],
+pub(crate) struct KernelInputs<'a> {
+    pub(crate) planes: &'a [PlaneRow<'a>],
+    pub(crate) columns: &'a [Vec<f32>],
+    pub(crate) lines: &'a [Chunk],
 }
 
 impl<'p> Machine<'p> {
     /// Makes a machine; takes the chunks that it needs from `chunks`.
-    pub(crate) fn new(compiled: &'p CompiledProgram, chunks: &mut &'p mut [Chunk]) -> Self {
+    pub fn new(compiled: &'p CompiledProgram, chunks: &mut &'p mut [Chunk]) -> Self {
         Self {
             compiled,
             level: compiled.instructions.level(),
@@ -133,7 +135,7 @@ impl<'p> Machine<'p> {
     }
 
     /// Returns the extremes of weights over everything that ran.
-    pub(crate) fn audit(&self) -> WeightAudit {
+    pub fn audit(&self) -> WeightAudit {
         let planes = self.main.code.checks.iter().zip(&self.main.checks);
         let masks = planes.filter(|((_, rule), _)| *rule == ValueRule::Mask).map(|(_, bits)| bits.least_weight());
         [&self.column, &self.row, &self.main].into_iter().fold(
@@ -146,20 +148,20 @@ impl<'p> Machine<'p> {
     }
 
     /// Returns whether a plane of the caller held an illegal value, or −0.
-    pub(crate) fn has_illegal_input(&self) -> bool {
+    pub fn has_illegal_input(&self) -> bool {
         let mut checks = self.main.code.checks.iter().zip(&self.main.checks);
         checks.any(|((_, rule), bits)| !rule.allows(bits.largest()))
     }
 
     /// Resets the checks of planes, after the suspicious values were dealt with.
-    pub(crate) fn reset_checks(&mut self) {
+    pub fn reset_checks(&mut self) {
         self.main.partitions = self.audit();
         self.main.checks.fill(BitRange::default());
     }
 
     /// Returns the range of a color root since the last call; `None` if a sample was negative (including −0),
     /// infinite or NaN.
-    pub(crate) fn color_range(&mut self, root: usize) -> Option<Range> {
+    pub fn color_range(&mut self, root: usize) -> Option<Range> {
         let bits = std::mem::take(&mut self.main.colors[root]);
         let mut range = Range { least: [0.0; 3], largest: [0.0; 3] };
         for (c, bits) in bits.iter().enumerate() {
@@ -173,13 +175,13 @@ impl<'p> Machine<'p> {
     }
 
     /// Returns whether a root of scalars held a NaN since the last call.
-    pub(crate) fn saw_nan(&mut self, root: usize) -> bool {
+    pub fn saw_nan(&mut self, root: usize) -> bool {
         let bits = std::mem::take(&mut self.main.scalars[root]);
         !ValueRule::Field.allows(bits.largest())
     }
 
     /// Begins a tile of `width` pixels: computes the values that do not vary from row to row.
-    pub(crate) fn begin<'a>(&mut self, planes: &[Plane<'a>], width: usize) -> TilePlanes<'a> {
+    pub fn begin<'a>(&mut self, planes: &[Plane<'a>], width: usize) -> TilePlanes<'a> {
         let tile = TilePlanes::new(planes, width);
         if !self.compiled.column.list.is_empty() {
             self.columns.iter_mut().for_each(|row| row.resize(width.next_multiple_of(CHUNK), 0.0));
@@ -197,7 +199,7 @@ impl<'p> Machine<'p> {
 
     /// Runs over row y of the tile and writes every channel of every root to its target, from sample `start` on.
     /// `look` sees every chunk of every color root.
-    pub(crate) fn row(
+    pub fn row(
         &mut self,
         tile: &mut TilePlanes<'_>,
         y: usize,
@@ -233,7 +235,7 @@ impl<'p> Machine<'p> {
     }
 
     /// Runs over a tile and hands every row of every root to `take` as (root, channel, y, samples).
-    pub(crate) fn tile(&mut self, planes: &[Plane<'_>], width: usize, height: usize, take: TakeRow<'_>) {
+    pub fn tile(&mut self, planes: &[Plane<'_>], width: usize, height: usize, take: TakeRow<'_>) {
         let compiled = self.compiled;
         let mut rows = vec![vec![0.0; width]; compiled.main.channels()];
         let mut tile = self.begin(planes, width);
@@ -256,7 +258,7 @@ impl<'p> CodeFrame<'p> {
         for (row, value) in &code.constants {
             own[*row as usize].0.fill(*value);
         }
-        #[cfg(not(test))]
+        #[cfg(not(feature = "faults"))]
         let _ = compiled;
         Self {
             code,
@@ -267,7 +269,7 @@ impl<'p> CodeFrame<'p> {
             checks: vec![BitRange::default(); code.checks.len()],
             colors: vec![[BitRange::default(); 3]; code.roots.len()],
             scalars: vec![BitRange::default(); code.roots.len()],
-            #[cfg(test)]
+            #[cfg(feature = "faults")]
             fault: compiled.fault,
         }
     }
@@ -275,7 +277,7 @@ impl<'p> CodeFrame<'p> {
 
 /// Returns a chunk that begins with `samples` and repeats the last of them, so that the padding adds nothing new to
 /// any audit.
-pub(super) fn filled(samples: &[f32]) -> Chunk {
+pub(crate) fn filled(samples: &[f32]) -> Chunk {
     let mut chunk = Chunk::ZERO;
     let (first, rest) = chunk.0.split_at_mut(samples.len());
     first.copy_from_slice(samples);
