@@ -129,23 +129,16 @@ impl Noise {
 
     /// Fills `out` with the noise at points of `S` axes, 2 or 3. Octaves whose cells are smaller than a point's
     /// footprint (in the unit of the coordinates) are replaced by their mean there. No footprints mean footprints of 0.
-    pub fn fill<const S: usize>(&self, points: impl Iterator<Item = [f64; S]>, footprints: &[f32], out: &mut [f32]) {
-        match (S, self.evolution) {
-            (2, None) => self.sum::<S, 2>(points, footprints, out),
-            (2, Some(_)) | (3, None) => self.sum::<S, 3>(points, footprints, out),
-            _ => self.sum::<S, 4>(points, footprints, out),
-        }
-    }
-
-    fn sum<const S: usize, const D: usize>(
+    pub fn fill<const S: usize>(
         &self,
         mut points: impl Iterator<Item = [f64; S]>,
         footprints: &[f32],
         out: &mut [f32],
     ) {
-        let level = Level::new();
+        const { assert!(S == 2 || S == 3) };
+        let evolution = self.evolution.unwrap_or(0.0);
         for (block, out) in out.chunks_mut(LANES).enumerate() {
-            let mut places = [[self.evolution.unwrap_or(0.0); LANES]; D];
+            let mut places = [[evolution; LANES]; MOST];
             for (lane, point) in points.by_ref().take(out.len()).enumerate() {
                 places.iter_mut().zip(point).for_each(|(along, coordinate)| along[lane] = coordinate);
             }
@@ -153,10 +146,27 @@ impl Noise {
             if let Some(found) = footprints.get(block * LANES..) {
                 prints.iter_mut().zip(found).for_each(|(print, found)| *print = *found);
             }
-            let sums = dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
-                self.block::<S, D>(&places, &prints)
-            }));
-            out.copy_from_slice(&sums[..out.len()]);
+            out.copy_from_slice(&self.sums(S, &places, &prints)[..out.len()]);
+        }
+    }
+
+    /// Returns the noise at a block of points of `space` axes. It is not generic, so that this long code is compiled
+    /// once, and not with each iterator of points.
+    fn sums(&self, space: usize, places: &[[f64; LANES]; MOST], prints: &Lanes) -> Lanes {
+        let level = Level::new();
+        macro_rules! block {
+            ($space:literal, $axes:literal) => {{
+                let (places, _) = places.split_first_chunk::<$axes>().expect("at most four axes");
+                dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                    self.block::<$space, $axes>(places, prints)
+                }))
+            }};
+        }
+        match (space, self.evolution) {
+            (2, None) => block!(2, 2),
+            (2, Some(_)) => block!(2, 3),
+            (_, None) => block!(3, 3),
+            (_, Some(_)) => block!(3, 4),
         }
     }
 
