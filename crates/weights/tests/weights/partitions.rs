@@ -1,7 +1,5 @@
 //! Tests of partitions: weights sum to exactly 1, blends stay in the bounding box, and rows agree with pixels.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
 use proptest::prelude::*;
 use trochoid_weights::{arithmetic as fast, reference};
 

@@ -1,7 +1,5 @@
 //! Tests of the hull against brute force, on random, degenerate and lattice points.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
 use proptest::prelude::*;
 use trochoid_weights::arithmetic::{blend, normalize};
 use trochoid_weights::{BoxHull, Hull, HullBuilder};
