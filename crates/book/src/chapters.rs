@@ -6,7 +6,7 @@ use crate::{copy, documents, text, write};
 use std::path::{Path, PathBuf};
 use trochoid::{End, registry};
 
-/// Placeholder for the list of nodes: a list of pages in the summary, a table in a chapter.
+/// Placeholder for the list of nodes: a list of pages in the summary; in a chapter a table, in place of all that follows.
 const NODES: &str = "<!-- nodes -->";
 
 /// Writes the pages and pictures of the book from `docs` into the folder `book`, and returns the faults found.
@@ -69,7 +69,12 @@ fn chapter(file: &Path, book: &Path, place: &Path) -> Faults {
         faults.extend(guide_document(file, book, &name, &document).err());
     }
     let is_summary = place.ends_with("SUMMARY.md");
-    let listed = page.replace(NODES, &if is_summary { summary_of_nodes() } else { table_of_nodes() });
+    let listed = if is_summary {
+        page.replace(NODES, &summary_of_nodes())
+    } else {
+        // What follows in a chapter tells readers of the repository where the table is.
+        page.split_once(NODES).map_or(page.clone(), |(before, _)| before.to_owned() + &table_of_nodes())
+    };
     let linked = if is_summary { listed } else { link_nodes(&listed) };
     let (brought, missing) = bring_files(&linked, file, book);
     faults.extend(missing);

@@ -80,3 +80,13 @@ fn copy(from: &Path, to: &Path) -> Result<(), Fault> {
     let copied = std::fs::create_dir_all(folder).and_then(|()| std::fs::copy(from, to));
     copied.map(drop).map_err(|source| Fault::File { path: from.into(), source })
 }
+
+#[cfg(all(test, feature = "html"))]
+mod tests {
+    /// As `main`, with the features of the other tests, so that little is compiled again.
+    #[test]
+    fn the_book_has_no_faults() {
+        let faults = super::build().err().unwrap_or_default();
+        assert!(faults.is_empty(), "{}", faults.iter().map(|fault| fault.told()).collect::<Vec<_>>().join("\n"));
+    }
+}
