@@ -78,15 +78,20 @@ impl<'a> Checker<'a> {
         place: FaultLocation<'_>,
         names: &Names<'a>,
     ) -> Record {
+        let known: Vec<&str> = item_names(items).collect();
+        let mut misspelt = Vec::new();
         for entry in entries {
-            if !item_names(items).any(|name| name == entry.key) {
-                let known: Vec<&str> = item_names(items).collect();
+            if !known.contains(&entry.key.as_str()) {
                 self.unknown_key(place.at(entry.offset), &entry.key, &known);
+                misspelt.push((nearest(&entry.key, known.iter().copied()), &entry.value));
             }
         }
         let mut record = Record::default();
         for item in items {
             let value = entries.iter().find(|entry| entry.key == item.name()).map(|entry| &entry.value);
+            // What is there under a misspelt name is not reported as missing.
+            let meant = || misspelt.iter().find(|(meant, _)| *meant == Some(item.name())).map(|(_, value)| *value);
+            let value = value.or_else(meant);
             let place =
                 FaultLocation { offset: value.map_or(place.offset, |v| v.offset), port: Some(item.name()), ..place };
             match item {
@@ -257,7 +262,10 @@ impl<'a> Checker<'a> {
         let Some(&(node, declaration)) = names.get(name) else {
             let near = if self.is_full() { None } else { nearest(name, names.keys().copied()) };
             let is_hex = matches!(name.len(), 3 | 6) && name.bytes().all(|byte| byte.is_ascii_hexdigit());
+            let is_number = text.parse::<f64>().is_ok_and(f64::is_finite);
+            let name = if is_number { text } else { name };
             let remedy = match near {
+                _ if is_number => format!("write numbers without quotes: {text}"),
                 _ if or_color && is_hex => format!("did you mean \"#{name}\"?"),
                 Some(near) => format!("did you mean \"{near}\"?"),
                 None if or_color => "add the node, or correct the name; a color is written \"#rrggbb\"".into(),
