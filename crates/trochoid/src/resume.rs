@@ -124,7 +124,7 @@ impl Fingerprints {
             .filter_map(|picture| {
                 let name = &graph.outputs()[picture.output].name;
                 let guarantee = picture.guarantee?;
-                Some(format!("{name}: {}, {} exits", guarantee.name(), picture.audit.hull_exits))
+                Some(format!("{name}: {}, {} outside", guarantee.name(), picture.audit.hull_exits))
             })
             .collect();
         let names: Vec<&str> = pictures().map(|picture| graph.outputs()[picture.output].name.as_str()).collect();

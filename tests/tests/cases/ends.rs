@@ -58,7 +58,7 @@ fn judge(document: &Value, folder: &Path) -> Result<bool, String> {
     for picture in &frame.pictures {
         let output = &loaded.graph.outputs()[picture.output].name;
         if picture.audit.nan_count + picture.audit.hull_exits > 0 {
-            return Err(format!("{output}: {} NaN, {} exits", picture.audit.nan_count, picture.audit.hull_exits));
+            return Err(format!("{output}: {} NaN, {} outside", picture.audit.nan_count, picture.audit.hull_exits));
         }
         for value in picture.planes.iter().flat_map(|plane| plane.samples()) {
             let legal = match picture.kind {

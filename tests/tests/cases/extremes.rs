@@ -101,7 +101,7 @@ fn legal(graph: &CheckedGraph, frame: &Frame) -> Result<(), String> {
     for picture in &frame.pictures {
         let name = &graph.outputs()[picture.output].name;
         if picture.audit.nan_count + picture.audit.hull_exits > 0 {
-            return Err(format!("{name}: {} NaN, {} exits", picture.audit.nan_count, picture.audit.hull_exits));
+            return Err(format!("{name}: {} NaN, {} outside", picture.audit.nan_count, picture.audit.hull_exits));
         }
         let legal = |value: &f32| match picture.kind {
             Kind::Weights(_) => (0.0..=1.0).contains(value),

@@ -4,7 +4,7 @@ use crate::shell::printable;
 use trochoid::accuracy::displayed_of;
 use trochoid::{Certified, CheckedGraph, Frame, OutputFile, held};
 
-/// Formats the line of a rendered frame: `frame 12: beauty → out/storm.0012.exr  hull, 0 exits, 1.42 s`. If the frame
+/// Formats the line of a rendered frame: `frame 12: beauty → out/storm.0012.exr  hull, 0 outside, 1.42 s`. If the frame
 /// is certified, the line has the errors of displayed values.
 pub(super) fn rendered(
     graph: &CheckedGraph,
@@ -18,7 +18,7 @@ pub(super) fn rendered(
     let mut facts = Vec::new();
     if let Some(class) = colors().filter_map(|picture| picture.guarantee).min() {
         let exits: u64 = colors().map(|picture| picture.audit.hull_exits).sum();
-        facts.push(format!("{}, {exits} exits", class.name()));
+        facts.push(format!("{}, {exits} outside", class.name()));
         let nan: u64 = colors().filter(|picture| held(picture).is_none()).map(|picture| picture.audit.nan_count).sum();
         if nan > 0 {
             facts.push(format!("{nan} NaN"));

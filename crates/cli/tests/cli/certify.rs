@@ -23,7 +23,7 @@ fn json(scene: &Scene, name: &str) -> Value {
 #[test]
 fn every_image_has_a_certificate_that_holds() {
     let scene = Scene::new(SCENE);
-    let run = scene.run(CERTIFIED).code(0).says(&["hull, 0 exits, display error ≤ ", "nothing ambiguous, "]);
+    let run = scene.run(CERTIFIED).code(0).says(&["hull, 0 outside, display error ≤ ", "nothing ambiguous, "]);
     assert_eq!(run.err, "");
     assert_eq!(scene.files().len(), 12, "{:?}", scene.files());
     for (output, image) in [("beauty", "exr"), ("mask", "png")] {

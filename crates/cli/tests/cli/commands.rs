@@ -99,7 +99,7 @@ fn info_describes_what_render_wrote() {
         "16 × 8 pixels",
         "R  half   min 0.000000  max 1.000000",
         "0 NaN",
-        "trochoid:guarantee: beauty: hull, 0 exits",
+        "trochoid:guarantee: beauty: hull, 0 outside",
     ]);
     let json = scene.run(&["info", "out/mask.0001.png", "--json"]).code(0).json();
     assert_eq!(json["kind"], "PNG");

@@ -96,7 +96,7 @@ fn exact_and_reference_are_within_what_is_certified() {
     let exact = ["render", "a.json", "--frames", "1", "--tolerance", "exact", "--out", "e.exr", "--report", "e.json"];
     scene.run(&[&exact[..], &["--certificate", "c.json"]].concat()).code(0).says(&["view.points=exact"]);
     let reference = ["render", "a.json", "--frames", "1", "--tolerance", "reference", "--out", "r.exr"];
-    scene.run(&reference).code(0).says(&["frame 1: beauty → r.exr  hull, 0 exits"]);
+    scene.run(&reference).code(0).says(&["frame 1: beauty → r.exr  hull, 0 outside"]);
     let [exact, reference] = ["e.exr", "r.exr"].map(|name| pixels(&scene, name));
     let bounds = &json(&scene, "c.json")["outputs"][0]["error"]["channels"][0];
     let certified = bounds["clear"]["max"]["bound"].as_f64().unwrap();

@@ -11,7 +11,7 @@ fn every_frame_is_written_and_has_one_line() {
     assert_eq!(run.err, "", "no progress bar in a pipe");
     let lines: Vec<&str> = run.out.lines().collect();
     assert_eq!(lines.len(), 3);
-    assert!(lines[1].starts_with("frame 2: beauty → out/beauty.0002.exr, mask → out/mask.0002.png  hull, 0 exits, "));
+    assert!(lines[1].starts_with("frame 2: beauty → out/beauty.0002.exr, mask → out/mask.0002.png  hull, 0 outside, "));
     let names = [1, 2, 3].iter().flat_map(|n| [format!("out/beauty.000{n}.exr"), format!("out/mask.000{n}.png")]);
     let mut names: Vec<String> = names.collect();
     names.sort();

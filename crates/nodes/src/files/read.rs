@@ -43,7 +43,7 @@ pub(crate) struct Read {
     named: FileKnobs,
     #[items]
     selected: SelectionKnobs,
-    /// Fit of a picture whose size differs from the document's.
+    /// Fit of a picture whose size differs from the document's. If unset, such a picture is refused.
     pub(super) fit: Option<FitBy>,
     /// Color outside the data window; if unset, the nearest pixel repeats.
     #[knob(color)]

@@ -20,8 +20,8 @@ use trochoid_sea::toon::{LineRow, NearPhase, NearPlace, density_span};
 /// `low` above `high`, lines taper downward. Edges are softened over one pixel.
 ///
 /// # Source
-/// The drift lines that Dadfar and Welling, 5.1, could not keep whole in turns. Phases and agreement: see the manual
-/// of ToonSea.
+/// The drift lines that Dadfar and Welling, 5.1, could not keep whole in turns. Each burst measures the points that it
+/// passes along and across its path; lines run where these coordinates do, and bursts agree where theirs are equal.
 #[derive(Clone, Node)]
 #[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "The lines."))]
 pub(crate) struct DriftLines {
