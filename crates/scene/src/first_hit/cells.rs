@@ -25,7 +25,7 @@ const SHRINKAGE: f64 = 0.97;
 const LEAST_SHRINKAGE: f64 = 0.5;
 /// Least half side of a cell, relative to 1 m + the distance from the camera: below it, rounding prevails.
 const LEAST: f64 = 1e-9;
-/// Most cells, and most bands of cells; a sea that needs more is searched ray by ray.
+/// Most cells, and most bands of cells; a sea that needs more is unclear.
 const MOST_CELLS: usize = 400_000;
 const MOST_BANDS: usize = 4000;
 
