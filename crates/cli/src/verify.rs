@@ -3,9 +3,9 @@
 //! The JSON output has `holds`; `certificate`, `image`, `frame`, `made_by`; `signed_by`, the public key, `null` if the
 //! certificate is not signed; `inputs` and `blocks`, the numbers compared with their hashes; `seed`, and `share_found`,
 //! the share of the pixels that would have been found with a probability of 99 % if they had been changed, `null` if all
-//! were looked at; `outputs`, a list of `{output, looked_at, pixels, ambiguous, hull, distance, distance_ambiguous,
-//! weight_min, weight_sum_max_deviation}`, empty if nothing was evaluated; `failures`, a list of `{place, found,
-//! expected}`.
+//! were looked at; `outputs`, a list of `{output, looked_at, pixels, ambiguous, given_up, hull, distance,
+//! distance_ambiguous, weight_min, weight_sum_max_deviation}`, empty if nothing was evaluated; `failures`, a list of
+//! `{place, found, expected}`.
 
 use crate::failure::{Failure, MISSED};
 use crate::files::AccessOptions;
@@ -191,6 +191,10 @@ fn checked(output: &Findings) -> String {
     if output.ambiguous > 0 {
         facts.push(format!("{} ambiguous, at most {:.1e} from them", output.ambiguous, output.distance_ambiguous));
     }
+    if output.given_up > 0 {
+        let surfaces = "where surfaces are too rough to find what their rays meet";
+        facts.push(format!("{} of the ambiguous ones without a reference, {surfaces}", output.given_up));
+    }
     if output.hull {
         facts.push("none outside the hull".into());
     }
@@ -208,6 +212,7 @@ fn as_json(args: &Args, found: &Verification, seed: u64) -> Value {
             "looked_at": output.looked_at,
             "pixels": output.pixels,
             "ambiguous": output.ambiguous,
+            "given_up": output.given_up,
             "hull": output.hull,
             "distance": finite(output.distance),
             "distance_ambiguous": finite(output.distance_ambiguous),

@@ -40,6 +40,8 @@ pub enum NodeError {
         /// Knob that names it.
         knob: ItemName,
     },
+    /// A reference at one sample takes more effort than is reasonable; others may be found.
+    GivenUp(Box<BadData>),
     /// The user asked to stop. This error is never shown.
     Cancelled,
 }
@@ -131,7 +133,7 @@ impl NodeError {
     pub fn source(&self) -> Option<&(dyn Error + Send + Sync + 'static)> {
         match self {
             Self::Failed(error) | Self::Missing { error, .. } => Some(error.get()),
-            Self::Data(_) | Self::Cancelled => None,
+            Self::Data(_) | Self::GivenUp(_) | Self::Cancelled => None,
         }
     }
 }
@@ -151,7 +153,7 @@ impl From<BadData> for NodeError {
 impl Display for NodeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Data(data) => data.fmt(f),
+            Self::Data(data) | Self::GivenUp(data) => data.fmt(f),
             Self::Failed(error) => Display::fmt(error.get(), f),
             Self::Missing { error, knob } => write!(f, "{}, in the node's \"{knob}\"", error.get()),
             Self::Cancelled => f.write_str("cancelled"),

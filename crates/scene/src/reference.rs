@@ -71,12 +71,15 @@ pub(crate) fn trace_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, end:
     let Some(range) = within_slab(sea, ray).and_then(|range| before(range, end)) else { return Ok(None) };
     let found = match sea.cells.of(projector).as_deref() {
         Some(Ok(cells)) => cells.first(sea, projector, ray, range, Thoroughness::Thorough),
-        _ => First::Unknown,
+        // What is too rough for cells is too rough for the search of each ray of a picture.
+        Some(Err(NoCells::TooMany)) => First::Unknown,
+        Some(Err(NoCells::Unseen | NoCells::Stopped)) | None => First::Beyond,
     };
     let found = match found {
         First::Nothing => None,
         First::At(FirstPoint { distance, rest, .. }) => Some((distance, rest)),
-        First::Unknown => first_point(sea, projector, ray, range)?,
+        First::Unknown => return Err(GivenUp),
+        First::Beyond => first_point(sea, projector, ray, range)?,
     };
     let found = found.filter(|(distance, _)| *distance < end);
     Ok(found.map(|(distance, rest)| hit(sea, projector, ray, distance, rest)))
@@ -93,7 +96,7 @@ pub(crate) fn first_of_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, e
     let found = match sea.cells.of(projector).as_deref() {
         Some(Ok(cells)) => cells.first(sea, projector, ray, range, Thoroughness::Quick),
         Some(Err(NoCells::Unseen)) => First::Nothing,
-        _ => First::Unknown,
+        Some(Err(NoCells::TooMany | NoCells::Stopped)) | None => First::Unknown,
     };
     match found {
         First::Nothing => Sight::Nothing,
@@ -102,7 +105,7 @@ pub(crate) fn first_of_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, e
             Sight::Point(hit_of_sea(sea, projector, ray, distance, rest, &sample, sea.submerges(projector)), sheet)
         }
         First::At(..) => Sight::Nothing,
-        First::Unknown => Sight::Unclear,
+        First::Unknown | First::Beyond => Sight::Unclear,
     }
 }
 

@@ -77,6 +77,11 @@ impl EvalError {
             error,
         }
     }
+
+    /// Returns whether a node has given up a reference at one sample, because it takes too much effort there.
+    pub(crate) fn is_given_up(&self) -> bool {
+        matches!(self, Self::Node { error: NodeError::GivenUp(_), .. })
+    }
 }
 
 /// Observes an evaluation; called from many threads.

@@ -85,7 +85,7 @@ pub(crate) fn exact(
 /// Returns the error of a reference whose ray was given up.
 pub(crate) fn too_rough(error: GivenUp) -> NodeError {
     let remedy = "lower the \"sharpness\" or the height of the waves, or look from farther away";
-    BadData::new(error, "surfaces whose first point along a ray can be found", remedy).into()
+    NodeError::GivenUp(Box::new(BadData::new(error, "surfaces whose first point along a ray can be found", remedy)))
 }
 
 /// Stage that outputs a camera or a light.

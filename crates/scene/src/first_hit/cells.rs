@@ -12,16 +12,22 @@ use glam::DVec3;
 use rayon::prelude::*;
 use trochoid_sea::FramedSea;
 
-/// Remainder at which a cell is small enough, relative to the footprint.
-const FINE: f64 = 1e-4;
+/// Remainders at which a cell is small enough, relative to the footprint, for pictures with up to some number of pixels.
+/// Finer cells cost more once, but rays near contours need smaller ones of their own less often, which cost most.
+const FINE: [(f64, f64); 2] = [(262_144.0, 3e-6), (1_048_576.0, 1e-5)];
+/// The same for all others, and for seas that need too many cells otherwise.
+const COARSE: f64 = 1e-4;
+/// Remainder at which a cell is small enough, relative to what rounding leaves of it.
+const ROUNDED: f64 = 2.0;
 /// Factors by which a cell's side may grow from one band to the next, and by which it shrinks until it is small enough.
 const GROWTH: f64 = 1.25;
-const SHRINKAGE: f64 = 0.88;
+const SHRINKAGE: f64 = 0.97;
+const LEAST_SHRINKAGE: f64 = 0.5;
 /// Least half side of a cell, relative to 1 m + the distance from the camera: below it, rounding prevails.
 const LEAST: f64 = 1e-9;
-/// Most cells, and most bands of cells; a sea that needs more is searched ray by ray.
+/// Most cells, and most bands of cells; a sea that needs more is unclear.
 const MOST_CELLS: usize = 400_000;
-const MOST_BANDS: usize = 20_000;
+const MOST_BANDS: usize = 4000;
 
 /// Rounding error of a part of a patch in a ray's coordinates, relative to the patch's coefficients: each halving rounds
 /// eight times, and a component along a direction five times, values up to four times as large.
@@ -93,14 +99,21 @@ impl SeaCells {
         let region = Region::new(sea, projector, &axes);
         let footprints = Footprints::new(sea, projector);
         let waves = FramedSea::new(&sea.frame, [axes.eye.x, axes.eye.z], axes.heading);
-        let bands = bands(sea, &waves, &footprints, &region, stop)?;
+        let pixels = projector.size[0] * projector.size[1];
+        let fine = FINE.into_iter().find(|(most, _)| pixels <= *most).map(|(_, fine)| fine);
+        let bands = |fine: f64| bands(sea, &waves, &footprints, &region, fine, stop);
+        let bands = match fine.map(bands) {
+            None | Some(Err(NoCells::TooMany)) => bands(COARSE)?,
+            Some(bands) => bands?,
+        };
         let of_band = |band: &Band| {
             if stop() {
                 return Err(NoCells::Stopped);
             }
             let middle = |index: usize| band.first + 2.0 * band.half * index as f64;
             let middles: Vec<f64> = (0..band.count).map(middle).collect();
-            // Most squares are carried out of sight, which larger ones show at a lower price.
+            // Most squares are carried out of sight, which the middles of some and larger ones show at a lower price.
+            let middles = near(&waves, &footprints, &region, band, middles);
             let whole = Cell::row(&waves, &footprints, band.middle, &middles, band.half, band.coarse);
             let seen = whole.iter().filter(|cell| !region.misses(cell.bounds()));
             let size = 2.0 * band.half / PARTS as f64;
@@ -131,12 +144,29 @@ impl SeaCells {
     }
 }
 
-/// Divides what is seen into bands from near to far.
+/// Returns the middles of those squares of a band that may be carried into sight, from where their middles are.
+fn near(waves: &FramedSea, footprints: &Footprints, region: &Region, band: &Band, middles: Vec<f64>) -> Vec<f64> {
+    let rows = waves.rows(&[(band.middle, libm::sqrt(footprints.square(band.middle)))], waves.waves().len());
+    let mut points = vec![[0.0; 3]; middles.len()];
+    waves.squares(&rows, &waves.columns(&[0.0]), &middles, &mut points);
+    let Remainder { spread, off, .. } = band.coarse;
+    let reach = DVec3::new(band.half, 0.0, band.half) + DVec3::from(spread) + DVec3::from(off);
+    let may_be_seen = |(across, point): (&f64, &[f64; 3])| {
+        let point = DVec3::new(band.middle, 0.0, *across) + DVec3::from(*point);
+        !region.misses([point - reach, point + reach])
+    };
+    let seen: Vec<bool> = middles.iter().zip(&points).map(may_be_seen).collect();
+    middles.into_iter().zip(seen).filter_map(|(middle, is)| is.then_some(middle)).collect()
+}
+
+/// Divides what is seen into bands from near to far; remainders of their cells are at most `fine`, relative to the
+/// footprint.
 fn bands(
     sea: &SeaSurface,
     waves: &FramedSea,
     footprints: &Footprints,
     region: &Region,
+    fine: f64,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<Band>, NoCells> {
     let [near, far] = region.along().ok_or(NoCells::Unseen)?;
@@ -160,17 +190,21 @@ fn bands(
             let away = middle.abs() + half + sea.drift;
             (remainder(waves, footprints, middle, size, away), middle)
         };
-        let fine = loop {
+        let parts = loop {
             // The nearest cells have the smallest footprints, or the last ones for a camera that looks away.
-            let is_fine = |part: usize| {
+            let sizes = [0, PARTS - 1].map(|part| {
                 let (remainder, middle) = cell(half, part);
-                let enough = FINE * libm::sqrt(footprints.square(middle));
-                remainder.off.iter().all(|off| *off <= enough)
-            };
-            if (is_fine(0) && is_fine(PARTS - 1)) || half <= LEAST * (1.0 + from.abs()) {
+                let enough = fine * libm::sqrt(footprints.square(middle));
+                let size = |axis: usize| remainder.off[axis] / enough.max(ROUNDED * remainder.rounding[axis]);
+                // NaN where a wave grows without limit.
+                [0, 1, 2].map(|axis| if size(axis).is_nan() { f64::INFINITY } else { size(axis) })
+            });
+            let largest = sizes.as_flattened().iter().copied().fold(0.0, f64::max);
+            if largest <= 1.0 || half <= LEAST * (1.0 + from.abs()) {
                 break std::array::from_fn(|part| cell(half, part).0);
             }
-            half *= SHRINKAGE;
+            // Remainders grow about as this power of the size.
+            half *= libm::pow(largest, -1.0 / SIDE as f64).clamp(LEAST_SHRINKAGE, SHRINKAGE);
         };
         let to = if half >= limit / 2.0 { from + limit } else { from + 2.0 * half };
         let middle = (from + to) / 2.0;
@@ -183,7 +217,7 @@ fn bands(
             }
             let first = (left + right) / 2.0 - half * (count - 1.0);
             let coarse = remainder(waves, footprints, middle, half, middle.abs() + half + sea.drift);
-            bands.push(Band { middle, half, first, count: count as usize, coarse, fine });
+            bands.push(Band { middle, half, first, count: count as usize, coarse, fine: parts });
         }
         from = to;
     }

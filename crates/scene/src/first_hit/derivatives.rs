@@ -1,6 +1,6 @@
 //! Derivatives of the polynomials of a part, which are combinations of the differences of their coefficients.
 
-use super::bernstein::{DEGREE, Net, SIDE};
+use super::bernstein::{DEGREE, Net, SIDE, larger};
 use glam::{DMat2, DVec2};
 
 /// Derivatives of two components over a part.
@@ -60,12 +60,6 @@ impl Derivatives {
         }
         rows.iter().zip(WEIGHTS).map(|(value, weight)| value * weight).sum::<f64>() / 65536.0
     }
-}
-
-/// Returns the larger of two numbers, in one instruction; infinite coefficients, which make NaN, do not occur.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
 }
 
 #[inline(always)]

@@ -10,8 +10,12 @@ use trochoid_sea::FramedSea;
 pub(super) struct Remainder {
     /// Of the points along u, up, and along v, in meters.
     pub(super) off: [f64; 3],
+    /// Share of these that is due to rounding, and hardly smaller for smaller cells.
+    pub(super) rounding: [f64; 3],
     /// Of the derivatives by either side of the cell, −1…1, in any direction.
     pub(super) turn: f64,
+    /// How far displacements in the cell may be from the one in its middle, along u, up, and along v, in meters.
+    pub(super) spread: [f64; 3],
     /// Number of waves, by falling wavelength, that the polynomial must contain.
     pub(super) waves: usize,
 }
@@ -84,14 +88,19 @@ pub(super) fn remainder(sea: &FramedSea, footprints: &Footprints, middle: f64, h
             let turn = (u_slope + steep * v * big).max(v_slope * big + steep * u);
             (share * (u + lebesgue * v * big), share * turn)
         };
-        let rounding = libm::exp(most.min(0.0)) * (added + wave.phase_error(away)) * lebesgue * lebesgue;
-        for (total, amplitude) in remainder.off.iter_mut().zip([along, up, across]) {
-            *total += amplitude * (off + rounding);
+        let left = libm::exp(most.min(0.0));
+        let turned = left * (ku + kv + (2.0 * b * whole).min(1.0)).min(2.0);
+        let rounding = left * (added + wave.phase_error(away)) * lebesgue * lebesgue;
+        for (axis, amplitude) in [along, up, across].into_iter().enumerate() {
+            remainder.off[axis] += amplitude * off;
+            remainder.spread[axis] += amplitude * turned;
+            remainder.rounding[axis] += amplitude * rounding;
         }
         remainder.turn += size * (turn + rounding * steep);
     }
-    for total in &mut remainder.off {
-        *total += PLACE * away;
+    for (off, rounding) in remainder.off.iter_mut().zip(&mut remainder.rounding) {
+        *rounding += PLACE * away;
+        *off += *rounding;
     }
     remainder
 }

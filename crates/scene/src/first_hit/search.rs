@@ -18,8 +18,10 @@ pub(crate) enum First {
     Nothing,
     /// The first point.
     At(FirstPoint),
-    /// It is not known: the effort was not enough, or the cells do not contain this part of the ray.
+    /// It is not known: the effort was not enough.
     Unknown,
+    /// The cells do not contain this part of the ray.
+    Beyond,
 }
 
 /// The first point of a sea on a ray.
@@ -40,7 +42,7 @@ pub(crate) struct FirstPoint {
 pub(crate) enum Thoroughness {
     /// As much as most rays need; some rays, near contours above all, remain unknown.
     Quick,
-    /// As much as nearly all rays need.
+    /// As much as nearly all rays need: some milliseconds at most.
     Thorough,
 }
 
@@ -48,8 +50,8 @@ impl Thoroughness {
     /// Returns the most parts of patches, and the most smaller cells, that a ray may take.
     fn most(self) -> (u32, u32) {
         match self {
-            Self::Quick => (600, 3),
-            Self::Thorough => (200_000, 2000),
+            Self::Quick => (1000, 6),
+            Self::Thorough => (12_000, 48),
         }
     }
 }
@@ -152,7 +154,7 @@ impl SeaCells {
         // A flat sea leaves only one distance, and rounding.
         let (start, end) = (start * (1.0 - WIDER), end * (1.0 + WIDER));
         if !self.region.holds(&own, [start, end]) {
-            return First::Unknown;
+            return First::Beyond;
         }
         let horizontal = DVec3::new(-direction.z, 0.0, direction.x).try_normalize().unwrap_or(DVec3::X);
         let aside = [horizontal, horizontal.cross(direction)];

@@ -86,8 +86,10 @@ fn cells_are_as_close_to_the_sea_as_they_say() {
                     for (side, own) in slopes.iter().enumerate() {
                         let by = [0, 1].map(|other| if side == other { step } else { 0.0 });
                         let slope = (there(by) - there(by.map(|by| -by))) / (2.0 * step);
-                        // By −1…1, half as much as by 0…1. The difference quotient loses digits.
-                        let loss = 1e-9 * (1.0 + truth.abs().max_element()) + 1e-4 * cell.half * cell.half;
+                        // By −1…1, half as much as by 0…1. The difference quotient loses digits, above all those by which
+                        // rest points far from the origin are rounded.
+                        let placed = 0.5 * f64::EPSILON * rest[0].abs().max(rest[1].abs()) / step;
+                        let loss = 1e-9 * (1.0 + truth.abs().max_element()) + 1e-4 * cell.half * cell.half + placed;
                         let off = 0.5 * (own - slope).abs();
                         assert!(off <= cell.remainder.turn + loss, "sea {index}, camera {case}: {off:e}");
                     }
@@ -140,4 +142,41 @@ fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
     assert!(met > 300 && missed > 10 && overhung > 0, "{met} meet it, {missed} miss it, {overhung} meet an overhang");
     assert!(50 * unknown < met, "{unknown} unknown");
     assert!(20 * (met - alone) < met, "{alone} of {met} on a known sheet");
+}
+
+#[test]
+fn cells_far_from_the_origin_are_as_large_as_rounding_lets_them_be() {
+    let sea = &seas()[0];
+    let count = |middle: [f64; 2]| SeaCells::new(sea, &projector(0, middle), &|| false).map(|cells| cells.cells.len());
+    let (near, far) = (count([0.0, 0.0]).expect("something is seen"), count([1e8, 0.0]).expect("something is seen"));
+    assert!(2 * far < 3 * near, "{near} cells near the origin, {far} far from it");
+}
+
+#[test]
+fn squares_without_their_middles_in_sight_are_kept_where_waves_carry_them_into_it() {
+    let mut held = 0;
+    for (index, sea) in seas().iter().enumerate().take(4) {
+        for case in 0..6 {
+            let projector = projector(case + 5 * index as u32, [0.0, 0.0]);
+            let Ok(cells) = SeaCells::new(sea, &projector, &|| false) else { continue };
+            for pick in 0..2000 {
+                // A point of the sea that the region holds lies in a cell.
+                let far = 60.0 * part(pick, 0.31);
+                let [x, z] = [far * (part(pick, 0.618) - 0.5), far * (part(pick, 0.414) - 0.5)];
+                let rest = [projector.position.x + x, projector.position.z + z];
+                let point = cells.axes.point(sea.carried(&projector, rest).point);
+                if cells.region.misses([point, point]) {
+                    continue;
+                }
+                let own = cells.axes.point(DVec3::new(rest[0], sea.level, rest[1]));
+                let is_in = |cell: &super::cells::Cell| {
+                    let [s, t] = cell.place(own);
+                    s.clamp(-1e-9, 1.0 + 1e-9) == s && t.clamp(-1e-9, 1.0 + 1e-9) == t
+                };
+                assert!(cells.cells.iter().any(is_in), "sea {index}, camera {case}: {rest:?} is seen at {point}");
+                held += 1;
+            }
+        }
+    }
+    assert!(held > 3000, "{held}");
 }

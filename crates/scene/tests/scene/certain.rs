@@ -6,8 +6,8 @@ use crate::random::Draw;
 use trochoid_image::Format;
 use trochoid_scene::bezier::{Bicubic, Patch, PatchModel, Placement, Tessellation};
 use trochoid_scene::{
-    Camera, Certain, DVec3, GridSurface, Hit, Pose, Projection, RigidBodies, SeaSurface, Sight, Surface, TriangleModel,
-    Triangles, reference,
+    Camera, Certain, ChannelSet, DVec3, GridSurface, Hit, Pose, Projection, RigidBodies, SeaSurface, Sight, Surface,
+    TriangleModel, Triangles, Visible, reference,
 };
 use trochoid_sea::{ExplicitWave, GerstnerSpectrum, Sea, Wave};
 
@@ -82,6 +82,35 @@ fn seas() {
             let share = unclear(camera, &[&surface], [160, 90], 23);
             assert!(share < if height < 2.0 { 0.02 } else { 0.2 }, "view {index}, height {height}: {share} unclear");
         }
+    }
+}
+
+#[test]
+fn meshes_show_the_sheets_that_rays_meet() {
+    let spectrum = GerstnerSpectrum {
+        wavelength: 9.0,
+        spread: 1.0,
+        height: 4.0,
+        direction: 70.0_f64.to_radians(),
+        sharpness: 0.8,
+        seed: 8,
+        ..GerstnerSpectrum::default()
+    };
+    let surface = SeaSurface::new(&Sea::new(spectrum.waves().expect("valid")), 0.0, 0.0);
+    let camera = look([0.0, 5.0, 30.0], [0.0, 4.5, 0.0], Projection::Perspective { fov: 46.0_f64.to_radians() });
+    let format = Format::new(96, 54, 4).expect("valid");
+    let visible = Visible::prepare(&camera, &[&surface], format, ChannelSet::REST);
+    let certain = Certain::new(&camera, &[&surface], format, &|| false).expect("nobody stops it");
+    let pixels: Vec<[i64; 2]> = (0..54).flat_map(|y| (0..96).map(move |x| [x, y])).collect();
+    let offset = format.sample_offset(1);
+    let sights = certain.sights(&[&surface], &pixels, offset);
+    let same = visible.same_sheets(&[&surface], &pixels, offset, &sights);
+    let other = same.iter().filter(|same| !**same).count();
+    assert!(other * 100 < pixels.len(), "another sheet is shown, or may be, at {other} of {} samples", pixels.len());
+    // Pixels that are asked for alone are the same.
+    for pixel in [[7, 31], [8, 31], [50, 52], [95, 53], [33, 28]] {
+        let alone = certain.sights(&[&surface], &[pixel], offset);
+        assert_eq!(alone[0], sights[(pixel[1] * 96 + pixel[0]) as usize], "{pixel:?}");
     }
 }
 

@@ -45,6 +45,8 @@ pub struct Findings {
     pub pixels: u64,
     /// Number of evaluated pixels that are ambiguous.
     pub ambiguous: u64,
+    /// Number of these whose reference was given up, because it takes too much effort: a surface is too rough there.
+    pub given_up: u64,
     /// Whether colors were held against the hull, in which the certificate says that all are.
     pub hull: bool,
     /// Largest distance of an unambiguous pixel from its reference, beyond the rounding of the file's format, in units
@@ -109,7 +111,8 @@ const PIECE: usize = 8192;
 /// pixels, and at those that the certificate names, value, bound and ambiguity of the picture are derived again: the
 /// certificate must state them as they are, the file must contain the rounded form of the value, and the reference must
 /// lie within the bound. Up to the rounding of the format, colors must lie in the hull of their controls, weights in
-/// [0, 1], and partitions must sum to 1.
+/// [0, 1], and partitions must sum to 1. Only at an ambiguous pixel may the reference be given up, where a surface is too
+/// rough to find its first point on a ray with reasonable effort.
 ///
 /// With [`Choice::All`], no false statement passes. Otherwise a change of some pixels, or of what is said about them, is
 /// found with the probability that [`Choice::share_found`] explains.
@@ -187,9 +190,9 @@ fn pixels(
     }
     for (start, piece) in (0..).step_by(PIECE).zip(places.chunks(PIECE)) {
         let monitor = HalfMonitor { before: start, total: places.len(), ..evaluating };
-        for (index, outputs) in (start..).zip(reference.pixels(piece, &monitor)?) {
+        for (index, outputs) in (start..).zip(reference.pixels_in_reach(piece, &monitor)?) {
             for ((check, derived), reference) in checks.iter_mut().zip(&derived).zip(&outputs) {
-                check.pixel(chosen[index], index, derived, reference);
+                check.pixel(chosen[index], index, derived, reference.as_ref());
             }
         }
     }

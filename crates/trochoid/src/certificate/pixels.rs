@@ -118,6 +118,7 @@ impl<'c> OutputCheck<'c> {
             looked_at: 0,
             pixels: window.area() as u64,
             ambiguous: 0,
+            given_up: 0,
             hull: false,
             distance: 0.0,
             distance_ambiguous: 0.0,
@@ -177,8 +178,14 @@ impl<'c> OutputCheck<'c> {
         self.findings.hull = self.palette.is_some();
     }
 
-    /// Checks a pixel, given what was derived of it, at an index, and its reference.
-    pub(super) fn pixel(&mut self, pixel: usize, index: usize, derived: &CertifiedPixels, reference: &ReferencePixel) {
+    /// Checks a pixel, given what was derived of it, at an index, and its reference, unless that was given up.
+    pub(super) fn pixel(
+        &mut self,
+        pixel: usize,
+        index: usize,
+        derived: &CertifiedPixels,
+        reference: Option<&ReferencePixel>,
+    ) {
         let ambiguous = derived.doubt[index] > 0.0;
         self.findings.ambiguous += u64::from(ambiguous);
         if ambiguous != self.stated.is_ambiguous(pixel) {
@@ -191,9 +198,17 @@ impl<'c> OutputCheck<'c> {
         self.bounds(pixel, index, derived);
         let values: Vec<f32> = derived.values.iter().map(|channel| channel[index]).collect();
         self.value(pixel, &values, reference);
-        self.error(pixel, &errors, ambiguous, reference);
-        self.weights(pixel, reference);
         self.hull(pixel, &values, reference);
+        match reference {
+            Some(reference) => {
+                self.error(pixel, &errors, ambiguous, reference);
+                self.weights(pixel, reference);
+            }
+            None if ambiguous => self.findings.given_up += 1,
+            None => self.fail(Fault::Error, pixel, |_| {
+                ["a surface too rough for its reference".into(), "a reference, because it is not ambiguous".into()]
+            }),
+        }
     }
 
     /// Adds what all pixels together failed at, and returns what was found.
@@ -248,12 +263,15 @@ impl<'c> OutputCheck<'c> {
     }
 
     /// Checks that the file holds the picture's own value, or that of the reference.
-    fn value(&mut self, pixel: usize, values: &[f32], reference: &ReferencePixel) {
+    fn value(&mut self, pixel: usize, values: &[f32], reference: Option<&ReferencePixel>) {
         let exact = vec![0.0; values.len()];
         let own: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
         // A picture may have been rendered by the references.
-        let rounded: Vec<f64> = reference.value.iter().map(|value| f64::from(*value as f32)).collect();
-        if !self.is_within(pixel, &own, &exact) && !self.is_within(pixel, &rounded, &exact) {
+        let rounded = |reference: &ReferencePixel| -> Vec<f64> {
+            reference.value.iter().map(|value| f64::from(*value as f32)).collect()
+        };
+        let is_reference = || reference.is_some_and(|known| self.is_within(pixel, &rounded(known), &exact));
+        if !self.is_within(pixel, &own, &exact) && !is_reference() {
             self.fail(Fault::Value, pixel, |check| {
                 let expected = format!("{:?}, the rounded form of {values:?}", check.middle(&own));
                 [format!("{:?}", check.samples(pixel)), format!("{expected}{}", check.other_version)]
@@ -302,19 +320,21 @@ impl<'c> OutputCheck<'c> {
     }
 
     /// Checks that a color lies in the hull, and so does its reference; colors in the file are counted.
-    fn hull(&mut self, pixel: usize, values: &[f32], reference: &ReferencePixel) {
+    fn hull(&mut self, pixel: usize, values: &[f32], reference: Option<&ReferencePixel>) {
         let Some(Palette { hull, margin }) = &self.palette else { return };
-        let ([r, g, b], [x, y, z]) = (values, &reference.value[..]) else { return };
+        let [r, g, b] = values else { return };
         if let Some(distance) = hull.exit(&[*r, *g, *b], *margin) {
             let found = format!("{values:?}, {distance:e} outside the hull");
             self.fail(Fault::Hull, pixel, |_| [found, "no color outside the hull".into()]);
             return;
         }
+        let Some(ReferencePixel { value, .. }) = reference else { return };
+        let [x, y, z] = value[..] else { return };
         // Literals are rounded in the hull, but not in the references.
         let largest = hull.vertices().iter().flatten().fold(0.0, |most: f64, v| most.max(f64::from(v.abs())));
-        let distance = hull.signed_distance([*x, *y, *z]);
+        let distance = hull.signed_distance([x, y, z]);
         if distance > margin + 4.0 * LITERAL * largest {
-            let found = format!("the reference {:?}, {distance:e} outside the hull", reference.value);
+            let found = format!("the reference {value:?}, {distance:e} outside the hull");
             self.fail(Fault::Hull, pixel, |_| [found, "no color outside the hull".into()]);
         }
     }

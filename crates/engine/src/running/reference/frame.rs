@@ -100,8 +100,9 @@ fn row(
         if monitor.cancelled() {
             return Err(EvalError::Cancelled);
         }
-        let pixels = PixelEvaluation::new(reference).outputs(rows.len(), [x, y], &mut |_| ())?;
+        let pixels = PixelEvaluation::new(reference).outputs(rows.len(), [x, y], &mut |_| ());
         for (row, pixel) in rows.iter_mut().zip(pixels) {
+            let pixel = pixel?;
             row.resize(pixel.len(), Vec::new());
             row.iter_mut().zip(pixel).for_each(|(row, value)| row.push(value as f32));
         }

@@ -127,8 +127,8 @@ impl<'g> ReferenceFrame<'g> {
     /// # Errors
     /// Same as [`ReferenceFrame::sample`].
     pub fn pixel(&self, x: i64, y: i64) -> Result<Vec<f64>, EvalError> {
-        let mut outputs = PixelEvaluation::new(self).outputs(1, [x, y], &mut |_| ())?;
-        Ok(outputs.swap_remove(0))
+        let mut outputs = PixelEvaluation::new(self).outputs(1, [x, y], &mut |_| ());
+        outputs.swap_remove(0)
     }
 
     /// Clamps a point to the extent of a node's image: beyond it, to the same point within the nearest pixel.
@@ -188,29 +188,33 @@ impl<'e, 'g> PixelEvaluation<'e, 'g> {
     }
 
     /// Returns the first `count` outputs of the frame at a pixel, each averaged over its samples, and shows what nodes
-    /// returned on the way, sample by sample.
+    /// returned on the way, sample by sample. An output ends at its first error.
     fn outputs(
         &self,
         count: usize,
         [x, y]: [i64; 2],
         show: &mut dyn FnMut(&PointOutputs),
-    ) -> Result<Vec<Vec<f64>>, EvalError> {
+    ) -> Vec<Result<Vec<f64>, EvalError>> {
         let offsets = &self.frame.offsets[..count];
-        let mut sums: Vec<Vec<f64>> = vec![Vec::new(); count];
+        let mut sums: Vec<Result<Vec<f64>, EvalError>> = vec![Ok(Vec::new()); count];
         for sample in 0..offsets.iter().map(Vec::len).max().unwrap_or(0) {
             for (output, sums) in sums.iter_mut().enumerate() {
-                let Some(offset) = offsets[output].get(sample) else { continue };
-                let value = self.sample(output, [x as f64 + offset[0], y as f64 + offset[1]])?;
-                sums.resize(value.len(), 0.0);
-                sums.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
+                let (Some(offset), Ok(all)) = (offsets[output].get(sample), &mut *sums) else { continue };
+                match self.sample(output, [x as f64 + offset[0], y as f64 + offset[1]]) {
+                    Ok(value) => {
+                        all.resize(value.len(), 0.0);
+                        all.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
+                    }
+                    Err(error) => *sums = Err(error),
+                }
             }
             show(&self.known.borrow());
             self.forget();
         }
         for (sums, offsets) in sums.iter_mut().zip(offsets) {
-            sums.iter_mut().for_each(|sum| *sum /= offsets.len() as f64);
+            sums.iter_mut().flatten().for_each(|sum| *sum /= offsets.len() as f64);
         }
-        Ok(sums)
+        sums
     }
 
     /// Forgets everything except first samples: no other sample reads it again, and filters read very many points.

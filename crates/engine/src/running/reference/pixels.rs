@@ -11,6 +11,9 @@ use trochoid_image::Rgb;
 /// Number of pixels that a thread takes at once.
 const PIECE: usize = 16;
 
+/// The outputs of a pixel.
+type ReferencesOfPixel = Vec<Result<ReferencePixel, EvalError>>;
+
 /// A pixel computed by the references.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferencePixel {
@@ -45,13 +48,39 @@ impl ReferenceFrame<'_> {
     /// # Errors
     /// Same as [`ReferenceFrame::sample`]; or the monitor asked to stop.
     pub fn pixels(&self, places: &[[i64; 2]], monitor: &dyn Monitor) -> Result<Vec<Vec<ReferencePixel>>, EvalError> {
+        let pixels = self.pixels_or_errors(places, monitor)?;
+        pixels.into_iter().map(|outputs| outputs.into_iter().collect()).collect()
+    }
+
+    /// Does the same, with `None` where a node gives up a reference because it takes more effort than is reasonable.
+    ///
+    /// # Errors
+    /// Same as [`ReferenceFrame::pixels`], except for these.
+    pub fn pixels_in_reach(
+        &self,
+        places: &[[i64; 2]],
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Vec<Option<ReferencePixel>>>, EvalError> {
+        let known = |output: Result<ReferencePixel, EvalError>| match output {
+            Err(error) if error.is_given_up() => Ok(None),
+            output => output.map(Some),
+        };
+        let pixels = self.pixels_or_errors(places, monitor)?;
+        pixels.into_iter().map(|outputs| outputs.into_iter().map(known).collect()).collect()
+    }
+
+    fn pixels_or_errors(
+        &self,
+        places: &[[i64; 2]],
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<ReferencesOfPixel>, EvalError> {
         let done = AtomicUsize::new(0);
         let upstream: Vec<Vec<bool>> = (0..self.plan.outputs.len()).map(|output| self.upstream(output)).collect();
-        let pieces: Result<Vec<Vec<Vec<ReferencePixel>>>, EvalError> = places
+        let pieces: Result<Vec<Vec<ReferencesOfPixel>>, EvalError> = places
             .par_chunks(PIECE)
             .map(|piece| {
                 let seen = |&place: &[i64; 2]| {
-                    if monitor.cancelled() { Err(EvalError::Cancelled) } else { self.seen(place, &upstream) }
+                    if monitor.cancelled() { Err(EvalError::Cancelled) } else { Ok(self.seen(place, &upstream)) }
                 };
                 let pixels = piece.iter().map(seen).collect();
                 let done = done.fetch_add(piece.len(), Ordering::Relaxed) + piece.len();
@@ -69,7 +98,7 @@ impl ReferenceFrame<'_> {
         graph.dependencies([spec.node], self.plan.frame())
     }
 
-    fn seen(&self, place: [i64; 2], upstream: &[Vec<bool>]) -> Result<Vec<ReferencePixel>, EvalError> {
+    fn seen(&self, place: [i64; 2], upstream: &[Vec<bool>]) -> ReferencesOfPixel {
         let none = ReferencePixel { value: Vec::new(), weight_min: f64::INFINITY, weight_sum_max_deviation: 0.0 };
         let mut pixels = vec![none; upstream.len()];
         let mut show = |known: &PointOutputs| {
@@ -78,9 +107,8 @@ impl ReferenceFrame<'_> {
                 given.for_each(|given| pixel.see(given));
             }
         };
-        let values = PixelEvaluation::new(self).outputs(upstream.len(), place, &mut show)?;
-        pixels.iter_mut().zip(values).for_each(|(pixel, value)| pixel.value = value);
-        Ok(pixels)
+        let values = PixelEvaluation::new(self).outputs(upstream.len(), place, &mut show);
+        pixels.into_iter().zip(values).map(|(pixel, value)| Ok(ReferencePixel { value: value?, ..pixel })).collect()
     }
 
     /// Returns every color that an output, by its place among those requested, is mixed from. The colors are found by

@@ -153,6 +153,18 @@ fn what_is_ambiguous_is_counted_and_the_rest_is_near() {
 }
 
 #[test]
+fn seas_too_rough_for_references_are_ambiguous_and_hold() {
+    let rough = r#""wavelength": 9, "spread": 1, "height": 4, "direction": 70, "sharpness": 10, "seed": 8"#;
+    let studio = Studio::new(&SKY.replace(r#""count": 0"#, rough));
+    for image in studio.make(1) {
+        let found = check(&certificate_of(&image), &image, Choice::All).expect("readable");
+        assert!(found.holds(), "{}: {:#?}", image.display(), found.failures);
+        let Findings { given_up, ambiguous, pixels, .. } = found.outputs[0];
+        assert!(0 < given_up && given_up <= ambiguous, "{given_up} given up, {ambiguous} of {pixels} ambiguous");
+    }
+}
+
+#[test]
 fn a_document_without_its_folder_is_enough_and_another_document_is_told() {
     let studio = Studio::of_space("srgb");
     studio.make(1);
