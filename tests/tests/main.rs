@@ -30,6 +30,7 @@ mod memory;
 mod merging;
 mod painter;
 mod palette;
+mod patches;
 mod pipes;
 mod portable;
 mod random;

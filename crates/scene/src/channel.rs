@@ -8,6 +8,8 @@ pub(crate) const NORMALS: ChannelSet = ChannelSet::NORMAL.union(ChannelSet::of(&
 pub(crate) const RESTS: ChannelSet = ChannelSet::REST.union(ChannelSet::of(&[Channel::RestDistance]));
 /// Channels of the traces that bursts leave behind.
 pub(crate) const TRAILS: ChannelSet = ChannelSet::of(&Channel::TRAILS);
+/// Channels whose values depend on where a ray meets a surface, rather than on whether it does.
+pub(crate) const CURVED: ChannelSet = ChannelSet::ALL.minus(ChannelSet::of(&[Channel::Coverage, Channel::Surface]));
 
 /// Returns the value of a channel at a hit, or its background if there is none.
 pub fn channel_of(hit: Option<&Hit>, channel: Channel) -> f64 {

@@ -3,19 +3,22 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::channel::{NORMALS, RESTS};
+use crate::channel::CURVED;
 use crate::grid_ranges::Ranges;
 use crate::grid_ray::first_of_grid;
 use crate::grid_values::{GridDoubt, Number, Trails, Weights, second, square, weights};
 use crate::meet_near::meet_grid;
+use crate::on_heights::HeightField;
 use crate::points::MeshHit;
 use crate::shading::unit_or_up;
-use crate::surface::{Anchor, Exact, GivenUp, Hit, Mesh, Surface, Topology};
-use crate::{Channel, ChannelSet, Projector, Ray, Resting};
+use crate::surface::{Anchor, Between, Exact, GivenUp, Hit, Mesh, Surface, Topology};
+use crate::{ChannelSet, Projector, Ray, Resting};
 
 /// Largest chord error of a cell, in pixels, at its nearest point and at a crest three times as sharp as the root
 /// mean square.
 const CHORD_PX: f64 = 0.2;
+/// The same for views, which meet the surface itself wherever its contours do not decide what is seen.
+const CONTOUR_PX: f64 = 0.1;
 const CREST: f64 = 3.0;
 /// Most vertices that cuts may make, per pixel of the picture, and the least value of this limit.
 const VERTICES_PER_PIXEL: f64 = 1.5;
@@ -181,6 +184,16 @@ impl<T: Number> GridSurface<T> {
         self.bounds
     }
 
+    /// Returns the heights, row by row along x.
+    pub(crate) fn heights(&self) -> &[T] {
+        &self.heights
+    }
+
+    /// Returns the values of a trail, cell by cell; empty if it is 0.
+    pub(crate) fn trail(&self, index: usize) -> &[T] {
+        self.trails.values(index)
+    }
+
     /// Returns the heights around a cell, row by row: those that its interpolation depends on.
     pub(crate) fn neighbors(&self, [i, j]: [usize; 2]) -> [[f64; 4]; 4] {
         std::array::from_fn(|n| {
@@ -270,7 +283,7 @@ impl<T: Number> GridSurface<T> {
 
     /// Returns the positions of vertices along an axis: each cell is cut into equal parts, as many as its nearest
     /// point requires, divided by `coarseness`.
-    fn lines(&self, projector: &Projector, axis: usize, coarseness: f64) -> Vec<Line> {
+    fn lines(&self, projector: &Projector, axis: usize, chord: f64, coarseness: f64) -> Vec<Line> {
         let cells = [self.columns, self.rows][axis] - 1;
         let eye = projector.position.to_array();
         let [low, high] = self.bounds.map(|height| self.level + height);
@@ -281,14 +294,14 @@ impl<T: Number> GridSurface<T> {
         let beside = libm::hypot(away(1, start[1], end[1]), away(other, start[other], end[other]));
         let line = |cell: usize, part: f64| Line {
             cell,
-            weights: weights(part),
+            weights: weights(part).0,
             place: self.origin[axis] + (cell as f64 + part) * self.spacing,
         };
         let mut lines = Vec::with_capacity(2 * cells);
         for cell in 0..cells {
             let from = self.origin[axis] + cell as f64 * self.spacing;
             let near = libm::hypot(beside, away(2 * axis, from, from + self.spacing)).max(self.spacing);
-            let wanted = libm::sqrt(CREST * self.bend / (8.0 * CHORD_PX * projector.pixel_size(near)));
+            let wanted = libm::sqrt(CREST * self.bend / (8.0 * chord * projector.pixel_size(near)));
             let parts = (wanted / coarseness).ceil().clamp(1.0, MAX_PARTS);
             lines.extend((0..parts as usize).map(|part| line(cell, part as f64 / parts)));
         }
@@ -302,7 +315,7 @@ struct Line {
     /// Cell that contains it.
     cell: usize,
     /// Weights of the cell's neighbors.
-    weights: Weights,
+    weights: [f64; 4],
     /// World coordinate.
     place: f64,
 }
@@ -310,8 +323,8 @@ struct Line {
 impl Line {
     /// Blends a profile at this line.
     #[inline]
-    fn blend(&self, profile: &[f64], weights: [f64; 4]) -> f64 {
-        let values = &profile[self.cell..self.cell + 4];
+    fn blend(&self, profile: &[f64]) -> f64 {
+        let (values, weights) = (&profile[self.cell..self.cell + 4], self.weights);
         weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2] + weights[3] * values[3]
     }
 }
@@ -331,8 +344,10 @@ impl<T: Number> Surface for GridSurface<T> {
     /// Rows of vertices run along z, one behind the other along x.
     fn tessellate(&self, projector: &Projector, wanted: ChannelSet) -> Mesh {
         let fineness = projector.fineness;
+        // Rays of other cameras meet the triangles themselves; views only see them at contours.
+        let chord = if wanted == ChannelSet::EMPTY { CHORD_PX } else { CONTOUR_PX };
         let limit = (VERTICES_PER_PIXEL * projector.size[0] * projector.size[1]).max(LEAST_LIMIT) * fineness * fineness;
-        let lines = |coarseness: f64| [0, 1].map(|axis| self.lines(projector, axis, coarseness));
+        let lines = |coarseness: f64| [0, 1].map(|axis| self.lines(projector, axis, chord, coarseness));
         let mut cut = lines(1.0 / fineness);
         let vertices = cut[0].len() as f64 * cut[1].len() as f64;
         if vertices > limit {
@@ -341,60 +356,22 @@ impl<T: Number> Surface for GridSurface<T> {
         let [along_x, along_z] = cut;
         let (rows, columns) = (along_x.len(), along_z.len());
         let eye = projector.position;
-        let size = |channels: ChannelSet| if wanted.intersects(channels) { rows * columns } else { 0 };
         let mut mesh = Mesh {
             positions: vec![[0.0; 3]; rows * columns],
-            normals: vec![[0.0; 3]; size(NORMALS)],
-            rests: vec![[0.0; 2]; size(RESTS.union(ChannelSet::UV))],
-            rest_heights: Vec::new(),
-            uvs: Vec::new(),
-            slope_variances: vec![0.0; size(ChannelSet::of(&[Channel::SlopeVariance]))],
-            trails: Default::default(),
-            level: self.level,
-            displaced: true,
             inside: self.submerged(eye),
-            tolerance: None,
             topology: Topology::Grid { columns, rows },
+            ..Mesh::empty(self.level)
         };
-        let wanted_trail =
-            |index: usize| wanted.contains(Channel::TRAILS[index]) && !self.trails.values(index).is_empty();
-        for (index, trail) in mesh.trails.iter_mut().enumerate().filter(|(index, _)| wanted_trail(*index)) {
-            let values = self.trails.values(index);
-            *trail = vec![0.0; rows * columns];
-            trail.par_chunks_mut(columns).zip(&along_x).for_each_init(Vec::new, |profile, (out, at_x)| {
-                self.profile(values, at_x.cell, at_x.weights.0, profile);
-                for (out, at_z) in out.iter_mut().zip(&along_z) {
-                    *out = at_z.blend(profile, at_z.weights.0) as f32;
-                }
-            });
+        if wanted.intersects(CURVED) {
+            mesh.between = Between::Heights(HeightField::new(self, wanted));
         }
-        let sloped = !mesh.normals.is_empty();
-        let mut tasks = Vec::with_capacity(rows);
-        let mut normals = mesh.normals.chunks_mut(columns);
-        let mut rests = mesh.rests.chunks_mut(columns);
-        for positions in mesh.positions.chunks_mut(columns) {
-            tasks.push((positions, normals.next().unwrap_or_default(), rests.next().unwrap_or_default()));
-        }
-        let rows = tasks.into_par_iter().zip(&along_x);
-        rows.for_each_init(<[Vec<f64>; 2]>::default, |[values, slopes], ((positions, normals, rests), at_x)| {
-            let x = at_x.place;
-            let (wx, dx) = at_x.weights;
-            self.profile(&self.heights, at_x.cell, wx, values);
-            if sloped {
-                self.profile(&self.heights, at_x.cell, dx, slopes);
-            }
-            for (index, at_z) in along_z.iter().enumerate() {
-                let (wz, dz) = at_z.weights;
-                let flat = [(x - eye.x) as f32, (at_z.place - eye.z) as f32];
-                let height = at_z.blend(values, wz);
-                positions[index] = [flat[0], (self.level + height - eye.y) as f32, flat[1]];
-                if let Some(normal) = normals.get_mut(index) {
-                    let [dx, dz] = [at_z.blend(slopes, wz), at_z.blend(values, dz)].map(|slope| slope / self.spacing);
-                    *normal = [-dx as f32, 1.0, -dz as f32];
-                }
-                if let Some(rest) = rests.get_mut(index) {
-                    *rest = flat;
-                }
+        let rows = mesh.positions.par_chunks_mut(columns).zip(&along_x);
+        rows.for_each_init(Vec::new, |profile, (positions, at_x)| {
+            self.profile(&self.heights, at_x.cell, at_x.weights, profile);
+            for (position, at_z) in positions.iter_mut().zip(&along_z) {
+                let height = at_z.blend(profile);
+                *position =
+                    [(at_x.place - eye.x) as f32, (self.level + height - eye.y) as f32, (at_z.place - eye.z) as f32];
             }
         });
         mesh

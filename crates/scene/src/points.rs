@@ -2,8 +2,8 @@
 
 use crate::project::Layer;
 use crate::sheets::Sheet;
-use crate::surface::{Hit, Surface};
-use crate::{Projector, Ray, Visible};
+use crate::surface::{Between, Hit, Surface};
+use crate::{Channel, ChannelSet, Projector, Ray, Samples, Visible};
 use glam::DVec3;
 use trochoid_image::Window;
 
@@ -31,7 +31,7 @@ pub enum Sums {
 }
 
 /// How much further along a ray than its mesh a surface may lie, as a share of the depth, and still count as found.
-const APART: f64 = 0.02;
+const APART: f64 = 0.1;
 
 impl Visible {
     /// Returns what a sample of each of these pixels sees of the surfaces themselves, at `offset` from the pixel's
@@ -69,6 +69,7 @@ impl Visible {
         sums: Sums,
     ) -> Vec<Option<Hit>> {
         let sheets = self.nearest_sheets(around(pixels), offset);
+        let shown = self.on_patches(pixels, offset);
         let offset = self.on_raster(offset);
         let mut found = vec![None; pixels.len()];
         let mut mesh_hits: Vec<Vec<(Ray, MeshHit)>> = vec![Vec::new(); surfaces.len()];
@@ -76,7 +77,12 @@ impl Visible {
         for (index, &[x, y]) in pixels.iter().enumerate() {
             if let Some(sheet) = sheets.at([x, y])[0] {
                 let ray = self.projector.ray(x as f64 + offset[0], y as f64 + offset[1]);
-                let (surface, near) = self.mesh_hit(&ray, &sheet);
+                let (surface, mut near) = self.mesh_hit(&ray, &sheet);
+                if let Between::Patches(_) = self.layers[surface].mesh.between {
+                    let at = |channel: Channel| f64::from(shown.channel(channel)[index]);
+                    (near.rest.x, near.rest.z) = (at(Channel::RestX), at(Channel::RestZ));
+                    near.distance = self.distance(&ray, at(Channel::Depth));
+                }
                 mesh_hits[surface].push((ray, near));
                 places[surface].push(index);
             }
@@ -98,6 +104,23 @@ impl Visible {
         found
     }
 
+    /// Returns where samples meet the patches of meshes: rest points and depths. Nothing if no mesh has patches.
+    fn on_patches(&self, pixels: &[[i64; 2]], offset: [f64; 2]) -> Samples {
+        let mut shown = Samples::new();
+        if !pixels.is_empty() && self.layers.iter().any(|layer| matches!(layer.mesh.between, Between::Patches(_))) {
+            let wanted = ChannelSet::of(&[Channel::RestX, Channel::RestZ, Channel::Depth]);
+            shown.shape(Window::new(0, 0, pixels.len() as i64, 1), wanted);
+            self.look(around(pixels), offset, |seen| self.resolve(seen.at(pixels), offset, wanted, &mut shown));
+        }
+        shown
+    }
+
+    /// Returns the distance along a ray to a planar depth, both in meters.
+    fn distance(&self, ray: &Ray, depth: f64) -> f64 {
+        let (start, forward) = (ray.origin - self.projector.position, self.projector.forward);
+        (depth - start.dot(forward)) / ray.direction.dot(forward)
+    }
+
     /// Returns the offset to which the raster rounds a sample's offset.
     pub(crate) fn on_raster(&self, offset: [f64; 2]) -> [f64; 2] {
         offset.map(|part| self.raster.fix(part) as f64 * self.raster.step())
@@ -110,8 +133,7 @@ impl Visible {
         let layer = &self.layers[index];
         let local = (sheet.primitive() - self.firsts[index]) as usize;
         let triangle = layer.triangles(local)[sheet.part()];
-        let along = ray.direction.dot(projector.forward);
-        let distance = (sheet.depth(projector) - (ray.origin - projector.position).dot(projector.forward)) / along;
+        let distance = self.distance(ray, sheet.depth(projector));
         let near = MeshHit {
             distance,
             rest: rest_at(layer, triangle, projector, ray.at(distance)),

@@ -71,6 +71,8 @@ pub(crate) struct Layer {
     pub(crate) screen: Vec<ScreenVertex>,
     /// Triangles made by clipping, which follow the mesh's own primitives.
     pub(crate) clipped: Vec<[u32; 3]>,
+    /// The primitive of which each of these is a part, and the index of its triangle.
+    clipped_from: Vec<(u32, u32)>,
     /// Number of the mesh's own primitives.
     pub(crate) primitives: usize,
 }
@@ -100,7 +102,7 @@ impl Layer {
         let (screen, codes): (Vec<ScreenVertex>, Vec<u8>) =
             mesh.positions.par_iter().map(|&position| stage.vertex(stage.view(position))).unzip();
         let primitives = mesh.primitives();
-        let mut layer = Self { mesh, screen, clipped: Vec::new(), primitives };
+        let mut layer = Self { mesh, screen, clipped: Vec::new(), clipped_from: Vec::new(), primitives };
         let tasks: Vec<(Vec<Binned>, Vec<ClippedTriangle>)> = (0..primitives.div_ceil(TASK))
             .into_par_iter()
             .map(|task| {
@@ -117,8 +119,9 @@ impl Layer {
                         let corners = triangles.iter().flatten().map(|&vertex| layer.screen[vertex as usize]);
                         stage.bin(corners, first + primitive as u32, &mut binned);
                     } else {
-                        for triangle in &triangles {
-                            stage.clip(&layer.mesh, *triangle, &mut clipped);
+                        for (part, triangle) in triangles.iter().enumerate() {
+                            let from = (primitive as u32, part as u32);
+                            stage.clip(&layer.mesh, *triangle, from, &mut clipped);
                         }
                     }
                 }
@@ -149,6 +152,18 @@ impl Layer {
                 let a = row * columns + column;
                 let (b, c) = (a + 1, a + columns);
                 Triangles { list: [[a, b, c], [b, c + 1, c]], len: 2 }
+            }
+        }
+    }
+
+    /// Returns the mesh's own primitive to which a triangle belongs, and its index there, also if it was clipped.
+    #[inline]
+    pub(crate) fn origin(&self, primitive: usize, part: usize) -> (usize, usize) {
+        match primitive.checked_sub(self.primitives) {
+            None => (primitive, part),
+            Some(clipped) => {
+                let (primitive, part) = self.clipped_from[clipped];
+                (primitive as usize, part as usize)
             }
         }
     }
@@ -187,6 +202,7 @@ impl Layer {
             let triangle = [start, start + next, start + next + 1];
             let primitive = first + (self.primitives + self.clipped.len()) as u32;
             self.clipped.push(triangle);
+            self.clipped_from.push(polygon.from);
             stage.bin(triangle.into_iter().map(|vertex| self.screen[vertex as usize]), primitive, out);
         }
     }
@@ -226,6 +242,8 @@ impl<'a> IntoIterator for &'a Triangles {
 /// The part of a triangle inside of the view volume.
 struct ClippedTriangle {
     triangle: [u32; 3],
+    /// Its primitive, and its index there.
+    from: (u32, u32),
     corners: Vec<ClippedVertex>,
 }
 
@@ -289,7 +307,7 @@ impl MeshProjector<'_> {
     ///
     /// The intersection of an edge with a plane is computed from its ends in an order that depends only on the ends,
     /// so both triangles at an edge get the same point.
-    fn clip(&self, mesh: &Mesh, triangle: [u32; 3], out: &mut Vec<ClippedTriangle>) {
+    fn clip(&self, mesh: &Mesh, triangle: [u32; 3], from: (u32, u32), out: &mut Vec<ClippedTriangle>) {
         let reach = self.clip_reach();
         let mut polygon: Vec<ClippedVertex> = (0..3)
             .map(|index| ClippedVertex {
@@ -315,7 +333,7 @@ impl MeshProjector<'_> {
                 return;
             }
         }
-        out.push(ClippedTriangle { triangle, corners: polygon });
+        out.push(ClippedTriangle { triangle, from, corners: polygon });
     }
 
     /// Puts a primitive into all bins that its bounding box touches.

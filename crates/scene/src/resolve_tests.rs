@@ -1,6 +1,7 @@
 use trochoid_image::{Format, Window};
 
 use super::*;
+use crate::patches::Patches;
 use crate::surface::{GivenUp, Hit, Topology};
 use crate::{Camera, Projection, Ray, Surface};
 
@@ -46,7 +47,7 @@ fn plain(visible: &Visible, number: u64, pixel: [f64; 2]) -> [f32; Channel::ALL.
     set(Channel::Height, height);
     if !mesh.normals.is_empty() {
         let normal = DVec3::from_array([0, 1, 2].map(|axis| blend_of(&|vertex| mesh.normals[vertex][axis])));
-        set(Channel::Jacobian, if mesh.displaced { normal.y } else { 1.0 });
+        set(Channel::Jacobian, 1.0);
         let normal = if outer == mesh.inside { -unit_or_up(normal) } else { unit_or_up(normal) };
         set(Channel::NormalX, normal.x);
         set(Channel::NormalY, normal.y);
@@ -136,11 +137,79 @@ impl Random {
             slope_variances,
             trails,
             level: 0.25,
-            displaced: has(1) && has(2),
             inside: has(64),
             tolerance: None,
             topology: Topology::Triangles(triangles),
+            between: Between::Triangles,
         }
+    }
+}
+
+impl Random {
+    /// A grid of vertices in front of the same camera, with patches or a field of heights between them; some derivatives
+    /// or heights are hostile.
+    fn curved(&mut self, case: u32) -> Mesh {
+        const SIDES: [usize; 2] = [13, 11];
+        let [columns, rows] = SIDES;
+        let mut positions = self.values::<3>(columns * rows, false);
+        for (index, position) in positions.iter_mut().enumerate() {
+            let (column, row) = ((index % columns) as f32, (index / columns) as f32);
+            *position = [column - 6.0 + 0.1 * position[0], 0.7 * row - 5.0, -4.0 - 0.5 * row + 0.1 * position[2]];
+        }
+        let hostile = case & 1 != 0;
+        let between = if case & 2 != 0 {
+            let tangents = self.values::<3>(2 * columns * rows, hostile).as_chunks::<2>().0.to_vec();
+            let steps = self.values::<1>(rows - 1, hostile).concat();
+            Between::Patches(Patches::new(columns, &positions, tangents, steps, case & 4 != 0))
+        } else {
+            let heights = self.values::<1>(60 * 40, hostile).concat();
+            let grid = crate::GridSurface::new(heights, 60, 0.21, [93.8, -18.0], -1.0);
+            Between::Heights(HeightField::new(&grid, ChannelSet::ALL))
+        };
+        let rests = if case & 2 != 0 { self.values(columns * rows, hostile) } else { Vec::new() };
+        let topology = Topology::Grid { columns, rows };
+        Mesh { positions, rests, inside: case & 8 != 0, topology, between, ..Mesh::empty(-1.0) }
+    }
+}
+
+#[test]
+fn curved_hits_do_not_depend_on_their_neighbors_and_hostile_ones_stay_on_their_triangles() {
+    let mut random = Random(11);
+    for case in 0..64 {
+        let projection = match case % 3 {
+            0 => Projection::Orthographic { height: 7.0 },
+            _ => Projection::Perspective { fov: 0.9 },
+        };
+        let (position, target) = (DVec3::new(100.0, 0.0, -7.0), DVec3::new(100.0, -0.2, -8.0));
+        let camera = Camera { position, target, roll: 0.0, projection };
+        let format = Format::new(90, 50, 1).expect("valid");
+        let surface = Given(random.curved(case));
+        let visible = Visible::prepare(&camera, &[&surface], format, ChannelSet::ALL);
+        let (mut whole, mut some) = (Samples::new(), Samples::new());
+        visible.fill(format.window(), [0.5; 2], ChannelSet::ALL, &mut whole);
+        let pixels: Vec<[i64; 2]> =
+            (0..90 * 50).filter(|_| random.next() < 0.3).map(|index| [index % 90, index / 90]).collect();
+        visible.fill_pixels(&pixels, [0.5; 2], ChannelSet::ALL, &mut some);
+        for (index, [x, y]) in pixels.iter().enumerate() {
+            for channel in Channel::ALL {
+                let bits = |samples: &Samples, index: usize| samples.channel(channel)[index].to_bits();
+                let place = (y * 90 + x) as usize;
+                assert_eq!(bits(&some, index), bits(&whole, place), "case {case}, {channel:?} at {x}, {y}");
+            }
+        }
+        let mut hits = 0;
+        for index in 0..90 * 50 {
+            let vector =
+                |channels: [Channel; 3]| DVec3::from(channels.map(|channel| f64::from(whole.channel(channel)[index])));
+            if whole.channel(Channel::Coverage)[index] > 0.0 {
+                hits += 1;
+                let position = vector([Channel::PositionX, Channel::PositionY, Channel::PositionZ]);
+                let normal = vector([Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
+                assert!((position - camera.position).length() < 40.0, "case {case}: {position}");
+                assert!((normal.length() - 1.0).abs() < 1e-5, "case {case}: {normal}");
+            }
+        }
+        assert!(hits > 1000, "case {case}: {hits} hits");
     }
 }
 

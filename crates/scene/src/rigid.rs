@@ -103,7 +103,7 @@ impl RigidBodies {
         tessellate: impl Fn(&Projector) -> Option<Mesh>,
     ) -> Option<Mesh> {
         let own = pose.projector(projector);
-        let mut mesh = tessellate(&own)?;
+        let mut mesh = tessellate(&own)?.into_triangles(own.position);
         // Vectors relative to the camera are only rotated.
         let turn = |vector: &mut [f32; 3]| {
             *vector = pose.turn(DVec3::from(vector.map(f64::from))).as_vec3().to_array();

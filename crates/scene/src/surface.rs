@@ -1,7 +1,9 @@
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
+use crate::on_heights::HeightField;
+use crate::patches::Patches;
 use crate::points::MeshHit;
 use crate::{ChannelSet, Projector, Ray, Resting, SeaSurface};
 
@@ -193,13 +195,26 @@ pub enum Topology {
     Triangles(Vec<[u32; 3]>),
 }
 
+/// What lies between the vertices of a mesh.
+#[derive(Clone, Debug)]
+pub enum Between {
+    /// Flat triangles, over which everything is interpolated linearly.
+    Triangles,
+    /// The patches of a grid's cells.
+    Patches(Patches),
+    /// The field of heights that the vertices are taken from; it gives normals and trails, too.
+    Heights(HeightField),
+}
+
 /// A tessellated surface. All positions are relative to the camera's, so that f32 is exact near it.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// Its triangles decide which surface a ray meets. Where exactly, and with which normal, is decided by what lies
+/// between the vertices.
+#[derive(Clone, Debug)]
 pub struct Mesh {
     /// Vertices relative to the camera, in meters.
     pub positions: Vec<[f32; 3]>,
-    /// Normals ∂P/∂z₀ × ∂P/∂x₀ by the rest point, so that y is the Jacobian; empty if neither is wanted. Surfaces
-    /// without rest points have normals of any length.
+    /// Normals of any length; empty if not wanted, or if they follow from what lies between the vertices.
     pub normals: Vec<[f32; 3]>,
     /// Rest points x, z relative to the camera; empty if not wanted.
     pub rests: Vec<[f32; 2]>,
@@ -213,8 +228,6 @@ pub struct Mesh {
     pub trails: [Vec<f32>; 6],
     /// World y of the rest level, in meters.
     pub level: f64,
-    /// Whether the surface has rest points, which give its normals their length.
-    pub displaced: bool,
     /// Whether the camera is on the inner side of the surface, such as under water.
     pub inside: bool,
     /// Largest distance of triangles from the surface, in pixels, if the triangles alone determine it; `None` if
@@ -222,6 +235,8 @@ pub struct Mesh {
     pub tolerance: Option<f64>,
     /// Connections of the vertices.
     pub topology: Topology,
+    /// What lies between the vertices.
+    pub between: Between,
 }
 
 impl Mesh {
@@ -236,11 +251,31 @@ impl Mesh {
             slope_variances: Vec::new(),
             trails: Default::default(),
             level,
-            displaced: false,
             inside: false,
             tolerance: None,
             topology: Topology::Triangles(Vec::new()),
+            between: Between::Triangles,
         }
+    }
+
+    /// Returns the mesh with normals at its vertices and flat triangles between them, for a camera's position.
+    pub(crate) fn into_triangles(mut self, eye: DVec3) -> Self {
+        match std::mem::replace(&mut self.between, Between::Triangles) {
+            Between::Triangles => {}
+            Between::Patches(patches) => {
+                let normal = |[by_s, by_t]: &[[f32; 3]; 2]| Vec3::from(*by_s).cross(Vec3::from(*by_t)).to_array();
+                self.normals = patches.tangents.iter().map(normal).collect();
+            }
+            Between::Heights(field) => {
+                let normal = |[x, _, z]: &[f32; 3]| {
+                    let [dx, dz] = field.slopes([eye.x + f64::from(*x), eye.z + f64::from(*z)]);
+                    [-dx as f32, 1.0, -dz as f32]
+                };
+                self.normals = self.positions.iter().map(normal).collect();
+                self.rests = self.positions.iter().map(|[x, _, z]| [*x, *z]).collect();
+            }
+        }
+        self
     }
 
     /// Returns the number of cells of a grid, or of triangles.

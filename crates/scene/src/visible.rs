@@ -3,7 +3,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use trochoid_image::{Format, Window};
 
 use crate::project::{BIN, Layer, Raster};
-use crate::surface::Mesh;
+use crate::surface::{Between, Mesh};
 use crate::{Camera, ChannelSet, Projector, Samples, Surface};
 
 /// What a camera sees of some surfaces: made once per frame, then evaluated at any pixels from any thread.
@@ -142,7 +142,12 @@ impl Visible {
                 + mesh.slope_variances.len() * 4
                 + mesh.trails.iter().map(|values| values.len() * 4).sum::<usize>()
                 + layer.screen.len() * 12
-                + layer.clipped.len() * 12
+                + layer.clipped.len() * 20
+                + match &mesh.between {
+                    Between::Patches(patches) => patches.bytes(),
+                    Between::Heights(field) => field.bytes(),
+                    Between::Triangles => 0,
+                }
         };
         Stats {
             vertices: self.layers.iter().map(|layer| layer.mesh.positions.len()).sum(),

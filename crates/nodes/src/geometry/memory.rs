@@ -5,8 +5,9 @@ use std::path::Path;
 use trochoid_graph::{Connected, MemoryContext, MemoryUse, One, Source, port};
 use trochoid_scene::Visible;
 
-/// Bytes per vertex of a view's mesh: position, normal, rest point, slope, screen position, and its share of the bins.
-const VERTEX: u64 = 64;
+/// Bytes per vertex of a view's mesh: position, three derivatives or a normal, rest point, slope, screen position, and
+/// its share of the bins.
+const VERTEX: u64 = 80;
 /// Bytes per vertex of the surfaces that rays hit: position, triangles and boxes.
 const OBSTACLE: u64 = 48;
 /// Maximum number of vertices of a surface in a view.
@@ -14,10 +15,11 @@ const MOST: u64 = 8_000_000;
 
 const VIEW: &str = "lower the format's \"width\" and \"height\", or the \"fineness\" of the Render";
 
-/// Returns the memory of a sea of waves: a view has about one vertex per pixel, times `detail` along each axis.
+/// Returns the memory of a sea of waves: a view has at most 1.5 vertices per pixel, times `detail` along each
+/// axis; small pictures have more.
 #[cfg(feature = "sea")]
 pub(crate) fn of_sea(detail: f64, context: &MemoryContext<'_>) -> MemoryUse {
-    let vertices = context.pixels() as f64 * (detail * detail);
+    let vertices = 1.5 * context.pixels() as f64 * (detail * detail);
     MemoryUse::default().per_view((vertices as u64).min(MOST) * VERTEX)
 }
 

@@ -17,10 +17,10 @@ use trochoid_scene as scene;
 /// Where nothing is seen, coverage is 0, depth +∞, the normal (0, 1, 0), the surface −1, and everything else 0.
 ///
 /// # Source
-/// View-dependent tessellation after Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002; the
-/// reference traces the continuous surfaces.
+/// View-dependent tessellation after Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002, with bicubic
+/// Hermite patches between the vertices of seas; the reference traces the continuous surfaces.
 #[derive(Clone, Node)]
-#[node(stage, end = Front, revision = 2, role = Render, outputs = Out)]
+#[node(stage, end = Front, revision = 3, role = Render, outputs = Out)]
 #[also_called("ScanlineRender", "Renderer", "Rasterize", "RenderLayers", "View")]
 pub(crate) struct Render {
     /// Camera of the view.
@@ -31,9 +31,9 @@ pub(crate) struct Render {
     /// Density of mesh vertices, relative to what the picture's pixels require.
     #[knob(default = 1.0, range = 0.125..=8.0, accuracy)]
     fineness: f64,
-    /// Points that passes receive: "mesh" uses the mesh that approximates each surface; "surface" moves from there
-    /// to the surface itself, which takes a few times as long; "exact" does so to the precision of the reference,
-    /// which takes many times as long.
+    /// Points that passes receive: "mesh" uses the mesh that approximates each surface, and for seas the curved patches
+    /// between its vertices; "surface" moves from there to the surface itself, which takes a few times as long; "exact"
+    /// does so to the precision of the reference, which takes many times as long.
     #[knob(accuracy)]
     points: Points,
 }

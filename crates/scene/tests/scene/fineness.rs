@@ -56,7 +56,7 @@ fn off(surface: &dyn Surface, fineness: f64) -> f64 {
     errors[errors.len() / 2]
 }
 
-/// Checks that errors fall with the square of the spacing of vertices.
+/// Checks that errors fall with the square of the spacing of vertices, or faster.
 fn falls(surface: &dyn Surface) {
     let [coarse, plain, fine] = [0.5, 1.0, 2.0].map(|fineness| off(surface, fineness));
     assert!(coarse > 2.5 * plain && plain > 2.5 * fine, "{coarse:e}, {plain:e}, {fine:e}");
@@ -76,7 +76,11 @@ fn of_height_grids() {
         let (x, z) = (f64::from(cell % 14), f64::from(cell / 14));
         (2.0 * (0.9 * x).sin() * (0.8 * z).cos()) as f32
     });
-    falls(&GridSurface::new(heights.collect(), 14, 3.0, [-20.0, -20.0], 0.0));
+    // Views meet these themselves, whatever the triangles.
+    let grid = GridSurface::new(heights.collect(), 14, 3.0, [-20.0, -20.0], 0.0);
+    for fineness in [0.5, 1.0, 2.0] {
+        assert!(off(&grid, fineness) < 2e-6);
+    }
 }
 
 #[test]

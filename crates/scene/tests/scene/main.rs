@@ -8,6 +8,7 @@ mod fineness;
 mod float;
 mod grid;
 mod invariance;
+mod patches;
 mod random;
 mod reference;
 mod spray;

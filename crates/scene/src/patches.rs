@@ -1,0 +1,450 @@
+//! Bicubic patches between the vertices of a grid, and the points where rays meet them.
+//!
+//! A cell of a grid is the Hermite patch of the positions, first derivatives and mixed derivatives of its four
+//! vertices. Neighbors share those of the edge between them, so patches meet without cracks or creases. With vertices
+//! a distance h apart, a wave of amplitude a and wave number k is missed by at most a·(kh)⁴/384 along either
+//! direction, and its slope by a·k·√3·(kh)³/216, where triangles with normals at their vertices miss it by a·(kh)²/8
+//! and a·k·(kh)²/8.
+//!
+//! Source: Farin, *Curves and Surfaces for CAGD*, 2002, on bicubic Hermite patches; bounds of Hermite interpolation
+//! after Birkhoff and Priver, *Hermite Interpolation Errors for Derivatives*, 1967.
+
+#![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::Projector;
+use crate::resolve::{BLOCK, Lanes};
+
+/// Derivatives at the vertices of a grid, by which each of its cells is a bicubic patch: s grows by 1 from column to
+/// column, t by a step of its own from each row to the next.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Patches {
+    /// ∂P/∂s and ∂P/∂t by vertex, in meters.
+    pub tangents: Vec<[[f32; 3]; 2]>,
+    /// ∂²P/∂s∂t by vertex, in meters.
+    pub twists: Vec<[f32; 3]>,
+    /// Growth of t from each row to the next.
+    pub steps: Vec<f32>,
+    /// Whether the last column repeats the first one.
+    pub closed: bool,
+}
+
+impl Patches {
+    /// Makes patches from positions and first derivatives, row by row; mixed derivatives follow from those of the
+    /// neighbors.
+    ///
+    /// With central differences δ, ∂s∂t ≈ δt∂s + δs∂t − δsδt: the error is (∂s − δs)(∂t − δt)P, of the order of
+    /// h⁴k⁶/36 relative to the wave.
+    pub(crate) fn new(
+        columns: usize,
+        positions: &[[f32; 3]],
+        tangents: Vec<[[f32; 3]; 2]>,
+        steps: Vec<f32>,
+        closed: bool,
+    ) -> Self {
+        let mut twists = vec![[0.0; 3]; positions.len()];
+        twists.par_chunks_mut(columns).enumerate().for_each(|(row, twists)| {
+            let rows = row_differences(row, &steps).map(|(row, weight)| (row * columns, weight));
+            for (column, twist) in twists.iter_mut().enumerate() {
+                let across = column_differences(column, columns, closed);
+                let mut sum = Vec3::ZERO;
+                for (row, weight) in rows {
+                    let mut along = Vec3::from(tangents[row + column][0]);
+                    for (column, weight) in across {
+                        along -= Vec3::from(positions[row + column]) * weight;
+                    }
+                    sum += along * weight;
+                }
+                let row = row * columns;
+                for (column, weight) in across {
+                    sum += Vec3::from(tangents[row + column][1]) * weight;
+                }
+                *twist = sum.to_array();
+            }
+        });
+        Self { tangents, twists, steps, closed }
+    }
+
+    /// Returns the bytes held.
+    pub(crate) fn bytes(&self) -> usize {
+        self.tangents.len() * 24 + self.twists.len() * 12 + self.steps.len() * 4
+    }
+}
+
+/// Returns rows and weights of the derivative by t at a row, exact for parabolas within the grid.
+fn row_differences(row: usize, steps: &[f32]) -> [(usize, f32); 3] {
+    let before = row.checked_sub(1).and_then(|before| steps.get(before)).copied().filter(|step| *step > 0.0);
+    let after = steps.get(row).copied().filter(|step| *step > 0.0);
+    match (before, after) {
+        (Some(before), Some(after)) => {
+            let both = before + after;
+            let (least, most) = (-after / (before * both), before / (after * both));
+            [(row - 1, least), (row, -(least + most)), (row + 1, most)]
+        }
+        (None, Some(after)) => [(row, -1.0 / after), (row + 1, 1.0 / after), (row, 0.0)],
+        (Some(before), None) => [(row - 1, -1.0 / before), (row, 1.0 / before), (row, 0.0)],
+        (None, None) => [(row, 0.0); 3],
+    }
+}
+
+/// Returns columns and weights of the derivative by s at a column.
+fn column_differences(column: usize, columns: usize, closed: bool) -> [(usize, f32); 2] {
+    let last = columns - 1;
+    let (before, after) = match (column, closed) {
+        (0, true) => (last - 1, 1),
+        (0, false) => (0, 1),
+        (column, true) if column == last => (last - 1, 1),
+        (column, false) if column == last => (last - 1, last),
+        _ => (column - 1, column + 1),
+    };
+    let apart = if !closed && (column == 0 || column == last) { 1.0 } else { 2.0 };
+    [(before, -1.0 / apart), (after, 1.0 / apart)]
+}
+
+/// Number of rays that are solved side by side, in vectors.
+const WIDE: usize = 16;
+/// Further cells that a ray may try after its first one.
+const MORE_CELLS: u32 = 7;
+/// How far beyond a cell its own patch is used, in cells: patches continue each other up to second derivatives.
+const BEYOND: f32 = 0.05;
+/// Distance between ray and point, in pixels, below which one more linear step suffices.
+const CLOSE: f32 = 0.01;
+/// Most cells that one step moves.
+const LONGEST: f32 = 1.0;
+
+/// A value of each ray.
+type Wide = [f32; WIDE];
+
+/// A ray on its way to a patch.
+#[derive(Clone, Copy, Default)]
+struct Walk {
+    lane: usize,
+    cells: u32,
+    row: usize,
+    column: usize,
+    u: f32,
+    v: f32,
+}
+
+/// Where to look for the points of a block of rays: cells of the grid, and places in them, from triangles.
+pub(crate) struct Starts {
+    pub(crate) count: usize,
+    pub(crate) rows: [u32; BLOCK],
+    pub(crate) columns: [u32; BLOCK],
+    pub(crate) u: Lanes,
+    pub(crate) v: Lanes,
+    /// Pixel column of each ray; all have one pixel row.
+    pub(crate) x: Lanes,
+    pub(crate) y: f64,
+    /// −1 if the outer side is seen, else 1.
+    pub(crate) sides: Lanes,
+}
+
+/// Points of patches.
+pub(crate) struct Met {
+    /// Upper left vertex of each point's cell, and its place in the cell.
+    pub(crate) vertices: [u32; BLOCK],
+    pub(crate) u: Lanes,
+    pub(crate) v: Lanes,
+    /// Positions relative to the camera; the given ones where no patch was met.
+    pub(crate) positions: [Lanes; 3],
+    /// ∂P/∂u × ∂P/∂v.
+    pub(crate) normals: [Lanes; 3],
+}
+
+/// A cell of each ray.
+struct Cells {
+    /// Two corners with v = 0, two with v = 1, and the derivatives by t of both; of each, two positions, with u = 0 and
+    /// u = 1, and their derivatives by s. Positions are relative to the first one, so that f32 is exact enough.
+    sides: [[[Wide; 3]; 4]; 4],
+    /// Positions of the first corners relative to the camera.
+    firsts: [[f64; WIDE]; 3],
+    /// Growth of t over the cell.
+    steps: Wide,
+}
+
+/// Points of patches, relative to the first corners of their cells, and their derivatives by place in the cell.
+struct PatchPoints {
+    positions: [Wide; 3],
+    by_u: [Wide; 3],
+    by_v: [Wide; 3],
+}
+
+/// Returns the cubic Hermite basis (values at 0 and 1, derivatives at 0 and 1), and its derivative.
+#[inline(always)]
+fn hermite(x: f32) -> ([f32; 4], [f32; 4]) {
+    let (x2, x3) = (x * x, x * x * x);
+    let rise = 3.0 * x2 - 2.0 * x3;
+    let slope = 6.0 * (x - x2);
+    ([1.0 - rise, rise, x - 2.0 * x2 + x3, x3 - x2], [-slope, slope, 1.0 - 4.0 * x + 3.0 * x2, 3.0 * x2 - 2.0 * x])
+}
+
+/// Returns Σ wᵢvᵢ of one axis and ray.
+#[inline(always)]
+fn blend(weights: [f32; 4], values: &[[Wide; 3]; 4], axis: usize, lane: usize) -> f32 {
+    sum(weights, [values[0][axis][lane], values[1][axis][lane], values[2][axis][lane], values[3][axis][lane]])
+}
+
+/// Returns Σ aᵢbᵢ.
+#[inline(always)]
+fn sum(a: [f32; 4], b: [f32; 4]) -> f32 {
+    (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])
+}
+
+impl Cells {
+    #[inline(always)]
+    fn at(&self, u: &Wide, v: &Wide) -> PatchPoints {
+        let none = [[0.0; WIDE]; 3];
+        let mut points = PatchPoints { positions: none, by_u: none, by_v: none };
+        let [upper, lower, upper_by_t, lower_by_t] = &self.sides;
+        for axis in 0..3 {
+            for lane in 0..WIDE {
+                let ((a, da), (b, db), step) = (hermite(u[lane]), hermite(v[lane]), self.steps[lane]);
+                let values = [
+                    blend(a, upper, axis, lane),
+                    blend(a, lower, axis, lane),
+                    step * blend(a, upper_by_t, axis, lane),
+                    step * blend(a, lower_by_t, axis, lane),
+                ];
+                let slopes = [
+                    blend(da, upper, axis, lane),
+                    blend(da, lower, axis, lane),
+                    step * blend(da, upper_by_t, axis, lane),
+                    step * blend(da, lower_by_t, axis, lane),
+                ];
+                points.positions[axis][lane] = sum(b, values);
+                points.by_u[axis][lane] = sum(b, slopes);
+                points.by_v[axis][lane] = sum(db, values);
+            }
+        }
+        points
+    }
+}
+
+/// Rays by two planes that contain each: a point P relative to the camera is on it if P·across = offset for both.
+struct Planes {
+    across: [[Wide; 3]; 2],
+    /// By how much the first corners of the cells miss the planes.
+    firsts: [Wide; 2],
+    directions: [Wide; 3],
+    /// Pixels per meter at the first corners; negative behind the camera.
+    scales: Wide,
+}
+
+impl Planes {
+    #[inline(always)]
+    fn new(projector: &Projector, x: &[f64; WIDE], y: f64, firsts: &[[f64; WIDE]; 3]) -> Self {
+        let (right, up, forward) = (projector.right, projector.up, projector.forward);
+        let none = || [[0.0; WIDE]; 3];
+        let mut planes = Self {
+            across: [none(), none()],
+            firsts: [[0.0; WIDE]; 2],
+            directions: none(),
+            scales: [projector.scale as f32; WIDE],
+        };
+        for lane in 0..WIDE {
+            let at = [
+                (x[lane] - projector.size[0] / 2.0) / projector.scale,
+                (projector.size[1] / 2.0 - y) / projector.scale,
+            ];
+            let first = DVec3::new(firsts[0][lane], firsts[1][lane], firsts[2][lane]);
+            let (across, offsets, direction) = if projector.orthographic {
+                ([right, up], at, forward)
+            } else {
+                planes.scales[lane] = (projector.scale / first.dot(forward)) as f32;
+                ([right - forward * at[0], up - forward * at[1]], [0.0; 2], forward + right * at[0] + up * at[1])
+            };
+            for plane in 0..2 {
+                planes.firsts[plane][lane] = (first.dot(across[plane]) - offsets[plane]) as f32;
+                for axis in 0..3 {
+                    planes.across[plane][axis][lane] = across[plane][axis] as f32;
+                }
+            }
+            for axis in 0..3 {
+                planes.directions[axis][lane] = direction[axis] as f32;
+            }
+        }
+        planes
+    }
+
+    /// Returns by how much points miss the planes, in meters, and Newton's steps to them.
+    #[inline(always)]
+    fn steps(&self, points: &PatchPoints) -> (Wide, [Wide; 2]) {
+        let (mut gaps, mut steps) = ([0.0; WIDE], [[0.0; WIDE]; 2]);
+        for lane in 0..WIDE {
+            let [p, q] = &self.across;
+            let gap = [
+                dot(&points.positions, p, lane) + self.firsts[0][lane],
+                dot(&points.positions, q, lane) + self.firsts[1][lane],
+            ];
+            let (pu, pv) = (dot(&points.by_u, p, lane), dot(&points.by_v, p, lane));
+            let (qu, qv) = (dot(&points.by_u, q, lane), dot(&points.by_v, q, lane));
+            let inverse = 1.0 / (pu * qv - pv * qu);
+            gaps[lane] = gap[0].abs() + gap[1].abs();
+            steps[0][lane] = ((pv * gap[1] - qv * gap[0]) * inverse).clamp(-LONGEST, LONGEST);
+            steps[1][lane] = ((qu * gap[0] - pu * gap[1]) * inverse).clamp(-LONGEST, LONGEST);
+        }
+        (gaps, steps)
+    }
+}
+
+/// Returns a scalar product of one ray.
+#[inline(always)]
+fn dot(a: &[Wide; 3], b: &[Wide; 3], lane: usize) -> f32 {
+    a[0][lane] * b[0][lane] + a[1][lane] * b[1][lane] + a[2][lane] * b[2][lane]
+}
+
+/// The patches of a mesh, as a camera sees them.
+pub(crate) struct PatchView<'a> {
+    pub(crate) patches: &'a Patches,
+    pub(crate) positions: &'a [[f32; 3]],
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+    pub(crate) projector: &'a Projector,
+}
+
+impl PatchView<'_> {
+    /// Moves rays from points of triangles to the patches of their cells, or of cells nearby. A ray that meets none
+    /// there, or only the other side of one, keeps its point and gets the normal of the patch there.
+    #[inline(always)]
+    pub(crate) fn meet(&self, starts: &Starts, points: [Lanes; 3]) -> Met {
+        let mut met =
+            Met { vertices: [0; BLOCK], u: starts.u, v: starts.v, positions: points, normals: [[0.0; BLOCK]; 3] };
+        let mut waiting = [Walk::default(); BLOCK];
+        for lane in 0..starts.count {
+            let (row, column) = (starts.rows[lane] as usize, starts.columns[lane] as usize);
+            met.vertices[lane] = (row * self.columns + column) as u32;
+            waiting[lane] = Walk { lane, cells: 0, row, column, u: starts.u[lane] as f32, v: starts.v[lane] as f32 };
+        }
+        let mut count = starts.count;
+        while count > 0 {
+            let first = count.saturating_sub(WIDE);
+            let together = count - first;
+            let mut walks = [Walk::default(); WIDE];
+            walks[..together].copy_from_slice(&waiting[first..count]);
+            count = first + self.advance(&mut walks, together, starts, &mut met);
+            waiting[first..count].copy_from_slice(&walks[..count - first]);
+        }
+        met
+    }
+
+    /// Takes two steps of some rays in one cell each. Returns how many of them, now the first ones, have to go on.
+    #[inline(always)]
+    fn advance(&self, walks: &mut [Walk; WIDE], together: usize, starts: &Starts, met: &mut Met) -> usize {
+        let cells = self.cells(walks, together);
+        let (mut u, mut v, mut x) = ([0.0; WIDE], [0.0; WIDE], [0.0; WIDE]);
+        for lane in 0..together {
+            (u[lane], v[lane], x[lane]) = (walks[lane].u, walks[lane].v, starts.x[walks[lane].lane]);
+        }
+        let planes = Planes::new(self.projector, &x, starts.y, &cells.firsts);
+        let start = cells.at(&u, &v);
+        let (_, [by_u, by_v]) = planes.steps(&start);
+        for lane in 0..WIDE {
+            (u[lane], v[lane]) = (u[lane] + by_u[lane], v[lane] + by_v[lane]);
+        }
+        let found = cells.at(&u, &v);
+        let (gaps, [by_u, by_v]) = planes.steps(&found);
+        let (mut positions, mut normals) = ([[0.0; WIDE]; 3], [[0.0; WIDE]; 3]);
+        let (mut misses, mut facing) = ([0.0; WIDE], [0.0; WIDE]);
+        for lane in 0..WIDE {
+            misses[lane] = gaps[lane] * planes.scales[lane];
+            for axis in 0..3 {
+                let moved = found.by_u[axis][lane] * by_u[lane] + found.by_v[axis][lane] * by_v[lane];
+                positions[axis][lane] = cells.firsts[axis][lane] + f64::from(found.positions[axis][lane] + moved);
+                normals[axis][lane] = normal(&found, axis, lane);
+                facing[lane] += normals[axis][lane] * planes.directions[axis][lane];
+            }
+            (u[lane], v[lane]) = (u[lane] + by_u[lane], v[lane] + by_v[lane]);
+        }
+        let mut count = 0;
+        for lane in 0..together {
+            let mut walk = walks[lane];
+            let at = walk.lane;
+            let within = |place: f32| (-BEYOND..=1.0 + BEYOND).contains(&place);
+            let is_there = (0.0..=CLOSE).contains(&misses[lane])
+                && within(u[lane])
+                && within(v[lane])
+                && f64::from(facing[lane]) * starts.sides[at] > 0.0;
+            if is_there {
+                met.vertices[at] = (walk.row * self.columns + walk.column) as u32;
+                (met.u[at], met.v[at]) = (f64::from(u[lane]), f64::from(v[lane]));
+                for axis in 0..3 {
+                    met.positions[axis][at] = positions[axis][lane];
+                    met.normals[axis][at] = f64::from(normals[axis][lane]);
+                }
+                continue;
+            }
+            if walk.cells == 0 {
+                for axis in 0..3 {
+                    met.normals[axis][at] = f64::from(normal(&start, axis, lane));
+                }
+            }
+            if walk.cells < MORE_CELLS && self.go_on(&mut walk, [u[lane], v[lane]]) {
+                walks[count] = walk;
+                count += 1;
+            }
+        }
+        count
+    }
+
+    /// Moves a ray to the cell to which its steps lead, or one nearer; returns whether there is any sense in it.
+    fn go_on(&self, walk: &mut Walk, [u, v]: [f32; 2]) -> bool {
+        if !(u.is_finite() && v.is_finite()) {
+            return false;
+        }
+        let (right, down) = (u.floor().clamp(-1.0, 1.0), v.floor().clamp(-1.0, 1.0));
+        let cells = self.columns - 1;
+        let row = walk.row as isize + down as isize;
+        let mut column = walk.column as isize + right as isize;
+        if self.patches.closed {
+            column = column.rem_euclid(cells as isize);
+        }
+        if row < 0 || row as usize >= self.rows - 1 || column < 0 || column as usize >= cells {
+            return false;
+        }
+        let (u, v) = ((u - right).clamp(-LONGEST, 1.0 + LONGEST), (v - down).clamp(-LONGEST, 1.0 + LONGEST));
+        *walk = Walk { cells: walk.cells + 1, row: row as usize, column: column as usize, u, v, ..*walk };
+        true
+    }
+
+    #[inline(always)]
+    fn cells(&self, walks: &[Walk; WIDE], together: usize) -> Cells {
+        let mut cells = Cells { sides: [[[[0.0; WIDE]; 3]; 4]; 4], firsts: [[0.0; WIDE]; 3], steps: [0.0; WIDE] };
+        for lane in 0..together {
+            let Walk { row, column, .. } = walks[lane];
+            cells.steps[lane] = self.patches.steps[row];
+            let upper = row * self.columns + column;
+            let first = self.positions[upper];
+            for axis in 0..3 {
+                cells.firsts[axis][lane] = f64::from(first[axis]);
+            }
+            for (v, left) in [upper, upper + self.columns].into_iter().enumerate() {
+                for (u, vertex) in [left, left + 1].into_iter().enumerate() {
+                    let (position, [by_s, by_t], twist) =
+                        (self.positions[vertex], self.patches.tangents[vertex], self.patches.twists[vertex]);
+                    for axis in 0..3 {
+                        cells.sides[v][u][axis][lane] = position[axis] - first[axis];
+                        cells.sides[v][2 + u][axis][lane] = by_s[axis];
+                        cells.sides[2 + v][u][axis][lane] = by_t[axis];
+                        cells.sides[2 + v][2 + u][axis][lane] = twist[axis];
+                    }
+                }
+            }
+        }
+        cells
+    }
+}
+
+/// Returns a component of ∂P/∂u × ∂P/∂v.
+#[inline(always)]
+fn normal(points: &PatchPoints, axis: usize, lane: usize) -> f32 {
+    let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+    let [u, v] = [&points.by_u, &points.by_v];
+    u[next][lane] * v[last][lane] - u[last][lane] * v[next][lane]
+}
+
+#[cfg(test)]
+#[path = "patches_tests.rs"]
+mod tests;
