@@ -10,7 +10,7 @@ const SMALL: u64 = 9_000_000;
 
 #[test]
 fn the_memory_of_scenes_is_estimated_to_its_order_of_magnitude() {
-    for name in ["glow", "spray", "toon_sea", "from_passes", "bake_sea", "stormy_sea_bare"] {
+    for name in ["glow", "spray", "open_sea", "toon_sea", "two_seas", "from_passes", "bake_sea", "stormy_sea_bare"] {
         let graph = trochoid::load(&root().join(format!("graphs/{name}.json")), &[]).unwrap().graph;
         let samples = graph.format().samples();
         let graph = graph.with_format(Format::new(480, 270, samples).unwrap());
