@@ -15,8 +15,6 @@ mod planning;
 mod rules;
 mod running;
 mod settings;
-#[cfg(test)]
-mod tests;
 
 pub use planning::explain::{Account, Channels, Evidence, Fate, ProofStep};
 pub use planning::left_out::LeftOut;
@@ -36,3 +34,39 @@ pub use running::run::Sink;
 pub use settings::{Judging, Settings, Switches};
 pub use trochoid_memory::Instructions;
 pub use trochoid_weights::{Audit, Hull};
+
+/// What the tests of this crate see beside its interface. They stand outside, in `tests/engine`, so that the engine is
+/// not compiled a second time for them. Nothing of it is part of the interface.
+#[doc(hidden)]
+pub mod inside {
+    use crate::{Interval, Plan};
+    use trochoid_graph::{Op, Slot};
+    use trochoid_kernel::{CompiledProgram, Plane, TakeRow};
+
+    /// Number of channels by which the bounds of an output follow its values.
+    pub const BOUNDS: usize = crate::planning::bounds::BOUNDS;
+
+    /// Bounds an operation's result from the intervals of its operands and of planes.
+    pub fn interval(
+        op: &Op,
+        of: &dyn Fn(u32) -> Vec<Interval>,
+        slot: &dyn Fn(&Slot, usize) -> Interval,
+    ) -> Vec<Interval> {
+        crate::rules::interval::interval(op, of, slot)
+    }
+
+    /// Computes values and bounds of a program over a tile of one sample.
+    pub fn trace(program: &CompiledProgram, planes: &[Plane<'_>], take: TakeRow<'_>) {
+        crate::running::certify::Trace::new(program).tile(planes, 1, 1, take);
+    }
+
+    /// Returns the program of each pass, which tests break.
+    pub fn programs<'p>(plan: &'p mut Plan<'_>) -> impl Iterator<Item = &'p mut CompiledProgram> {
+        plan.passes.iter_mut().map(|pass| &mut pass.program)
+    }
+
+    /// Returns how often colors are mixed, one after the other, in the first output.
+    pub fn mix_levels(plan: &Plan<'_>) -> usize {
+        plan.outputs[0].mix_levels
+    }
+}

@@ -69,3 +69,62 @@ pub use precise::{Bends, Precise, PreciseSea};
 pub use ripple::Ripple;
 pub use spectrum::{Convention, Dispersion, GerstnerSpectrum, MAX_WAVES, SpectrumError};
 pub use wave::{ExplicitWave, GRAVITY, Wave, WaveError, WaveParameter, attenuation};
+
+/// What the tests of this crate see beside its interface. They stand outside, in `tests/sea`, so that the crate is not
+/// compiled a second time for them. Nothing of it is part of the interface.
+#[doc(hidden)]
+pub mod inside {
+    use crate::line::spreader::{self, Spreader};
+    use crate::{FieldSet, Fields, Line, LineScratch, Lines};
+
+    /// Number of cells over which a frequency is spread, before the one that contains it.
+    pub const BEFORE: usize = spreader::BEFORE;
+
+    /// Returns (1 − e^−s)/s and (s − 1 + e^−s)/s².
+    pub fn decays(s: f64) -> (f64, f64) {
+        crate::spray::flight::decays(s)
+    }
+
+    /// Returns position and velocity of a drop after `time` seconds.
+    pub fn fly(position: [f64; 3], velocity: [f64; 3], wind: [f64; 3], drag: f64, time: f64) -> ([f64; 3], [f64; 3]) {
+        crate::spray::flight::fly(position, velocity, wind, drag, time)
+    }
+
+    /// Returns sine and cosine of an angle in turns, as precise sums compute them.
+    pub fn sincos(turns: f64) -> (f64, f64) {
+        crate::precise::sincos(turns)
+    }
+
+    /// Returns e^−x, as precise sums compute it.
+    pub fn exp_neg(x: f64) -> f64 {
+        crate::precise::exp_neg(x)
+    }
+
+    /// Spreads a frequency for lines of `count` points: returns the number of cells of the grid, the first cell, and
+    /// the weight of each.
+    pub fn spread(count: usize, turns: f64) -> (usize, usize, [f32; spreader::WIDTH]) {
+        let spreader = Spreader::new(count);
+        let (cell, weights) = spreader.place(turns);
+        (spreader.cells(), cell, weights)
+    }
+
+    /// Returns the kernel by which frequencies are spread, at a distance in cells.
+    pub fn spread_kernel(offset: f64) -> f64 {
+        spreader::kernel().value(offset)
+    }
+
+    /// Returns the length of a fast transform, of at least `length` cells.
+    pub fn fast_length(length: usize) -> usize {
+        spreader::fast_length(length)
+    }
+
+    /// Sums the waves along a line by a transform, however short the line is.
+    pub fn transform(lines: &Lines<'_>, line: &Line, wanted: FieldSet, scratch: &mut LineScratch, out: &mut Fields) {
+        lines.transform(line, lines.waves(line), wanted, scratch, out);
+    }
+
+    /// Sums the waves along a line one by one, however long the line is.
+    pub fn sum(lines: &Lines<'_>, line: &Line, wanted: FieldSet, scratch: &mut LineScratch, out: &mut Fields) {
+        lines.sum(line, wanted, scratch, out);
+    }
+}

@@ -210,7 +210,3 @@ impl GerstnerSpectrum {
         Ok(())
     }
 }
-
-#[cfg(test)]
-#[path = "spectrum_tests.rs"]
-mod tests;

@@ -19,3 +19,25 @@ mod hull;
 
 pub use audit::Audit;
 pub use hull::{BoxHull, Facet, Hull, HullBuilder, Witness};
+
+/// What the tests of this crate see beside its interface. They stand outside, in `tests/weights`, so that the crate is
+/// not compiled a second time for them. Nothing of it is part of the interface.
+#[doc(hidden)]
+pub mod inside {
+    use crate::kernel::Kernel;
+
+    /// Returns the weights of a kernel from one side to the other.
+    pub fn weights(kernel: &Kernel) -> &[f32] {
+        &kernel.weights
+    }
+
+    /// Returns the kernel for an image that is `length` pixels long.
+    pub fn folded(kernel: &Kernel, length: usize) -> Kernel {
+        kernel.folded(length)
+    }
+
+    /// Returns a kernel of any weights, even of such as no kernel may have.
+    pub fn kernel_of(weights: Vec<f32>) -> Kernel {
+        Kernel { weights }
+    }
+}

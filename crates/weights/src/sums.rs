@@ -31,21 +31,3 @@ pub fn is_off(sum: f64) -> bool {
 pub fn part(weight: f32, sum: f64, count: usize) -> f64 {
     if sum > 0.0 { f64::from(weight) / sum } else { 1.0 / count as f64 }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn parts_sum_to_one_and_exact_partitions_stay() {
-        let planes: [&[f32]; 3] = [&[0.25, 0.0, 0.3, 1e-45], &[0.5, 0.0, 0.3, 0.0], &[0.25, 0.0, 0.4, 1.0]];
-        let sums = sums(&planes);
-        assert_eq!(sums[..2], [1.0, 0.0]);
-        for (x, sum) in sums.iter().enumerate() {
-            let parts = planes.map(|plane| part(plane[x], *sum, 3));
-            assert!((parts.iter().sum::<f64>() - 1.0).abs() <= 6.0 * f64::EPSILON, "{parts:?}");
-        }
-        assert_eq!(planes.map(|plane| part(plane[0], sums[0], 3)), [0.25, 0.5, 0.25]);
-        assert!(!is_off(1.0009) && is_off(1.0011) && is_off(0.0) && is_off(f64::NAN));
-    }
-}

@@ -1,6 +1,6 @@
 //! Sums of waves along straight lines.
 
-mod spreader;
+pub(crate) mod spreader;
 
 use std::sync::Arc;
 
@@ -98,11 +98,11 @@ impl<'s> Lines<'s> {
     }
 
     /// Returns how many of the leading waves the footprint leaves.
-    fn waves(&self, line: &Line) -> usize {
+    pub(crate) fn waves(&self, line: &Line) -> usize {
         self.frame.resolved(line.footprint)
     }
 
-    fn sum(&self, line: &Line, wanted: FieldSet, scratch: &mut LineScratch, out: &mut Fields) {
+    pub(crate) fn sum(&self, line: &Line, wanted: FieldSet, scratch: &mut LineScratch, out: &mut Fields) {
         let [x, z, footprint] = &mut scratch.points;
         for (axis, values) in [&mut *x, &mut *z].into_iter().enumerate() {
             values.clear();
@@ -113,7 +113,14 @@ impl<'s> Lines<'s> {
         self.frame.direct(Points { x, z, footprint }, wanted, out);
     }
 
-    fn transform(&self, line: &Line, waves: usize, wanted: FieldSet, scratch: &mut LineScratch, out: &mut Fields) {
+    pub(crate) fn transform(
+        &self,
+        line: &Line,
+        waves: usize,
+        wanted: FieldSet,
+        scratch: &mut LineScratch,
+        out: &mut Fields,
+    ) {
         out.reset(wanted, self.count);
         if wanted.slope_variance {
             out.slope_variance.fill(self.lost_variance(line, waves));
@@ -259,105 +266,5 @@ fn add(cell: &mut lanes::Line<f32>, [real, imaginary]: &Parts, weight: f32) {
     }
     for (cell, part) in cell.im.0.iter_mut().zip(imaginary) {
         *cell += part * weight;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{GerstnerSpectrum, Sea};
-
-    /// Returns the largest error of each sum along a line, relative to its root mean square.
-    fn error(sea: &Sea, time: f64, line: &Line, count: usize, wanted: FieldSet) -> f64 {
-        let frame = sea.at(time);
-        let (mut out, mut scratch) = (Fields::default(), LineScratch::default());
-        let lines = Lines::new(&frame, count);
-        lines.transform(line, lines.waves(line), wanted, &mut scratch, &mut out);
-        let (mut worst, mut squares) = ([0.0_f64; SUMS], [0.0_f64; SUMS]);
-        for index in 0..count {
-            let rest = [0, 1].map(|axis| line.origin[axis] + index as f64 * line.step[axis]);
-            let truth = frame.evaluate(rest, line.footprint);
-            let ([dx, dy, dz], [yx, yz], [xx, xz, zz]) = (truth.displacement, truth.slope, truth.strain);
-            let [vx, vy, vz] = truth.velocity;
-            for (sum, truth) in [dx, dy, dz, yx, yz, xx, xz, zz, vx, vy, vz].into_iter().enumerate() {
-                squares[sum] += truth * truth / count as f64;
-                if let Some(found) = out.sums_mut()[sum].get(index) {
-                    worst[sum] = worst[sum].max((f64::from(*found) - truth).abs());
-                }
-            }
-            if wanted.slope_variance {
-                let (found, truth) = (f64::from(out.slope_variance[index]), truth.slope_variance);
-                assert!((found - truth).abs() <= 1e-5 * truth.max(1e-12), "{found} and {truth}");
-            }
-        }
-        let relative = worst.iter().zip(squares).map(|(worst, square)| worst / square.sqrt().max(1e-30));
-        relative.into_iter().fold(0.0, f64::max)
-    }
-
-    fn sea(spectrum: GerstnerSpectrum) -> Sea {
-        Sea::new(spectrum.waves().unwrap_or_else(|error| panic!("{error}")))
-    }
-
-    #[test]
-    fn lines_agree_with_the_plain_sum() {
-        let usual = GerstnerSpectrum { count: 300, ..GerstnerSpectrum::default() };
-        let cases = [
-            (usual, 12.5, Line { origin: [3.0, -70.0], step: [0.31, 0.07], footprint: 0.4 }, 501),
-            (usual, 0.0, Line { origin: [0.0, 0.0], step: [-2.0, 1.0], footprint: 3.0 }, 200),
-            (usual, 1e7, Line { origin: [1e7, -1e7], step: [0.5, 0.0], footprint: 0.0 }, 333),
-            (usual, 5.0, Line { origin: [0.0, 0.0], step: [0.0, 0.0], footprint: 1.0 }, 17),
-            (usual, 5.0, Line { origin: [0.0, 9.0], step: [0.0, 25.0], footprint: 0.1 }, 1),
-            (
-                GerstnerSpectrum { count: 1, ..usual },
-                3.0,
-                Line { origin: [0.0, 0.0], step: [1.0, 0.2], footprint: 0.5 },
-                64,
-            ),
-            (
-                GerstnerSpectrum { wavelength: 1e-2, height: 1e-3, sharpness: 10.0, ..usual },
-                100.0,
-                Line { origin: [50.0, 7.0], step: [1e-3, 2e-3], footprint: 1e-3 },
-                700,
-            ),
-            (
-                GerstnerSpectrum { wavelength: 1e5, spread: 2.0, ..usual },
-                1e4,
-                Line { origin: [-3e6, 4e6], step: [900.0, 350.0], footprint: 700.0 },
-                400,
-            ),
-        ];
-        for (spectrum, time, line, count) in cases {
-            let sea = sea(spectrum);
-            for wanted in [FieldSet::ALL, FieldSet { displacement: true, ..FieldSet::default() }] {
-                let error = error(&sea, time, &line, count, wanted);
-                assert!(error < 1e-5, "{line:?}, {count} points: {error}");
-            }
-            let derivatives = FieldSet { derivatives: true, ..FieldSet::default() };
-            assert!(error(&sea, time, &line, count, derivatives) < 1e-5);
-        }
-    }
-
-    #[test]
-    fn both_ways_agree() {
-        let sea = sea(GerstnerSpectrum { count: 400, ..GerstnerSpectrum::default() });
-        let frame = sea.at(7.0);
-        let line = Line { origin: [10.0, 20.0], step: [0.2, -0.1], footprint: 0.3 };
-        let lines = Lines::new(&frame, 300);
-        let (mut scratch, mut fast, mut slow) = (LineScratch::default(), Fields::default(), Fields::default());
-        lines.transform(&line, lines.waves(&line), FieldSet::ALL, &mut scratch, &mut fast);
-        lines.sum(&line, FieldSet::ALL, &mut scratch, &mut slow);
-        let rms = sea.height_rms() as f32;
-        for (fast, slow) in fast.displacement.iter().flatten().zip(slow.displacement.iter().flatten()) {
-            assert!((fast - slow).abs() < 1e-5 * rms, "{fast} and {slow}");
-        }
-    }
-
-    #[test]
-    fn no_wave_is_a_flat_sea() {
-        let frame = Sea::default().at(1.0);
-        let line = Line { origin: [0.0; 2], step: [1.0, 0.0], footprint: 1.0 };
-        let mut out = Fields::default();
-        Lines::new(&frame, 5).evaluate(&line, FieldSet::ALL, &mut LineScratch::default(), &mut out);
-        assert_eq!(out.displacement, [vec![0.0; 5], vec![0.0; 5], vec![0.0; 5]]);
     }
 }

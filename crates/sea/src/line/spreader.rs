@@ -13,7 +13,7 @@ pub(crate) const BEFORE: usize = WIDTH / 2 - 1;
 /// Degree of the polynomials that approximate the kernel, to within 1e-7.
 const DEGREE: usize = 12;
 
-fn kernel() -> Kernel {
+pub(crate) fn kernel() -> Kernel {
     Kernel::new(WIDTH, 2.0)
 }
 
@@ -100,35 +100,7 @@ fn polynomials() -> [[f32; WIDTH]; DEGREE + 1] {
 }
 
 /// Returns the least length ≥ `length` of the form 2ⁿ or 3·2ⁿ, for which transforms are fast.
-fn fast_length(length: usize) -> usize {
+pub(crate) fn fast_length(length: usize) -> usize {
     let power = length.next_power_of_two();
     if power / 4 * 3 >= length { power / 4 * 3 } else { power }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn polynomials_are_the_kernel() {
-        let spreader = Spreader::new(50);
-        for step in 0..1000 {
-            let turns = f64::from(step) / 1000.0;
-            let (cell, weights) = spreader.place(turns);
-            for (neighbor, weight) in weights.iter().enumerate() {
-                let at = cell as f64 + neighbor as f64 - BEFORE as f64;
-                let truth = kernel().value(at - turns * spreader.cells() as f64);
-                assert!((f64::from(*weight) - truth).abs() < 3e-7, "{turns}, {neighbor}: {weight} and {truth}");
-            }
-        }
-    }
-
-    #[test]
-    fn lengths_are_fast_and_long_enough() {
-        for length in 16..3000 {
-            let fast = fast_length(length);
-            assert!(fast >= length && fast < 2 * length);
-            assert!(fast.is_power_of_two() || (fast / 3).is_power_of_two() && fast.is_multiple_of(3));
-        }
-    }
 }

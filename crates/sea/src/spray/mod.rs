@@ -36,7 +36,7 @@ mod burst;
 mod draws;
 mod error;
 mod exact;
-mod flight;
+pub(crate) mod flight;
 pub mod reference;
 mod run;
 

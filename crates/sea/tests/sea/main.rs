@@ -3,12 +3,16 @@
 mod doubt;
 mod drift;
 mod evaluation;
+mod flight;
 mod folding;
 mod grids;
 mod group;
 mod keys;
+mod line;
+mod precise;
 mod random;
 mod ripple;
+mod spectrum;
 mod spray;
 mod stability;
 mod toon;

@@ -5,4 +5,6 @@
 mod arithmetic;
 mod audit;
 mod hull;
+mod kernel;
 mod partitions;
+mod sums;

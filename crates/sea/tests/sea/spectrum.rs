@@ -1,5 +1,7 @@
-use super::*;
-use crate::Sea;
+//! Tests of random spectra: their sizes, their directions, and which knobs they refuse.
+
+use std::f64::consts::TAU;
+use trochoid_sea::{Convention, Dispersion, GRAVITY, GerstnerSpectrum, MAX_WAVES, Sea, Wave};
 
 fn spectrum() -> GerstnerSpectrum {
     GerstnerSpectrum { count: 4000, height: 4.0, sharpness: 0.7, seed: 7, ..GerstnerSpectrum::default() }

@@ -1,8 +1,9 @@
 //! Tests of filters in the engine: halos, controls, and a broken kernel that must be noticed.
 
-use super::nodes;
-use crate::{Buffers, Cache, Frame, Plan, ReferenceFrame, Settings, Silent, Switches};
+use crate::nodes;
 use std::path::Path;
+use trochoid_engine::inside::mix_levels;
+use trochoid_engine::{Buffers, Cache, Frame, Plan, ReferenceFrame, Settings, Silent, Switches};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
@@ -108,7 +109,8 @@ fn tiles_share_what_lies_between_them() {
     let expected = evaluate(&graph, &Settings::default());
     for switches in [Switches::ALL, Switches::NONE] {
         for (threads, tile) in [(1, (1, 1)), (2, (7, 3)), (1, (1000, 1000))] {
-            let settings = Settings { switches, threads, tile: Some(tile), ..Settings::default() };
+            let mut settings = Settings::default();
+            (settings.switches, settings.threads, settings.tile) = (switches, threads, Some(tile));
             assert_eq!(evaluate(&graph, &settings).pictures[0].planes, expected.pictures[0].planes, "{tile:?}");
         }
     }
@@ -125,7 +127,7 @@ fn a_negative_lobe_leaves_the_hull_of_what_is_filtered() {
     let sound = evaluate(&graph("Smear"), &Settings::default()).pictures.remove(0);
     assert_eq!((sound.control_count, sound.audit.hull_exits), (2, 0));
     // Two mixes and two filters.
-    let levels = Plan::new(&graph("Smear"), &[], 1, &[], &Settings::default()).unwrap().outputs[0].mix_levels;
+    let levels = mix_levels(&Plan::new(&graph("Smear"), &[], 1, &[], &Settings::default()).unwrap());
     assert_eq!(levels, 4);
     let broken = evaluate(&graph("Sharpen"), &Settings::default()).pictures.remove(0);
     assert_eq!(broken.control_count, 2);

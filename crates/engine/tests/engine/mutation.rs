@@ -1,8 +1,9 @@
 //! Broken kernels must be noticed: a report of zeros proves nothing unless other reports are possible.
 
-use super::nodes::registry;
-use crate::{Buffers, Cache, Frame, Plan, ReferenceFrame, Settings, Silent, Switches};
+use crate::nodes::registry;
 use std::path::Path;
+use trochoid_engine::inside::programs;
+use trochoid_engine::{Buffers, Cache, Frame, Plan, ReferenceFrame, Settings, Silent, Switches};
 use trochoid_graph::{CheckedGraph, Document, check};
 use trochoid_kernel::Fault;
 
@@ -26,8 +27,8 @@ fn graph() -> CheckedGraph {
 
 fn evaluate(graph: &CheckedGraph, fault: Fault, settings: &Settings) -> Frame {
     let mut plan = Plan::new(graph, &["beauty"], 1, &[], settings).unwrap();
-    for pass in &mut plan.passes {
-        pass.program.fault = fault;
+    for program in programs(&mut plan) {
+        program.fault = fault;
     }
     plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap()
 }
@@ -84,7 +85,9 @@ fn every_switch_gives_the_same_bits() {
     ];
     for switches in off {
         for (threads, tile) in [(1, (256, 16)), (2, (7, 3)), (3, (1, 1))] {
-            let settings = Settings { switches, threads, tile: Some(tile), compile_from: 0, ..Settings::default() };
+            let mut settings = Settings::default();
+            (settings.switches, settings.threads) = (switches, threads);
+            (settings.tile, settings.compile_from) = (Some(tile), 0);
             assert_eq!(bits(&settings), expected, "{switches:?} {threads} {tile:?}");
         }
     }

@@ -1,10 +1,10 @@
 //! Tests of a pixel's blame: shares sum to 1 and mix to the color that the picture shows.
 
-use super::{filters, nodes as types};
-use crate::{Blame, Buffers, Cache, InspectedPixel, Monitor, Plan, Settings, Silent};
+use crate::{filters, nodes as types};
 use proptest::prelude::*;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use trochoid_engine::{Blame, Buffers, Cache, InspectedPixel, Monitor, Plan, Settings, Silent};
 use trochoid_graph::*;
 use trochoid_image::Window;
 
@@ -65,7 +65,8 @@ proptest! {
         region in prop::sample::select(vec![None, Some(Window::new(9, 1, 22, 4))]),
     ) {
         let graph = graph(samples, &nodes(&dice));
-        let settings = Settings { region, ..Settings::default() };
+        let mut settings = Settings::default();
+        settings.region = region;
         let plan = Plan::new(&graph, &[], 1, &[], &settings).unwrap();
         let frame = plan.evaluate(&Buffers::new(), &mut Cache::new(), &Silent).unwrap();
         for [x, y] in [[9, 1], [13, 2], [15, 3], [21, 3]] {

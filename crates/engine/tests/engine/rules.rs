@@ -1,12 +1,9 @@
 //! Tests the rules of every operation against what the operation computes.
 
-use crate::Instructions;
-use crate::planning::bounds::BOUNDS;
-use crate::rules::interval::{Bounds, Interval, interval};
-use crate::running::certify::Trace;
-use crate::running::inspect::Inspection;
 use proptest::prelude::*;
 use std::collections::HashMap;
+use trochoid_engine::inside::{BOUNDS, interval, trace};
+use trochoid_engine::{Inspection, Instructions, Interval};
 use trochoid_graph::{Bound, Color, NodeId, Op, Partition, Program, Scalar, Slot, Type, Variance};
 use trochoid_kernel::{Options, Origin, Plane, compile};
 
@@ -75,7 +72,7 @@ fn traced(program: &Program, inputs: &[f32], bounds: &[Bound], instructions: Ins
     compiled.planes.extend_from_within(..);
     let planes: Vec<Plane<'_>> = samples.iter().map(|samples| Plane { samples, start: 0, stride: 1 }).collect();
     let mut rows = Traced::new();
-    Trace::new(&compiled).tile(&planes, 1, 1, &mut |root, channel, _, row| {
+    trace(&compiled, &planes, &mut |root, channel, _, row| {
         let rows = rows.entry(roots[root]).or_insert_with(|| [Vec::new(), Vec::new()]);
         rows[usize::from(channel >= BOUNDS)].push(row[0]);
     });
@@ -154,7 +151,7 @@ proptest! {
         let program = program(&v);
         let inputs: Vec<f64> = (0..5).map(|i| low[i] + width[i] * at[i]).collect();
         let values = inspect(&program, &inputs);
-        let mut bounds: Vec<Bounds> = Vec::new();
+        let mut bounds: Vec<Vec<Interval>> = Vec::new();
         for (op, _) in program.ops() {
             let of = |position: u32| bounds[position as usize].clone();
             let slot = |slot: &Slot, channel: usize| {
