@@ -48,7 +48,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("trochoid-bench", &["trochoid", "trochoid-sea"]),
 ];
 
-fn arrows() -> BTreeMap<String, BTreeSet<String>> {
+/// Returns the packages of the workspace, as Cargo describes them.
+fn packages() -> Vec<serde_json::Value> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
         .args(["metadata", "--format-version", "1", "--no-deps", "--offline", "--manifest-path"])
@@ -57,7 +58,11 @@ fn arrows() -> BTreeMap<String, BTreeSet<String>> {
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    let packages = metadata["packages"].as_array().unwrap();
+    metadata["packages"].as_array().unwrap().clone()
+}
+
+fn arrows() -> BTreeMap<String, BTreeSet<String>> {
+    let packages = packages();
     let name = |value: &serde_json::Value| value["name"].as_str().unwrap().to_string();
     let members: BTreeSet<String> = packages.iter().map(name).collect();
     packages
@@ -92,6 +97,30 @@ fn crates_depend_as_the_design_says() {
     for required in ["trochoid-engine", "trochoid-nodes", "trochoid"] {
         assert!(arrows.contains_key(required), "{required} is missing");
     }
+}
+
+/// Some libraries are not compiled for tests: tests within them would never run.
+#[test]
+fn libraries_that_are_not_tested_hold_no_tests() {
+    let mut outside = Vec::new();
+    for package in packages() {
+        let library = package["targets"].as_array().unwrap().iter().find(|target| target["kind"][0] == "lib");
+        let Some(library) = library.filter(|library| library["test"] == false) else { continue };
+        let source = Path::new(library["src_path"].as_str().unwrap()).parent().unwrap();
+        assert!(source.parent().unwrap().join("tests").is_dir(), "{} has no tests", source.display());
+        outside.push(package["name"].as_str().unwrap().to_owned());
+        for file in files(source) {
+            let text = std::fs::read_to_string(&file).unwrap();
+            assert!(!text.contains("cfg(test)") && !text.contains("#[test]"), "{} has tests", file.display());
+        }
+    }
+    assert_eq!(outside, ["trochoid-engine", "trochoid-sea", "trochoid-weights"]);
+}
+
+/// Returns all files of a folder.
+fn files(folder: &Path) -> Vec<std::path::PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
 /// Functions that open a file by name.

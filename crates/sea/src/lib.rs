@@ -54,6 +54,7 @@ mod spectrum;
 pub mod spray;
 mod spread;
 pub mod toon;
+mod transforms;
 mod wave;
 
 pub use fields::{FieldSet, Fields, Points, Sample};
@@ -74,8 +75,11 @@ pub use wave::{ExplicitWave, GRAVITY, Wave, WaveError, WaveParameter, attenuatio
 /// compiled a second time for them. Nothing of it is part of the interface.
 #[doc(hidden)]
 pub mod inside {
+    use crate::lanes::{self, Lanes};
     use crate::line::spreader::{self, Spreader};
+    use crate::transforms::Transform;
     use crate::{FieldSet, Fields, Line, LineScratch, Lines};
+    use rustfft::num_traits::Zero;
 
     /// Number of cells over which a frequency is spread, before the one that contains it.
     pub const BEFORE: usize = spreader::BEFORE;
@@ -116,6 +120,17 @@ pub mod inside {
     /// Returns the length of a fast transform, of at least `length` cells.
     pub fn fast_length(length: usize) -> usize {
         spreader::fast_length(length)
+    }
+
+    /// Returns the inverse Fourier transform of complex numbers, without the factor 1/length.
+    pub fn inverse_transform(values: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let lane = |value: f64| Lanes([value, 0.0, 1.0, -value]);
+        let mut lines: Vec<lanes::Line<f64>> =
+            values.iter().map(|&[re, im]| lanes::Line { re: lane(re), im: lane(im) }).collect();
+        let transform = Transform::new(lines.len());
+        let mut scratch = vec![lines.first().copied().unwrap_or_else(Zero::zero); transform.scratch_len()];
+        transform.process(&mut lines, &mut scratch);
+        lines.iter().map(|line| [line.re.0[0], line.im.0[0]]).collect()
     }
 
     /// Sums the waves along a line by a transform, however short the line is.

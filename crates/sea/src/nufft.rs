@@ -3,15 +3,14 @@
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use rustfft::num_traits::Zero;
-use rustfft::{Fft, FftPlannerScalar};
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 use crate::fields::Fields;
 use crate::frame::{Factor, SeaFrame, factors};
 use crate::grid::Grid;
 use crate::lanes::{Lanes, Line, Real, WIDTH, splat};
 use crate::spread::{Kernel, TransformWave};
+use crate::transforms::Transform;
 
 /// Number of lines along z that one thread fills with waves at a time.
 const BAND: usize = 16;
@@ -29,7 +28,7 @@ struct Axis<T: Real> {
     roots: Vec<Complex<T>>,
     /// Inverse of the kernel's transform at each output.
     correction: Vec<T>,
-    transform: Arc<dyn Fft<Lanes<T>>>,
+    transform: Transform<Lanes<T>>,
 }
 
 /// Returns the least number ≥ `least` without a prime factor greater than 5.
@@ -59,7 +58,7 @@ impl<T: Real> Axis<T> {
             length,
             roots: (0..length).map(root).collect(),
             correction: (0..count).into_par_iter().map(correction).collect(),
-            transform: FftPlannerScalar::new().plan_fft_inverse(size),
+            transform: Transform::new(size),
         }
     }
 
@@ -79,7 +78,7 @@ impl<T: Real> Axis<T> {
     }
 
     fn scratch(&self) -> (Vec<Line<T>>, Vec<Line<T>>) {
-        (vec![Zero::zero(); self.size()], vec![Zero::zero(); self.transform.get_inplace_scratch_len()])
+        (vec![Zero::zero(); self.size()], vec![Zero::zero(); self.transform.scratch_len()])
     }
 }
 
@@ -255,7 +254,7 @@ impl<T: Real> Nufft<T> {
                     {
                         buffer[place] = buffer[place] + *line * splat(roots[residue]);
                     }
-                    axis.transform.process_with_scratch(buffer, scratch);
+                    axis.transform.process(buffer, scratch);
                     for (out, value) in column[residue..].iter_mut().step_by(WIDTH).zip(buffer.iter()) {
                         *out = *value;
                     }
@@ -302,7 +301,7 @@ impl<T: Real> Nufft<T> {
                         buffer[mirrored] = buffer[mirrored] + minus.conj();
                     }
                 }
-                axis.transform.process_with_scratch(buffer, scratch);
+                axis.transform.process(buffer, scratch);
                 let (first, second) = out.split_at_mut(axis.count);
                 let corrections = axis.correction.chunks(WIDTH);
                 for ((out, value), correction) in first.chunks_mut(WIDTH).zip(buffer.iter()).zip(corrections.clone()) {

@@ -2,16 +2,14 @@
 
 pub(crate) mod spreader;
 
-use std::sync::Arc;
-
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use rustfft::num_traits::Zero;
-use rustfft::{Fft, FftPlannerScalar};
 
 use crate::fields::{FieldSet, Fields, Points, SUMS};
 use crate::frame::{SeaFrame, Term};
 use crate::kernel::{LANES, exp_neg, sincos_turns};
 use crate::lanes;
+use crate::transforms::Transform;
 use spreader::{BEFORE, Spreader, WIDTH};
 
 /// Evenly spaced rest points on a straight line: a row of a grid that is projected onto the sea.
@@ -37,7 +35,7 @@ pub struct Line {
 pub struct Lines<'s> {
     frame: &'s SeaFrame,
     count: usize,
-    transform: Arc<dyn Fft<lanes::Lanes<f32>>>,
+    transform: Transform<lanes::Lanes<f32>>,
     spreader: Spreader,
     /// By sum: a power of two near its root mean square. Two sums of one sequence share its rounding, so both must be
     /// scaled to about 1.
@@ -71,7 +69,7 @@ impl<'s> Lines<'s> {
     /// Prepares lines of `count` points.
     pub fn new(frame: &'s SeaFrame, count: usize) -> Self {
         let spreader = Spreader::new(count);
-        let transform = FftPlannerScalar::new().plan_fft_inverse(spreader.cells());
+        let transform = Transform::new(spreader.cells());
         let mut squares = [0.0; ROOM];
         for term in &frame.terms {
             for (square, [sine, cosine]) in squares.iter_mut().zip(factors(term)) {
@@ -186,8 +184,8 @@ impl<'s> Lines<'s> {
             cells[to] = cells[to] + cells[from];
         }
         let circle = &mut cells[BEFORE..BEFORE + count];
-        work.resize(self.transform.get_inplace_scratch_len(), lanes::splat(Zero::zero()));
-        self.transform.process_with_scratch(circle, work);
+        work.resize(self.transform.scratch_len(), lanes::splat(Zero::zero()));
+        self.transform.process(circle, work);
         let middle = self.count / 2;
         let sums = out.sums_mut().into_iter().skip(first);
         // Sums that are not wanted are empty.

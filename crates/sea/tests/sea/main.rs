@@ -16,4 +16,5 @@ mod spectrum;
 mod spray;
 mod stability;
 mod toon;
+mod transforms;
 mod twice;
