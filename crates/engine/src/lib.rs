@@ -39,7 +39,6 @@ pub use trochoid_weights::{Audit, Hull};
 /// not compiled a second time for them. Nothing of it is part of the interface.
 #[doc(hidden)]
 pub mod inside {
-    use crate::{Interval, Plan};
     use trochoid_graph::{Op, Slot};
     use trochoid_kernel::{CompiledProgram, Plane, TakeRow};
 
@@ -49,9 +48,9 @@ pub mod inside {
     /// Bounds an operation's result from the intervals of its operands and of planes.
     pub fn interval(
         op: &Op,
-        of: &dyn Fn(u32) -> Vec<Interval>,
-        slot: &dyn Fn(&Slot, usize) -> Interval,
-    ) -> Vec<Interval> {
+        of: &dyn Fn(u32) -> Vec<crate::Interval>,
+        slot: &dyn Fn(&Slot, usize) -> crate::Interval,
+    ) -> Vec<crate::Interval> {
         crate::rules::interval::interval(op, of, slot)
     }
 
@@ -61,12 +60,12 @@ pub mod inside {
     }
 
     /// Returns the program of each pass, which tests break.
-    pub fn programs<'p>(plan: &'p mut Plan<'_>) -> impl Iterator<Item = &'p mut CompiledProgram> {
+    pub fn programs<'p>(plan: &'p mut crate::Plan<'_>) -> impl Iterator<Item = &'p mut CompiledProgram> {
         plan.passes.iter_mut().map(|pass| &mut pass.program)
     }
 
     /// Returns how often colors are mixed, one after the other, in the first output.
-    pub fn mix_levels(plan: &Plan<'_>) -> usize {
+    pub fn mix_levels(plan: &crate::Plan<'_>) -> usize {
         plan.outputs[0].mix_levels
     }
 }
