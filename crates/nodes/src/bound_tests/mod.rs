@@ -52,7 +52,10 @@ fn hold(frame: &Frame, how: How, seed: u64, tighter: f64) -> Found {
                 stage.regions_of_interest(PortId::new(index, port), picture, frame.context.format).intersect(picture);
             let new = Given::new(&mut draws, how, kind, window);
             let source = (*from, *output);
-            assert!(given.iter().all(|(other, _)| *other != source) || kind.channels() == 0, "two ports share a source");
+            assert!(
+                given.iter().all(|(other, _)| *other != source) || kind.channels() == 0,
+                "two ports share a source"
+            );
             given.push((source, new));
             sources.push(source);
         }
