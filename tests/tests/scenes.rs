@@ -157,10 +157,11 @@ struct Certain {
 }
 
 impl Certain {
-    /// Evaluates and certifies the first output of a graph.
-    fn new(graph: &CheckedGraph, frame: i64) -> Self {
+    /// Evaluates and certifies the first output of a graph. What its references have in common with those of other
+    /// graphs is kept in `cache`.
+    fn new(graph: &CheckedGraph, frame: i64, cache: &mut Cache) -> Self {
         let certifier = Certifier::new(graph, &[], frame, &[], &settings(|s| s.threads = 2)).unwrap();
-        let mut certified = certifier.certify(&Buffers::new(), &mut Cache::new(), &Silent).unwrap();
+        let mut certified = certifier.certify(&Buffers::new(), cache, &Silent).unwrap();
         let mut fast = evaluate(graph, frame, &Buffers::new(), &settings(|s| s.threads = 2));
         Self { picture: fast.pictures.swap_remove(0), certified: certified.swap_remove(0) }
     }
@@ -216,13 +217,14 @@ fn every_third_agrees(first: usize) {
         let views = graph.nodes().iter().filter(|node| node.ty.declaration().name == "Render");
         let views: Vec<&String> = views.map(|node| &node.name).collect();
         let (frame, window) = (graph.frames().0, graph.format().window());
-        let meshed = Certain::new(&graph, frame);
+        let mut cache = Cache::new();
+        let meshed = Certain::new(&graph, frame, &mut cache);
         let followed = FOLLOWED.map(|(points, ..)| {
             let own = overrides.iter().cloned().chain(views.iter().map(|view| format!("{view}.points={points}")));
-            Certain::new(&small(&load(&path, &own.collect::<Vec<_>>()).unwrap().graph, 80, 45), frame)
+            Certain::new(&small(&load(&path, &own.collect::<Vec<_>>()).unwrap().graph, 80, 45), frame, &mut cache)
         });
         let name = &graph.outputs()[meshed.picture.output].name;
-        let reference = ReferenceFrame::new(&graph, name, frame).unwrap();
+        let reference = ReferenceFrame::prepared(&graph, &[name.as_str()], frame, &mut cache, &Silent).unwrap();
         let approximated = graph.nodes().iter().any(|node| matches!(node.ty.declaration().name, "Render" | "Bake"));
         let tolerance = if approximated { TOLERANCE[0] } else { TOLERANCE[1] };
         let count = 60;

@@ -15,12 +15,19 @@ const WRITERS: [(&[&str], &str); 11] = [
     (&["preview", "a.json", "--frames", "1", "-o", "p.png"], "p.png"),
     (&["plan", "a.json", "--tolerance", "1/8", "-o", "p.json"], "p.json"),
     (&["graph", "a.json", "-o", "g.svg"], "g.svg"),
-    (&["stability", "-o", "m.png"], "m.png"),
+    (&["stability", "sea.json", "-o", "m.png"], "m.png"),
 ];
+
+/// A sea whose stability is known soon.
+const SEA: &str = r#"{ "trochoid": 1, "format": { "width": 4, "height": 2 },
+  "nodes": { "sea": { "type": "ToonSea", "columns": 8, "rows": 8, "bursts": [ { "path": [0, 0, 1, 0, 1, 1, 0, 1] } ] },
+             "bake": { "type": "Bake", "sea": "sea", "width": 4, "depth": 4 } },
+  "outputs": { "height": { "field": "bake.height", "file": "height.exr" } } }"#;
 
 #[test]
 fn files_of_others_stay_and_our_own_are_replaced() {
     let scene = Scene::new(SCENE);
+    fs::write(scene.path("sea.json"), SEA).unwrap();
     fs::create_dir(scene.path("out")).unwrap();
     for (command, name) in WRITERS {
         fs::write(scene.path(name), "theirs").unwrap();

@@ -3,7 +3,7 @@
 use crate::actions::{Action, Pane};
 use crate::document::Session;
 use crate::editor::Editor;
-use crate::testing::{Window, act, editor, unseen};
+use crate::testing::{Window, act, ask, editor, unseen};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -26,6 +26,13 @@ fn change(editor: &Editor, text: &str, revision: u64) -> Option<String> {
     done.or_else(|| (session.text() != text || session.revision() != revision).then(|| "the text".into()))
 }
 
+/// Performs an action, and draws what it shows: for the first time, and again when everything has its size. A change
+/// that the second time causes is found after the next action at the latest.
+fn show(window: &mut Window, action: Action) {
+    ask(window, action);
+    window.run_steps(2);
+}
+
 /// Selects every output and a node of each type of a document, and shows every panel; returns the changes made by that.
 fn look_at(session: Session) -> Vec<String> {
     let text = session.text().to_string();
@@ -42,24 +49,26 @@ fn look_at(session: Session) -> Vec<String> {
         }
     };
     for pane in Pane::ALL {
-        act(&mut window, Action::Panel(pane));
+        show(&mut window, Action::Panel(pane));
         check(&mut window, pane.title());
     }
     for output in &sheet.outputs {
-        act(&mut window, Action::Output(Some(output.name.clone())));
+        show(&mut window, Action::Output(Some(output.name.clone())));
         check(&mut window, &output.name);
     }
-    act(&mut window, Action::Panel(Pane::Properties));
+    show(&mut window, Action::Panel(Pane::Properties));
     let mut types = HashSet::new();
     for node in sheet.nodes.iter().filter(|node| types.insert(&node.ty)) {
-        act(&mut window, Action::Select([node.name.clone()].into()));
+        show(&mut window, Action::Select([node.name.clone()].into()));
         check(&mut window, &node.name);
     }
-    act(&mut window, Action::Panel(Pane::Waves));
+    show(&mut window, Action::Panel(Pane::Waves));
     for node in sheet.nodes.iter().filter(|node| node.ty.ends_with("Sea")) {
-        act(&mut window, Action::Select([node.name.clone()].into()));
+        show(&mut window, Action::Select([node.name.clone()].into()));
         check(&mut window, &node.name);
     }
+    window.step();
+    check(&mut window, "the end");
     changes
 }
 

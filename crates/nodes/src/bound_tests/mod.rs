@@ -40,7 +40,8 @@ fn hold(frame: &Frame, how: How, seed: u64, tighter: f64) -> Found {
     let (node, prepared) = (frame.graph.settle(id, frame.context.frame), frame.prepared[id.0].as_ref().unwrap());
     let stage = node.stage().unwrap();
     let picture = frame.context.format.window();
-    let mut given: HashMap<(NodeId, usize), Given> = HashMap::new();
+    // A list, since references ask for these inputs millions of times, and there are few.
+    let mut given: Vec<((NodeId, usize), Given)> = Vec::new();
     let mut ports: Vec<Vec<(NodeId, usize)>> = Vec::new();
     for (index, (port, connected)) in node.ports().enumerate() {
         let mut sources = Vec::new();
@@ -50,8 +51,13 @@ fn hold(frame: &Frame, how: How, seed: u64, tighter: f64) -> Found {
             let window =
                 stage.regions_of_interest(PortId::new(index, port), picture, frame.context.format).intersect(picture);
             let new = Given::new(&mut draws, how, kind, window);
-            assert!(given.insert((*from, *output), new).is_none() || kind.channels() == 0, "two ports share a source");
-            sources.push((*from, *output));
+            let source = (*from, *output);
+            assert!(
+                given.iter().all(|(other, _)| *other != source) || kind.channels() == 0,
+                "two ports share a source"
+            );
+            given.push((source, new));
+            sources.push(source);
         }
         ports.push(sources);
     }
@@ -97,7 +103,7 @@ fn hold(frame: &Frame, how: How, seed: u64, tighter: f64) -> Found {
         for (sample, at) in block.places().enumerate() {
             let upstream = |source: &Source<Vec<f64>>, at: [f64; 2]| {
                 let Source::Output { node, output } = source else { unreachable!("literals stand for themselves") };
-                given[&(*node, *output)].reference(at)
+                given.iter().find(|(source, _)| *source == (*node, *output)).unwrap().1.reference(at)
             };
             let outputs = prepared.reference(&References::new(&frame.context, at, &upstream)).unwrap();
             for (output, value) in outputs.into_iter().enumerate() {
@@ -122,7 +128,7 @@ fn hold(frame: &Frame, how: How, seed: u64, tighter: f64) -> Found {
                 }
             }
         }
-        given.values_mut().for_each(|given| given.redraw(&mut draws));
+        given.iter_mut().for_each(|(_, given)| given.redraw(&mut draws));
     }
     for ((output, channel, sample), error) in errors {
         let bound = Bound::decode(certain[output][channel][sample]);

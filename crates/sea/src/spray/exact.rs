@@ -1,9 +1,11 @@
 //! The drops of the plain f64 loops, found faster.
 
 use super::birth::{Birth, Droplet, Water};
+use super::run::{Steps, locked};
 use super::{Spray, SprayRun};
 use crate::{PreciseSea, Sea, SeaFrame};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Rounding error of a wave in either f64 sum, relative to its size, apart from that of its phase and of the sum.
 const FUNCTIONS: f64 = 1e-14;
@@ -18,42 +20,50 @@ impl SprayRun {
     /// are computed by it, too.
     pub fn exact_at(&self, time: f64) -> Vec<Droplet> {
         let (spray, level) = (self.spray(), self.level());
-        let born = level.map(|level| births(spray, self.sea(), level, time)).unwrap_or_default();
-        let born = born.into_iter().chain(spray.thrown(time));
+        let steps = level.map(|level| self.exact_births(level, time)).unwrap_or_default();
+        let born = steps.values().flat_map(|births| births.iter().copied()).chain(spray.thrown(time));
         born.filter_map(|birth| spray.droplet(&birth, level, time)).collect()
+    }
+
+    /// Does the same as [`reference::births`](super::reference::births), step by step, and keeps the result.
+    fn exact_births(&self, level: f64, time: f64) -> Steps {
+        let (spray, sea) = (self.spray(), self.sea());
+        // A sea without waves has det J = 1 everywhere.
+        if spray.expected() == 0.0 || (sea.waves().is_empty() && spray.threshold <= 1.0) {
+            return Steps::new();
+        }
+        let doubt = doubt(spray, sea);
+        let kept = locked(&self.exact).clone();
+        let births = |step: i64| births(spray, &sea.at(spray.moment(step)), step, level, doubt);
+        let step = |step: i64| (step, kept.get(&step).cloned().unwrap_or_else(|| births(step)));
+        let steps: Steps = spray.steps(time).map(step).collect();
+        locked(&self.exact).clone_from(&steps);
+        steps
     }
 }
 
-/// Does the same as [`reference::births`](super::reference::births).
-fn births(spray: &Spray, sea: &Sea, level: f64, time: f64) -> Vec<Birth> {
-    // A sea without waves has det J = 1 everywhere.
-    if spray.expected() == 0.0 || (sea.waves().is_empty() && spray.threshold <= 1.0) {
-        return Vec::new();
-    }
-    let doubt = doubt(spray, sea);
+/// Returns the births of a step, at which the sea is `frame`.
+fn births(spray: &Spray, frame: &SeaFrame, step: i64, level: f64, doubt: f64) -> Arc<[Birth]> {
     let mut births = Vec::new();
-    for step in spray.steps(time) {
-        let frame = sea.at(spray.moment(step));
-        let precise = PreciseSea::new(&frame);
-        for cell in spray.cells().iter() {
-            let middle = spray.middle(cell);
-            let jacobian = precise.evaluate(middle, spray.cell).sample.jacobian();
-            if jacobian - doubt >= spray.threshold {
-                continue;
-            }
-            let mut exact = None;
-            spray.candidates(cell, step, |candidate, needed| {
-                // A value that is not a number is in doubt, too.
-                let is_certain = (jacobian - needed).abs() > doubt;
-                let mut folded = || *exact.get_or_insert_with(|| frame.evaluate(middle, spray.cell).jacobian());
-                if if is_certain { jacobian < needed } else { folded() < needed } {
-                    let water = water(&frame, candidate.rest(spray), spray.cell, level);
-                    births.push(spray.birth(&candidate, &water));
-                }
-            });
+    let precise = PreciseSea::new(frame);
+    for cell in spray.cells().iter() {
+        let middle = spray.middle(cell);
+        let jacobian = precise.evaluate(middle, spray.cell).sample.jacobian();
+        if jacobian - doubt >= spray.threshold {
+            continue;
         }
+        let mut exact = None;
+        spray.candidates(cell, step, |candidate, needed| {
+            // A value that is not a number is in doubt, too.
+            let is_certain = (jacobian - needed).abs() > doubt;
+            let mut folded = || *exact.get_or_insert_with(|| frame.evaluate(middle, spray.cell).jacobian());
+            if if is_certain { jacobian < needed } else { folded() < needed } {
+                let water = water(frame, candidate.rest(spray), spray.cell, level);
+                births.push(spray.birth(&candidate, &water));
+            }
+        });
     }
-    births
+    births.into()
 }
 
 /// Returns the state of a sea that rests at world y = `level`, by the plain sum.

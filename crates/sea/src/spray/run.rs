@@ -6,18 +6,27 @@ use super::{MAX_DROPS, Spray, SprayError};
 use crate::Sea;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Births by step.
+pub(super) type Steps = BTreeMap<i64, Arc<[Birth]>>;
 
 /// A spray over a sea, evaluated at times in any order.
 ///
-/// The births of the last evaluation are kept, so that the next one only costs the steps between them. This changes
-/// no bit.
+/// The births of the last evaluation are kept, so that the next one only costs the steps between them; those of the
+/// last exact evaluation, too. This changes no bit.
 #[derive(Debug)]
 pub struct SprayRun {
     spray: Spray,
     sea: Sea,
     level: Option<f64>,
-    kept: Mutex<BTreeMap<i64, Arc<[Birth]>>>,
+    kept: Mutex<Steps>,
+    pub(super) exact: Mutex<Steps>,
+}
+
+/// Locks births. They are consistent even if a panic interrupted someone who held them.
+pub(super) fn locked(steps: &Mutex<Steps>) -> MutexGuard<'_, Steps> {
+    steps.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl SprayRun {
@@ -27,7 +36,7 @@ impl SprayRun {
     /// Same as [`Spray::check`].
     pub fn new(spray: Spray, sea: Sea, level: f64) -> Result<Self, SprayError> {
         spray.check()?;
-        Ok(Self { spray, sea, level: Some(level), kept: Mutex::default() })
+        Ok(Self { spray, sea, level: Some(level), kept: Mutex::default(), exact: Mutex::default() })
     }
 
     /// Makes only the bursts of a spray, without a sea into which drops could sink.
@@ -36,7 +45,7 @@ impl SprayRun {
     /// Same as [`Spray::check`].
     pub fn bursts(spray: Spray) -> Result<Self, SprayError> {
         spray.check()?;
-        Ok(Self { spray, sea: Sea::default(), level: None, kept: Mutex::default() })
+        Ok(Self { spray, sea: Sea::default(), level: None, kept: Mutex::default(), exact: Mutex::default() })
     }
 
     /// Returns the description.
@@ -85,7 +94,7 @@ impl SprayRun {
         let wanted = self.spray.steps(time);
         // Nothing is computed under the lock: a thread that waits for its helpers may pick up a task that needs the
         // lock.
-        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let kept = locked(&self.kept).clone();
         let (mut steps, mut breeder, mut total) = (BTreeMap::new(), None, 0);
         for step in wanted {
             let births: Arc<[Birth]> = match kept.get(&step) {
@@ -102,13 +111,13 @@ impl SprayRun {
             steps.insert(step, births);
         }
         let births = steps.values().cloned().collect();
-        *self.kept.lock().unwrap_or_else(PoisonError::into_inner) = steps;
+        *locked(&self.kept) = steps;
         Ok(births)
     }
 
     /// Returns the number of bytes held.
     pub fn bytes(&self) -> usize {
-        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.values().map(|births| births.len() * size_of::<Birth>()).sum()
+        let bytes = |steps: &Steps| steps.values().map(|births| births.len() * size_of::<Birth>()).sum::<usize>();
+        bytes(&locked(&self.kept)) + bytes(&locked(&self.exact))
     }
 }

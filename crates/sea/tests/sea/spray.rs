@@ -113,6 +113,7 @@ fn a_moment_depends_on_nothing_before_it() {
     for time in [0.0, 1.0 / 24.0, 0.5, 0.1, 7.0, 0.5] {
         let drops = run.at(time).expect("few");
         assert_eq!(drops, alone(time), "{time}");
+        assert_eq!(run.exact_at(time), reference::drops(&spray, &sea, Some(0.0), time), "{time}");
     }
     assert!(alone(0.5).len() > 20 && alone(0.5) != alone(0.1));
 }
