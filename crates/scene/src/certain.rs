@@ -1,7 +1,7 @@
 //! Determines where it is certain what a camera sees, and what it sees there.
 
 use crate::reference::seas_last;
-use crate::surface::{Hit, Sight, Surface};
+use crate::surface::{Asked, Hit, Met, Sight, Surface};
 use crate::{Camera, Projector};
 use trochoid_image::Format;
 
@@ -9,7 +9,7 @@ use trochoid_image::Format;
 ///
 /// ```
 /// use trochoid_image::Format;
-/// use trochoid_scene::{Camera, Certain, DVec3, Projection, SeaSurface, Sight};
+/// use trochoid_scene::{Asked, Camera, Certain, DVec3, Projection, SeaSurface, Sight};
 /// use trochoid_sea::{GerstnerSpectrum, Sea};
 ///
 /// let sea = Sea::new(GerstnerSpectrum { count: 20, ..GerstnerSpectrum::default() }.waves()?);
@@ -23,7 +23,7 @@ use trochoid_image::Format;
 /// let format = Format::new(64, 36, 1)?;
 /// let certain = Certain::new(&camera, &[&surface], format, &|| false).ok_or("stopped")?;
 /// let low = [32, 35];
-/// let sights = certain.sights(&[&surface], &[low], format.sample_offset(0));
+/// let sights = certain.sights(&[&surface], &[low], format.sample_offset(0), Asked::Values);
 /// assert!(sights[0].hit().is_some_and(|hit| hit.distance < 60.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -49,20 +49,22 @@ impl Certain {
     /// Returns what a sample of each of these pixels sees, at `offset` from its pixel's upper left corner.
     ///
     /// Each result depends only on its own sample. The surfaces must be those that were prepared.
-    pub fn sights(&self, surfaces: &[&dyn Surface], pixels: &[[i64; 2]], offset: [f64; 2]) -> Vec<Sight> {
-        pixels.iter().map(|&[x, y]| self.sight(surfaces, [x as f64 + offset[0], y as f64 + offset[1]])).collect()
+    pub fn sights(&self, surfaces: &[&dyn Surface], pixels: &[[i64; 2]], offset: [f64; 2], asked: Asked) -> Vec<Sight> {
+        pixels.iter().map(|&[x, y]| self.sight(surfaces, [x as f64 + offset[0], y as f64 + offset[1]], asked)).collect()
     }
 
-    fn sight(&self, surfaces: &[&dyn Surface], [x, y]: [f64; 2]) -> Sight {
+    fn sight(&self, surfaces: &[&dyn Surface], [x, y]: [f64; 2], asked: Asked) -> Sight {
         let ray = self.projector.ray(x, y);
         let mut nearest = Sight::Nothing;
         // Seas last: what lies in front of them limits their search.
         for (index, surface) in seas_last(surfaces) {
-            let end = nearest.hit().map_or(f64::INFINITY, |hit| hit.distance);
-            match surface.first(&self.projector, &ray, end) {
+            let end = nearest.met().map_or(f64::INFINITY, |met| met.hit.distance - met.deep);
+            match surface.first(&self.projector, &ray, end, asked) {
                 Sight::Unclear => return Sight::Unclear,
                 Sight::Nothing => {}
-                Sight::Point(hit, sheet) => nearest = Sight::Point(Hit { surface: index, ..hit }, sheet),
+                // Both are too close to each other to tell.
+                Sight::Point(met) if met.hit.distance + met.deep > end => return Sight::Unclear,
+                Sight::Point(met) => nearest = Sight::Point(Met { hit: Hit { surface: index, ..met.hit }, ..met }),
             }
         }
         nearest

@@ -16,6 +16,8 @@ const STEPS: usize = 24;
 const CLOSE: f64 = 1e-13;
 /// Most rectangles that are cut for a ray; most rays take some thousands.
 const MOST: u32 = 200_000;
+/// Share of a footprint that footprints nearby are at least.
+const NEARBY: f64 = 0.9;
 /// Half diagonal, relative to 1 m + distance, at which a rectangle whose points nearly touch the ray is not cut any
 /// further.
 const LEAST: f64 = 1e-9;
@@ -236,6 +238,48 @@ pub(crate) fn newton(
         }
     }
     None
+}
+
+/// Errors of a point after one step of Newton's method with which it is good enough: of its distance, relative to 1 m +
+/// distance, and of its derivatives.
+const STEPPED: f64 = 1e-10;
+const TURNED: f64 = 1e-4;
+
+/// Does the same from a rest point whose point nearly lies on the ray, mostly with a single sum. Also returns how far the
+/// distance, the derivatives and the roughness may be from those of the sea's point on the ray.
+pub(crate) fn stepped(
+    sea: &SeaSurface,
+    projector: &Projector,
+    ray: &Ray,
+    aside: [DVec3; 2],
+    rest: [f64; 2],
+) -> Option<(f64, [f64; 2], SeaPoint, f64)> {
+    let here = sea.carried(projector, rest);
+    let offset = here.point - ray.origin;
+    let [p, q] = aside.map(|way| offset.dot(way));
+    let [[a, b], [c, d]] = across(aside, here.by);
+    let area = a * d - b * c;
+    let [x, z] = [-(d * p - b * q) / area, -(a * q - c * p) / area];
+    let moved = libm::hypot(x, z);
+    let distance = (offset + here.by[0] * x + here.by[1] * z).dot(ray.direction);
+    // Derivatives change by this per meter at most, in any direction and for all phases, and footprints with them.
+    let limits = sea.limits().at(here.footprint * NEARBY);
+    let bend = 2.0 * limits[2] * (1.0 + 2.0 * here.growth.abs()) * (1.0 + 2.0 * here.growth.abs());
+    let size = here.by[0].length() + here.by[1].length();
+    // What one step leaves moves the point once more along the surface.
+    let left = bend * moved * moved * (1.0 + size * size / area.abs());
+    let normal = DVec3::from(here.precise.sample.normal()).length();
+    let turned = 2.0 * bend * moved * size * (1.0 + 1.0 / normal);
+    let rougher = limits[1] * limits[1] * here.growth.abs() * moved / here.footprint;
+    // The only point within twice the step, by Newton and Kantorovich's theorem; false for NaN.
+    let is_close = 4.0 * bend * moved * size <= area.abs()
+        && moved <= (1.0 - NEARBY) * here.footprint
+        && left <= STEPPED * (1.0 + distance.abs())
+        && turned <= TURNED;
+    if is_close {
+        return Some((distance, [rest[0] + x, rest[1] + z], here, left + turned + rougher));
+    }
+    newton(sea, projector, ray, aside, rest).map(|(distance, rest, point)| (distance, rest, point, 0.0))
 }
 
 /// Footprints of a rectangle.

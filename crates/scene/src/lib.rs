@@ -75,7 +75,7 @@ pub use points::{MeshHit, Sums};
 pub use resting::Resting;
 pub use rigid::{Pose, RigidBodies};
 pub use sea_surface::{Resolved, SeaSurface};
-pub use surface::{Anchor, Between, Exact, GivenUp, Hit, Mesh, OneSheet, Sight, Surface, Topology};
+pub use surface::{Anchor, Asked, Between, Exact, GivenUp, Hit, Mesh, Met, OneSheet, Sight, Surface, Topology};
 pub use triangles::{MAX_TRIANGLES, TriangleModel, Triangles, TrianglesError};
 pub use trochoid_image::{Channel, ChannelSet};
 pub use visible::{Stats, Visible};

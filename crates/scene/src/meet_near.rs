@@ -4,9 +4,10 @@ use crate::grid_values::Number;
 use crate::points::MeshHit;
 use crate::reference::hit_of_sea;
 use crate::sea_point::SeaPoint;
-use crate::surface::Hit;
+use crate::surface::{Hit, Met};
 use crate::{GridSurface, Projector, Ray, SeaSurface};
-use glam::DMat3;
+use glam::{DMat3, DVec3};
+use trochoid_sea::Precise;
 
 /// Most steps to a point of a sea, and the error relative to 1 m + distance at which they end.
 const SEA_STEPS: usize = 12;
@@ -18,23 +19,59 @@ const GRID_CLOSE: f64 = 1e-13;
 /// Returns the point where a ray meets a sea near a point of its mesh, by Newton's method in the rest point and the
 /// distance.
 pub(crate) fn meet_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
-    let (mut rest, mut distance) = ([near.rest.x, near.rest.z], near.distance);
+    let mut at = Step::from(near);
     for _ in 0..SEA_STEPS {
-        let SeaPoint { point, by: [by_x, by_z], precise, .. } = sea.carried(projector, rest);
-        let error = point - ray.at(distance);
-        let ways = DMat3::from_cols(by_x, by_z, -ray.direction);
-        if error.length() <= SEA_CLOSE * (1.0 + distance.abs()) {
-            let hit = || hit_of_sea(sea, projector, ray, distance, rest, &precise.sample, near.inside);
-            return (distance >= 0.0).then(hit);
+        match at.on(sea, projector, ray)? {
+            Ok(precise) => {
+                let hit = || hit_of_sea(sea, projector, ray, at.distance, at.rest, &precise.sample, near.inside);
+                return (at.distance >= 0.0).then(hit);
+            }
+            Err(next) => at = next,
         }
-        let step = ways.inverse() * error;
-        if !step.is_finite() {
-            return None;
-        }
-        rest = [rest[0] - step.x, rest[1] - step.y];
-        distance -= step.z;
     }
     None
+}
+
+/// Returns whether the same steps lead to the point that a ray meets: they do if they reach its sheet.
+pub(crate) fn leads_to(sea: &SeaSurface, projector: &Projector, ray: &Ray, near: &MeshHit, met: &Met) -> bool {
+    let mut at = Step::from(near);
+    for _ in 0..SEA_STEPS {
+        if met.holds(DVec3::new(at.rest[0], sea.level, at.rest[1])) {
+            return true;
+        }
+        match at.on(sea, projector, ray) {
+            Some(Ok(_)) => return met.is_at(at.distance),
+            Some(Err(next)) => at = next,
+            None => return false,
+        }
+    }
+    false
+}
+
+/// A rest point of a sea and a distance along a ray, on the way to where both are one.
+#[derive(Clone, Copy)]
+struct Step {
+    rest: [f64; 2],
+    distance: f64,
+}
+
+impl Step {
+    fn from(near: &MeshHit) -> Self {
+        Self { rest: [near.rest.x, near.rest.z], distance: near.distance }
+    }
+
+    /// Returns the sea at the rest point if it has arrived, otherwise the next step, if there is one.
+    fn on(self, sea: &SeaSurface, projector: &Projector, ray: &Ray) -> Option<Result<Precise, Self>> {
+        let Self { rest, distance } = self;
+        let SeaPoint { point, by: [by_x, by_z], precise, .. } = sea.carried(projector, rest);
+        let error = point - ray.at(distance);
+        if error.length() <= SEA_CLOSE * (1.0 + distance.abs()) {
+            return Some(Ok(precise));
+        }
+        let step = DMat3::from_cols(by_x, by_z, -ray.direction).inverse() * error;
+        let next = Self { rest: [rest[0] - step.x, rest[1] - step.y], distance: distance - step.z };
+        step.is_finite().then_some(Err(next))
+    }
 }
 
 /// Returns the point where a ray meets a height field near a point of its mesh, by Newton's method along the ray.

@@ -8,7 +8,7 @@ use crate::extent::HORIZON_M;
 use crate::first_hit::{First, FirstPoint, NoCells, Thoroughness};
 use crate::first_point::first_point;
 use crate::shading::unit_or_up;
-use crate::surface::{GivenUp, Hit, Sight, Surface};
+use crate::surface::{Asked, GivenUp, Hit, Met, Sight, Surface};
 use crate::{Camera, Projector, Ray, SeaSurface};
 
 /// Returns what a camera sees at (`x`, `y`) pixels from the upper left corner: the nearest hit of all surfaces.
@@ -91,18 +91,24 @@ fn before([start, last]: [f64; 2], end: f64) -> Option<[f64; 2]> {
 }
 
 /// Returns what a camera's ray meets of a sea before a distance, if the cells that were made for the camera tell.
-pub(crate) fn first_of_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, end: f64) -> Sight {
+pub(crate) fn first_of_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, end: f64, asked: Asked) -> Sight {
     let Some(range) = within_slab(sea, ray).and_then(|range| before(range, end)) else { return Sight::Nothing };
+    let effort = match asked {
+        Asked::Surface => Thoroughness::Rough,
+        Asked::Values => Thoroughness::Quick,
+    };
     let found = match sea.cells.of(projector).as_deref() {
-        Some(Ok(cells)) => cells.first(sea, projector, ray, range, Thoroughness::Quick),
+        Some(Ok(cells)) => cells.first(sea, projector, ray, range, effort),
         Some(Err(NoCells::Unseen)) => First::Nothing,
         Some(Err(NoCells::TooMany | NoCells::Stopped)) | None => First::Unknown,
     };
     match found {
         First::Nothing => Sight::Nothing,
         // The sample is within 1e-14 of the plain sum.
-        First::At(FirstPoint { distance, rest, sample, sheet }) if distance < end => {
-            Sight::Point(hit_of_sea(sea, projector, ray, distance, rest, &sample, sea.submerges(projector)), sheet)
+        First::At(FirstPoint { distance, rest, sample, off, deep, sheet }) if distance - deep < end => {
+            let sample = sample.unwrap_or_default();
+            let hit = hit_of_sea(sea, projector, ray, distance, rest, &sample, sea.submerges(projector));
+            Sight::Point(Met { hit, off, deep, sheet })
         }
         First::At(..) => Sight::Nothing,
         First::Unknown | First::Beyond => Sight::Unclear,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::points::MeshHit;
-use crate::surface::{Anchor, Exact, GivenUp, Hit, Mesh, Sight, Surface, Topology};
+use crate::surface::{Anchor, Asked, Exact, GivenUp, Hit, Mesh, Met, Sight, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray};
 
 /// Position and orientation of a rigid body.
@@ -205,16 +205,16 @@ impl Surface for RigidBodies {
         hits.min_by(|a, b| away(a).total_cmp(&away(b)))
     }
 
-    fn first(&self, projector: &Projector, ray: &Ray, end: f64) -> Sight {
+    fn first(&self, projector: &Projector, ray: &Ray, end: f64, asked: Asked) -> Sight {
         let mut nearest = Sight::Nothing;
         let mut end = end;
         for pose in &self.poses {
-            match self.model.first(&pose.projector(projector), &pose.ray(ray), end) {
+            match self.model.first(&pose.projector(projector), &pose.ray(ray), end, asked) {
                 Sight::Unclear => return Sight::Unclear,
                 Sight::Nothing => {}
-                Sight::Point(hit, sheet) => {
-                    end = hit.distance;
-                    nearest = Sight::Point(pose.hit(projector, hit), sheet);
+                Sight::Point(met) => {
+                    end = met.hit.distance;
+                    nearest = Sight::Point(Met { hit: pose.hit(projector, met.hit), ..met });
                 }
             }
         }

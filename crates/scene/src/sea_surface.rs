@@ -7,11 +7,11 @@ use crate::extent::{Bounds, Sector, Strip};
 use crate::first_hit::KeptCells;
 use crate::followed::follow_sea;
 use crate::footprint::least_footprint;
-use crate::meet_near::meet_sea;
+use crate::meet_near::{leads_to, meet_sea};
 use crate::points::MeshHit;
 use crate::sea_point::Limits;
 use crate::spacing::Spacing;
-use crate::surface::{Anchor, GivenUp, Hit, Mesh, Sight, Surface};
+use crate::surface::{Anchor, Asked, GivenUp, Hit, Mesh, Met, Sight, Surface};
 use crate::{ChannelSet, Projector, Ray, Resting, reference, tessellate};
 
 /// An endless sea at one time.
@@ -221,12 +221,16 @@ impl Surface for SeaSurface {
         self.cells.prepare(self, projector, stop);
     }
 
-    fn first(&self, projector: &Projector, ray: &Ray, end: f64) -> Sight {
-        reference::first_of_sea(self, projector, ray, end)
+    fn first(&self, projector: &Projector, ray: &Ray, end: f64, asked: Asked) -> Sight {
+        reference::first_of_sea(self, projector, ray, end, asked)
     }
 
     fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
         meet_sea(self, projector, ray, near)
+    }
+
+    fn leads_to(&self, projector: &Projector, ray: &Ray, near: &MeshHit, met: &Met) -> bool {
+        leads_to(self, projector, ray, near, met)
     }
 
     fn follow(&self, projector: &Projector, mesh_hits: &[(Ray, MeshHit)]) -> Vec<Option<Hit>> {

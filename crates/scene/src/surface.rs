@@ -41,7 +41,8 @@ pub trait Surface: Send + Sync {
 
     /// Returns the first point of the continuous surface along a ray from the camera, if it is nearer than `end`, in
     /// f64 and with limited effort: [`Sight::Unclear`] if that does not suffice to be certain.
-    fn first(&self, projector: &Projector, ray: &Ray, end: f64) -> Sight {
+    fn first(&self, projector: &Projector, ray: &Ray, end: f64, asked: Asked) -> Sight {
+        let _ = asked;
         match self.trace(projector, ray, end) {
             Ok(hit) => hit.map_or(Sight::Nothing, Sight::of),
             Err(GivenUp) => Sight::Unclear,
@@ -54,7 +55,12 @@ pub trait Surface: Send + Sync {
         self.trace(projector, ray, f64::INFINITY).ok().flatten()
     }
 
-    /// Does the same for many rays; sums of waves may be computed in f32. Each result depends only on its own ray.
+    /// Returns whether the way from a point of the mesh to the surface along a ray leads to the point that the ray meets.
+    fn leads_to(&self, projector: &Projector, ray: &Ray, near: &MeshHit, met: &Met) -> bool {
+        met.holds(near.rest) || self.meet_near(projector, ray, near).is_some_and(|led| met.is_at(led.distance))
+    }
+
+    /// Meets the surface near points of its mesh for many rays; sums of waves may be computed in f32. Each result depends only on its own ray.
     fn follow(&self, projector: &Projector, mesh_hits: &[(Ray, MeshHit)]) -> Vec<Option<Hit>> {
         mesh_hits.iter().map(|(ray, near)| self.meet_near(projector, ray, near)).collect()
     }
@@ -111,13 +117,18 @@ pub enum Exact {
 impl Sight {
     /// Returns the sight of a point of which nothing else is known.
     pub(crate) fn of(hit: Hit) -> Self {
-        Self::Point(hit, None)
+        Self::Point(Met { hit, off: 0.0, deep: 0.0, sheet: None })
     }
 
     /// Returns the point, if the ray certainly meets one.
     pub fn hit(&self) -> Option<&Hit> {
+        self.met().map(|met| &met.hit)
+    }
+
+    /// Returns the point with what is known about it, if the ray certainly meets one.
+    pub fn met(&self) -> Option<&Met> {
         match self {
-            Self::Point(hit, _) => Some(hit),
+            Self::Point(met) => Some(met),
             Self::Unclear | Self::Nothing => None,
         }
     }
@@ -135,6 +146,15 @@ impl std::fmt::Display for GivenUp {
 
 impl std::error::Error for GivenUp {}
 
+/// What is asked about the first point on a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asked {
+    /// The surface and the sheet. The distance is known nearly, and no other value need be that of the point.
+    Surface,
+    /// All values.
+    Values,
+}
+
 /// What a ray certainly meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "nearly all sights are points")]
@@ -143,8 +163,37 @@ pub enum Sight {
     Unclear,
     /// No surface.
     Nothing,
-    /// A point of a surface, and the sheet around it, if it is known.
-    Point(Hit, Option<OneSheet>),
+    /// A point of a surface.
+    Point(Met),
+}
+
+/// A point of a surface that a ray certainly meets first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Met {
+    /// The point.
+    pub hit: Hit,
+    /// How far any of the hit's values may be from those of the surface's own point: its search ended this close.
+    pub off: f64,
+    /// How far its distance may be off, in meters.
+    pub deep: f64,
+    /// The sheet around it, if it is known.
+    pub sheet: Option<OneSheet>,
+}
+
+/// Largest distance of a point to which steps from the mesh lead from the first point of the ray, relative to 1 m +
+/// distance, if they are one.
+const SAME: f64 = 1e-6;
+
+impl Met {
+    /// Returns whether a rest point lies in the sheet, so that only this point of the ray may belong to its surroundings.
+    pub(crate) fn holds(&self, rest: DVec3) -> bool {
+        self.sheet.is_some_and(|sheet| sheet.holds([rest.x, rest.z]))
+    }
+
+    /// Returns whether a point of the ray at a distance is this one.
+    pub(crate) fn is_at(&self, distance: f64) -> bool {
+        (distance - self.hit.distance).abs() <= SAME * (1.0 + self.hit.distance) + self.deep
+    }
 }
 
 /// A rectangle of rest points of which a ray meets one at most: no two are carried to the same offset from the ray.

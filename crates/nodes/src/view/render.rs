@@ -153,6 +153,11 @@ fn borrowed(surfaces: &[SurfaceHandle]) -> Vec<&dyn scene::Surface> {
 /// accordingly. Normals and quantities derived from them rotate by at most as many radians.
 const REFERENCE_RAY: f64 = 1e-8;
 
+/// Returns whether a channel says only which surface is seen.
+fn is_whole(channel: Channel) -> bool {
+    matches!(channel, Channel::Coverage | Channel::Surface)
+}
+
 thread_local! {
     /// Reused from tile to tile.
     static SAMPLES: RefCell<scene::Samples> = RefCell::default();
@@ -210,16 +215,19 @@ impl Prepared for PreparedRender {
             return Err(NO_RUN);
         }
         let (surfaces, offset) = (borrowed(&self.exact), bounding.block.offset);
-        let sights = certain.sights(&surfaces, &pixels, offset);
+        let has_values = Channel::ALL.iter().zip(&bounding.filled[usize::from(Out::View)]);
+        let has_values = has_values.into_iter().any(|(channel, filled)| filled.is_some() && !is_whole(*channel));
+        let asked = if has_values { scene::Asked::Values } else { scene::Asked::Surface };
+        let sights = certain.sights(&surfaces, &pixels, offset, asked);
         let same = match &self.visible {
             Some(visible) => visible.same_sheets(&surfaces, &pixels, offset, &sights),
             None => vec![true; sights.len()],
         };
         let projector = self.camera.projector(self.format);
         let lost = |(sight, [x, y]): (&scene::Sight, [f64; 2])| {
-            let scene::Sight::Point(hit, _) = sight else { return 0.0 };
+            let scene::Sight::Point(scene::Met { hit, off, .. }) = sight else { return 0.0 };
             let facing = hit.normal.dot(projector.ray(x, y).direction).abs();
-            REFERENCE_RAY * (1.0 + hit.distance) + self.exact[hit.surface].doubt(facing)
+            REFERENCE_RAY * (1.0 + hit.distance) + off + self.exact[hit.surface].doubt(facing)
         };
         let lost: Vec<f64> = sights.iter().zip(bounding.block.places()).map(lost).collect();
         let view = Channel::ALL.into_iter().enumerate().map(|(index, channel)| (channel, Out::View, index));
@@ -235,12 +243,11 @@ impl Prepared for PreparedRender {
                         continue;
                     }
                     scene::Sight::Nothing => None,
-                    scene::Sight::Point(hit, _) => Some(hit),
+                    scene::Sight::Point(met) => Some(&met.hit),
                 };
                 let (value, exact) = (f64::from(*value), scene::channel_of(hit, channel));
                 let distance = if value == exact { 0.0 } else { (value - exact).abs() };
-                let is_whole = matches!(channel, Channel::Coverage | Channel::Surface);
-                let lost = if is_whole { 0.0 } else { *lost };
+                let lost = if is_whole(channel) { 0.0 } else { *lost };
                 *bound = Bound::of(distance + lost).with(*same).encode();
             }
         }

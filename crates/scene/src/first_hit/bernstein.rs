@@ -11,8 +11,8 @@ pub(super) const SIDE: usize = DEGREE + 1;
 pub(super) type Net = [[f64; SIDE]; SIDE];
 
 /// Returns the Chebyshev points of −1…1, at which polynomials are determined.
-pub(super) fn nodes() -> [f64; SIDE] {
-    std::array::from_fn(|index| -libm::cos(std::f64::consts::PI * (index as f64 + 0.5) / SIDE as f64))
+pub(super) fn nodes<const N: usize>() -> [f64; N] {
+    std::array::from_fn(|index| -libm::cos(std::f64::consts::PI * (index as f64 + 0.5) / N as f64))
 }
 
 /// Returns the Bernstein polynomials at a place in 0…1.
@@ -38,20 +38,21 @@ const EVALUATION: f64 = 256.0 * f64::EPSILON;
 /// Returns the values of all Bernstein polynomials at each of the nodes.
 fn bases() -> &'static Net {
     static BASES: OnceLock<Net> = OnceLock::new();
-    BASES.get_or_init(|| nodes().map(|node| basis(0.5 + 0.5 * node)))
+    BASES.get_or_init(|| nodes::<SIDE>().map(|node| basis(0.5 + 0.5 * node)))
 }
 
 /// Bounds how far a net's polynomial lies, anywhere in the unit square, from the one that has exactly these values at the
 /// Chebyshev points: the difference is a polynomial as well, whose values at these points are computed here.
+#[inline(always)]
 pub(super) fn off(net: &Net, values: &Net) -> f64 {
     let half = combined(bases(), net);
     let (mut worst, mut largest, mut all) = (0.0_f64, 0.0_f64, 0.0);
     for (row, (values, net)) in half.iter().zip(values.iter().zip(net)) {
         for (basis, value) in bases().iter().zip(values) {
             let there: f64 = row.iter().zip(basis).map(|(value, factor)| value * factor).sum();
-            worst = worst.max((there - value).abs());
+            worst = larger(worst, (there - value).abs());
         }
-        largest = net.iter().fold(largest, |largest, coefficient| largest.max(coefficient.abs()));
+        largest = net.iter().fold(largest, |largest, coefficient| larger(largest, coefficient.abs()));
         all += net.iter().sum::<f64>();
     }
     if !all.is_finite() {
@@ -61,6 +62,7 @@ pub(super) fn off(net: &Net, values: &Net) -> f64 {
 }
 
 /// Combines the rows of a net by the factors in each row of a matrix.
+#[inline(always)]
 fn combined(matrix: &Net, net: &Net) -> Net {
     let mut combined = [[0.0; SIDE]; SIDE];
     for (combined, factors) in combined.iter_mut().zip(matrix) {
@@ -72,6 +74,7 @@ fn combined(matrix: &Net, net: &Net) -> Net {
 }
 
 /// Returns the coefficients of the polynomial that has these values at the Chebyshev points.
+#[inline(always)]
 pub(super) fn interpolated(values: &Net) -> Net {
     static MATRIX: OnceLock<Net> = OnceLock::new();
     let matrix = MATRIX.get_or_init(|| inverse(*bases()));
@@ -247,7 +250,7 @@ mod tests {
     use fearless_simd::{Level, Simd, dispatch};
 
     fn some(net: impl Fn(f64, f64) -> f64) -> Net {
-        nodes().map(|s| nodes().map(|t| net(0.5 + 0.5 * s, 0.5 + 0.5 * t)))
+        nodes::<SIDE>().map(|s| nodes::<SIDE>().map(|t| net(0.5 + 0.5 * s, 0.5 + 0.5 * t)))
     }
 
     #[test]

@@ -1,13 +1,14 @@
 //! The cells of a sea that a camera may see.
 
-use super::bernstein::{DEGREE, Net, SIDE, interpolated, nodes, off};
+use super::bernstein::{DEGREE, Net, SIDE, interpolated, larger, nodes, off};
 use super::footprints::Footprints;
 use super::region::{Axes, Region};
-use super::remainder::{Remainder, remainder};
+use super::remainder::{CELL, Remainder, SQUARE, remainder};
 use super::search::HALVINGS;
+use super::squares::{PARTS, POINTS, Squares};
 use crate::boxes::Tree;
 use crate::{Projector, SeaSurface};
-use fearless_simd::Level;
+use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 use rayon::prelude::*;
 use trochoid_sea::FramedSea;
@@ -23,10 +24,12 @@ const ROUNDED: f64 = 2.0;
 const GROWTH: f64 = 1.25;
 const SHRINKAGE: f64 = 0.97;
 const LEAST_SHRINKAGE: f64 = 0.5;
+/// Share of the remainder that is due to the cells themselves, not to the squares from which they are made.
+const OWN: f64 = 0.9;
 /// Least half side of a cell, relative to 1 m + the distance from the camera: below it, rounding prevails.
 const LEAST: f64 = 1e-9;
-/// Most cells, and most bands of cells; a sea that needs more is unclear.
-const MOST_CELLS: usize = 400_000;
+/// Most squares of cells, and most bands of squares; a sea that needs more is unclear.
+const MOST_SQUARES: usize = 40_000;
 const MOST_BANDS: usize = 4000;
 
 /// Rounding error of a part of a patch in a ray's coordinates, relative to the patch's coefficients: each halving rounds
@@ -46,9 +49,6 @@ pub(super) struct Cell {
     pub(super) remainder: Remainder,
 }
 
-/// Number of cells along each side of the squares of a band.
-const PARTS: usize = 3;
-
 /// Squares of equal size, side by side across the heading.
 struct Band {
     middle: f64,
@@ -57,8 +57,8 @@ struct Band {
     first: f64,
     count: usize,
     /// Remainder of a whole square, and of its cells in each of its rows.
-    coarse: Remainder,
-    fine: [Remainder; PARTS],
+    whole: Remainder,
+    cells: [Remainder; PARTS],
 }
 
 /// The cells of a sea for one camera.
@@ -106,29 +106,37 @@ impl SeaCells {
             None | Some(Err(NoCells::TooMany)) => bands(COARSE)?,
             Some(bands) => bands?,
         };
+        let level = Level::new();
         let of_band = |band: &Band| {
             if stop() {
                 return Err(NoCells::Stopped);
             }
-            let middle = |index: usize| band.first + 2.0 * band.half * index as f64;
-            let middles: Vec<f64> = (0..band.count).map(middle).collect();
-            // Most squares are carried out of sight, which the middles of some and larger ones show at a lower price.
-            let middles = near(&waves, &footprints, &region, band, middles);
-            let whole = Cell::row(&waves, &footprints, band.middle, &middles, band.half, band.coarse);
-            let seen = whole.iter().filter(|cell| !region.misses(cell.bounds()));
-            let size = 2.0 * band.half / PARTS as f64;
-            let places =
-                |middle: f64| (0..PARTS).map(move |part| middle + size * (part as f64 - (PARTS - 1) as f64 / 2.0));
-            let across: Vec<f64> = seen.flat_map(|cell| places(cell.middle[1])).collect();
-            let along = places(band.middle).zip(band.fine);
-            let cells =
-                along.flat_map(|(along, fine)| Cell::row(&waves, &footprints, along, &across, size / 2.0, fine));
-            Ok(cells.filter(|cell| !region.misses(cell.bounds())).collect())
+            let squares = Squares::new(&waves, &footprints, band.middle, band.half, band.whole.waves);
+            let half = band.half / PARTS as f64;
+            let mut cells = Vec::new();
+            for across in seen(&waves, &footprints, &region, band) {
+                let displacements = squares.displacements(across);
+                dispatch!(level, simd => simd.vectorize(
+                    #[inline(always)]
+                    || for (row, remainder) in band.cells.iter().enumerate() {
+                        let remainder = remainder.with(&displacements.rounding);
+                        for column in 0..PARTS {
+                            let place = |middle: f64, part: usize| middle + half * ((2 * part + 1) as f64 - PARTS as f64);
+                            let middle = [place(band.middle, row), place(across, column)];
+                            let cell = Cell::new(&displacements.of_cell([row, column]), middle, half, remainder);
+                            if !region.misses(cell.bounds()) {
+                                cells.push(cell);
+                            }
+                        }
+                    }
+                ));
+            }
+            Ok(cells)
         };
         let cells: Result<Vec<Vec<Cell>>, NoCells> = bands.par_iter().map(of_band).collect();
         let cells: Vec<Cell> = cells?.into_iter().flatten().collect();
         let tree = Tree::new(&cells.iter().map(Cell::bounds).collect::<Vec<_>>()).ok_or(NoCells::Unseen)?;
-        Ok(Self { axes, region, footprints, waves, cells, tree, level: Level::new() })
+        Ok(Self { axes, region, footprints, waves, cells, tree, level })
     }
 
     /// Returns a smaller cell around a rest point, or `None` where its remainder would not be smaller because of
@@ -136,27 +144,40 @@ impl SeaCells {
     pub(super) fn smaller(&self, middle: [f64; 2], half: f64, than: &Remainder) -> Option<Cell> {
         // A kink of the footprints between cells is never within one, unless by rounding.
         let away = libm::hypot(middle[0], middle[1]) + half;
-        let remainder = remainder(&self.waves, &self.footprints, middle[0], half, away);
+        let remainder = remainder(&self.waves, &self.footprints, CELL, middle[0], half, away);
         if remainder.off.iter().zip(than.off).all(|(off, than)| *off > 0.5 * than) {
             return None;
         }
-        Cell::row(&self.waves, &self.footprints, middle[0], &[middle[1]], half, remainder).pop()
+        Some(Cell::alone(&self.waves, &self.footprints, middle, half, remainder))
     }
 }
 
-/// Returns the middles of those squares of a band that may be carried into sight, from where their middles are.
-fn near(waves: &FramedSea, footprints: &Footprints, region: &Region, band: &Band, middles: Vec<f64>) -> Vec<f64> {
-    let rows = waves.rows(&[(band.middle, libm::sqrt(footprints.square(band.middle)))], waves.waves().len());
-    let mut points = vec![[0.0; 3]; middles.len()];
-    waves.squares(&rows, &waves.columns(&[0.0]), &middles, &mut points);
-    let Remainder { spread, off, .. } = band.coarse;
-    let reach = DVec3::new(band.half, 0.0, band.half) + DVec3::from(spread) + DVec3::from(off);
-    let may_be_seen = |(across, point): (&f64, &[f64; 3])| {
-        let point = DVec3::new(band.middle, 0.0, *across) + DVec3::from(*point);
-        !region.misses([point - reach, point + reach])
+/// Number of points along each side of a square from which it is told whether waves may carry it into sight.
+const LOOKS: usize = 3;
+
+/// Returns the middles of those squares of a band that waves may carry into sight.
+fn seen(waves: &FramedSea, footprints: &Footprints, region: &Region, band: &Band) -> Vec<f64> {
+    let middles: Vec<f64> = (0..band.count).map(|index| band.first + 2.0 * band.half * index as f64).collect();
+    let half = band.half / LOOKS as f64;
+    let offsets: [f64; LOOKS] = std::array::from_fn(|part| half * ((2 * part + 1) as f64 - LOOKS as f64));
+    let places = offsets.map(|offset| (band.middle + offset, libm::sqrt(footprints.square(band.middle + offset))));
+    let rows = waves.rows(&places, waves.waves().len());
+    let mut points = vec![[0.0; 3]; LOOKS * LOOKS * middles.len()];
+    waves.squares(&rows, &waves.columns(&offsets), &middles, &mut points);
+    let away = band.middle.abs() + band.half;
+    let reaches = places.map(|(along, _)| {
+        let Remainder { spread, rounding, .. } = remainder(waves, footprints, CELL, along, half, away);
+        DVec3::new(half, 0.0, half) + DVec3::from(spread) + DVec3::from(rounding)
+    });
+    let may_be_seen = |(across, points): (&f64, &[[f64; 3]])| {
+        points.iter().enumerate().any(|(index, point)| {
+            let (row, column) = (index / LOOKS, index % LOOKS);
+            let point = DVec3::new(places[row].0, 0.0, across + offsets[column]) + DVec3::from(*point);
+            !region.misses([point - reaches[row], point + reaches[row]])
+        })
     };
-    let seen: Vec<bool> = middles.iter().zip(&points).map(may_be_seen).collect();
-    middles.into_iter().zip(seen).filter_map(|(middle, is)| is.then_some(middle)).collect()
+    let seen = middles.iter().zip(points.chunks_exact(LOOKS * LOOKS)).map(may_be_seen);
+    middles.iter().zip(seen).filter_map(|(middle, is)| is.then_some(*middle)).collect()
 }
 
 /// Divides what is seen into bands from near to far; remainders of their cells are at most `fine`, relative to the
@@ -172,7 +193,7 @@ fn bands(
     let [near, far] = region.along().ok_or(NoCells::Unseen)?;
     let (mut from, end) = (near - sea.drift, far + sea.drift);
     let kinks = footprints.kinks();
-    let (mut bands, mut cells) = (Vec::new(), 0);
+    let (mut bands, mut squares) = (Vec::new(), 0);
     let mut half = (end - from) / 2.0;
     while from < end {
         if stop() {
@@ -184,40 +205,43 @@ fn bands(
         let kink = kinks.iter().copied().find(|kink| *kink > from + LEAST * (1.0 + from.abs()));
         let limit = kink.map_or(end, |kink| kink.min(end)) - from;
         half = (half * GROWTH).min(limit / 2.0);
+        let away = |half: f64| (from + half).abs() + half + sea.drift;
+        let whole = |half: f64| remainder(waves, footprints, SQUARE, from + half, half, away(half));
         let cell = |half: f64, part: usize| {
             let size = half / PARTS as f64;
             let middle = from + size * (2 * part + 1) as f64;
-            let away = middle.abs() + half + sea.drift;
-            (remainder(waves, footprints, middle, size, away), middle)
+            (remainder(waves, footprints, CELL, middle, size, away(half)), middle)
         };
-        let parts = loop {
+        let (whole, cells) = loop {
+            let square = whole(half);
             // The nearest cells have the smallest footprints, or the last ones for a camera that looks away.
             let sizes = [0, PARTS - 1].map(|part| {
-                let (remainder, middle) = cell(half, part);
+                let (own, middle) = cell(half, part);
+                let all = own.with(&square);
                 let enough = fine * libm::sqrt(footprints.square(middle));
-                let size = |axis: usize| remainder.off[axis] / enough.max(ROUNDED * remainder.rounding[axis]);
-                // NaN where a wave grows without limit.
-                [0, 1, 2].map(|axis| if size(axis).is_nan() { f64::INFINITY } else { size(axis) })
+                let limits = all.rounding.map(|rounding| enough.max(ROUNDED * rounding));
+                [own.relative_to(limits), all.relative_to(limits)]
             });
-            let largest = sizes.as_flattened().iter().copied().fold(0.0, f64::max);
-            if largest <= 1.0 || half <= LEAST * (1.0 + from.abs()) {
-                break std::array::from_fn(|part| cell(half, part).0);
+            let [own, all] = [0, 1].map(|which| sizes[0][which].max(sizes[1][which]));
+            if all <= 1.0 || half <= LEAST * (1.0 + from.abs()) {
+                break (square, std::array::from_fn(|part| cell(half, part).0.with(&square)));
             }
-            // Remainders grow about as this power of the size.
-            half *= libm::pow(largest, -1.0 / SIDE as f64).clamp(LEAST_SHRINKAGE, SHRINKAGE);
+            // Remainders grow about as these powers of the size.
+            let by_cells = libm::pow(own / OWN, -1.0 / SIDE as f64);
+            let by_square = libm::pow((all - own) / (1.0 - OWN), -1.0 / POINTS as f64);
+            half *= by_cells.min(by_square).clamp(LEAST_SHRINKAGE, SHRINKAGE);
         };
         let to = if half >= limit / 2.0 { from + limit } else { from + 2.0 * half };
         let middle = (from + to) / 2.0;
         if let Some([left, right]) = region.across([from - sea.drift, to + sea.drift]) {
             let (left, right) = (left - sea.drift, right + sea.drift);
             let count = ((right - left) / (2.0 * half)).ceil().max(1.0);
-            cells += count as usize;
-            if cells > MOST_CELLS / PARTS {
+            squares += count as usize;
+            if squares > MOST_SQUARES {
                 return Err(NoCells::TooMany);
             }
             let first = (left + right) / 2.0 - half * (count - 1.0);
-            let coarse = remainder(waves, footprints, middle, half, middle.abs() + half + sea.drift);
-            bands.push(Band { middle, half, first, count: count as usize, coarse, fine: parts });
+            bands.push(Band { middle, half, first, count: count as usize, whole, cells });
         }
         from = to;
     }
@@ -225,28 +249,19 @@ fn bands(
 }
 
 impl Cell {
-    /// Makes cells of equal size side by side.
-    fn row(
-        waves: &FramedSea,
-        footprints: &Footprints,
-        middle: f64,
-        middles: &[f64],
-        half: f64,
-        remainder: Remainder,
-    ) -> Vec<Self> {
-        let offsets = nodes().map(|node| half * node);
-        let rows = waves.rows(
-            &offsets.map(|offset| (middle + offset, libm::sqrt(footprints.square(middle + offset)))),
-            remainder.waves,
-        );
-        let mut points = vec![[0.0; 3]; SIDE * SIDE * middles.len()];
-        waves.squares(&rows, &waves.columns(&offsets), middles, &mut points);
-        let cells = middles.iter().zip(points.chunks_exact(SIDE * SIDE));
-        cells.map(|(across, points)| Self::new(points, [middle, *across], half, remainder)).collect()
+    /// Makes a cell from sums of its own.
+    fn alone(waves: &FramedSea, footprints: &Footprints, middle: [f64; 2], half: f64, remainder: Remainder) -> Self {
+        let offsets = nodes::<SIDE>().map(|node| half * node);
+        let places = offsets.map(|offset| (middle[0] + offset, libm::sqrt(footprints.square(middle[0] + offset))));
+        let mut points = [[0.0; 3]; SIDE * SIDE];
+        let rows = waves.rows(&places, remainder.waves);
+        waves.squares(&rows, &waves.columns(&offsets), &[middle[1]], &mut points);
+        Self::new(&points, middle, half, remainder)
     }
 
-    fn new(points: &[[f64; 3]], middle: [f64; 2], half: f64, mut remainder: Remainder) -> Self {
-        let offsets = nodes();
+    #[inline(always)]
+    fn new(points: &[[f64; 3]; SIDE * SIDE], middle: [f64; 2], half: f64, mut remainder: Remainder) -> Self {
+        let offsets = nodes::<SIDE>();
         // Coefficients relative to a point within the cell are small, and so is their rounding.
         let center = points[SIDE * SIDE / 2];
         let patch = std::array::from_fn(|axis| {
@@ -260,14 +275,14 @@ impl Cell {
             let mut largest = 0.0_f64;
             let rounded = net.map(|row| {
                 row.map(|value| {
-                    largest = largest.max((value - f64::from(value as f32)).abs());
+                    largest = larger(largest, (value - f64::from(value as f32)).abs());
                     value as f32
                 })
             });
             // A patch moves by no more than its coefficients, and its derivatives by the degree times as much, or by
             // the square of the degree times its own distance (Markov's inequality).
             let (degree, off) = (DEGREE as f64, off(&net, &values));
-            let size = net.as_flattened().iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+            let size = net.as_flattened().iter().fold(0.0_f64, |size, value| larger(size, value.abs()));
             remainder.off[axis] += largest + off + HALVED * size;
             remainder.turn += degree * largest + degree * degree * off;
             rounded
@@ -281,8 +296,9 @@ impl Cell {
         let (mut low, mut high) = (DVec3::ZERO, DVec3::ZERO);
         for axis in 0..3 {
             let values = self.patch[axis].as_flattened();
-            let least = values.iter().copied().fold(f32::INFINITY, f32::min);
-            let most = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+            // Not by `f32::min`: see `bernstein::range`.
+            let least = values.iter().fold(f32::INFINITY, |least, value| if *value < least { *value } else { least });
+            let most = values.iter().fold(f32::NEG_INFINITY, |most, value| if *value > most { *value } else { most });
             let off = self.remainder.off[axis];
             (low[axis], high[axis]) =
                 (self.base[axis] + f64::from(least) - off, self.base[axis] + f64::from(most) + off);

@@ -17,6 +17,7 @@ mod kept;
 mod region;
 mod remainder;
 mod search;
+mod squares;
 #[cfg(test)]
 mod tests;
 

@@ -1,7 +1,7 @@
 //! How far a sea may lie from the polynomial through some of its points.
 
-use super::bernstein::{DEGREE, LEBESGUE, SIDE};
 use super::footprints::Footprints;
+use super::{bernstein, squares};
 use trochoid_sea::FramedSea;
 
 /// Bounds of the distance between the sea and its polynomial within a cell. What the polynomial's coefficients lose to
@@ -22,12 +22,11 @@ pub(super) struct Remainder {
 
 /// Sizes ρ of the ellipses around a cell within which waves are bounded.
 const ELLIPSES: [f64; 15] = [1.3, 1.7, 2.2, 3.0, 4.0, 5.5, 7.5, 10.0, 14.0, 20.0, 30.0, 50.0, 90.0, 200.0, 1000.0];
-/// Exponent from which a wave counts as lost: e⁻¹⁴, a millionth, of it is left at most.
-const LOST: f64 = 14.0;
 /// ln of 4z·ρ⁻ⁿ, and the same with the factor for derivatives, for each ellipse; z = 1/(1 − 1/ρ), n nodes.
 struct Ellipse {
-    /// Largest distance from the middle, relative to half a side.
+    /// Largest distance from the middle, and from the real numbers, relative to half a side.
     reach: f64,
+    aside: f64,
     value: f64,
     slope: f64,
 }
@@ -36,8 +35,46 @@ struct Ellipse {
 /// of three rounded products, and the cell's base one more.
 const PLACE: f64 = 8.0 * f64::EPSILON;
 
-/// Bounds the remainder of the cell of half side `half` around `middle` ahead of the camera. The cell must not contain
-/// a kink of the footprints.
+/// Chebyshev points along each side through which a polynomial is determined: their number, and their Lebesgue constant.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Through {
+    points: usize,
+    lebesgue: f64,
+    /// Exponent from which a wave counts as lost, and need not be in the polynomial.
+    lost: f64,
+}
+
+/// Those of a cell: e⁻¹⁴, a millionth, is left of a lost wave at most.
+pub(super) const CELL: Through = Through { points: bernstein::SIDE, lebesgue: bernstein::LEBESGUE, lost: 14.0 };
+/// Those of a square of cells. What it lacks of a wave is enlarged once more in its cells, so that less may be left.
+pub(super) const SQUARE: Through = Through { points: squares::POINTS, lebesgue: squares::LEBESGUE, lost: 20.0 };
+
+impl Remainder {
+    /// Returns the remainder of a cell whose points are known from a polynomial with a remainder of its own, or are off
+    /// for other reasons: the cell's polynomial is off by the Lebesgue constant times as much for each side, and its
+    /// derivatives by the square of its degree times that (Markov's inequality).
+    pub(super) fn with(mut self, points: &Self) -> Self {
+        let Through { points: count, lebesgue, .. } = CELL;
+        let enlarged = lebesgue * lebesgue;
+        for axis in 0..3 {
+            self.off[axis] += enlarged * points.off[axis];
+            self.rounding[axis] += enlarged * points.rounding[axis];
+        }
+        let degree = (count - 1) as f64;
+        let [u, up, v] = points.off;
+        self.turn += degree * degree * enlarged * libm::sqrt(u * u + up * up + v * v);
+        self
+    }
+
+    /// Returns the largest share of some limits that it takes; infinite where a wave grows without limit.
+    pub(super) fn relative_to(&self, limits: [f64; 3]) -> f64 {
+        let shares = self.off.iter().zip(limits).map(|(off, limit)| off / limit);
+        shares.fold(0.0, |most, share| if share.is_nan() { f64::INFINITY } else { most.max(share) })
+    }
+}
+
+/// Bounds the remainder of the polynomial through Chebyshev points of the square of half side `half` around `middle`
+/// ahead of the camera. The square must not contain a kink of the footprints.
 ///
 /// A wave is the real part of A·e^(iθ), θ = k_u·u + k_v·v + φ, with A falling as e^(−b), b = k²f²/8. Interpolation at
 /// the n Chebyshev points errs along one side by at most 2·Σ|cₘ|, m ≥ n, and its derivative by 2·Σm²|cₘ|, since aliases
@@ -49,20 +86,31 @@ const PLACE: f64 = 8.0 * f64::EPSILON;
 /// M = A·e^(−b)·exp(|i·k_u − b·m₁|·r·H + b·(m(r·H) − 1 − m₁·r·H))
 /// ```
 ///
+/// or, since no point of the ellipse is farther than (ρ − 1/ρ)/2 from the real numbers, with k_u·(ρ − 1/ρ)/2·H +
+/// b·(m(r·H) − 1) in the exponent, whichever is smaller.
+///
 /// Along both sides, f − I_u·I_v·f = (f − I_u·f) + I_u·(f − I_v·f), and I_u enlarges by the Lebesgue constant at most.
-pub(super) fn remainder(sea: &FramedSea, footprints: &Footprints, middle: f64, half: f64, away: f64) -> Remainder {
+pub(super) fn remainder(
+    sea: &FramedSea,
+    footprints: &Footprints,
+    through: Through,
+    middle: f64,
+    half: f64,
+    away: f64,
+) -> Remainder {
     let (square, growth) = (footprints.square(middle), footprints.growth(middle));
-    let count = SIDE as f64;
+    let Through { points, lebesgue, lost } = through;
+    let count = points as f64;
     let ellipses = ELLIPSES.map(|rho| {
         let z = 1.0 / (1.0 - 1.0 / rho);
         let value = libm::log(4.0 * z) - count * libm::log(rho);
         let slope = value + libm::log(count * count * (1.0 + 2.0 * z / count + 2.0 * z * z / (count * count)));
-        Ellipse { reach: (rho + 1.0 / rho) / 2.0, value, slope }
+        Ellipse { reach: (rho + 1.0 / rho) / 2.0, aside: (rho - 1.0 / rho) / 2.0, value, slope }
     });
     let reaches = ellipses.each_ref().map(|ellipse| growth.at(ellipse.reach * half) - 1.0);
     let (linear, whole) = (growth.linear() * half, growth.at(half) - 1.0);
     // Markov's inequality: a polynomial's derivative is at most the square of its degree times its size.
-    let (lebesgue, steep) = (LEBESGUE, LEBESGUE * (DEGREE * DEGREE) as f64);
+    let steep = lebesgue * (count - 1.0) * (count - 1.0);
     let added = sea.rounding();
     let mut remainder = Remainder::default();
     for (index, wave) in sea.waves().iter().enumerate() {
@@ -72,7 +120,7 @@ pub(super) fn remainder(sea: &FramedSea, footprints: &Footprints, middle: f64, h
         let size = libm::sqrt(along * along + up * up + across * across);
         let ku = wave.numbers[0].abs() * half;
         let kv = wave.numbers[1].abs() * half;
-        let (off, turn) = if most < -LOST {
+        let (off, turn) = if most < -lost {
             // The polynomial may contain the wave or not: this bounds it, and what interpolation makes of it.
             let left = libm::exp(most);
             let growth = 2.0 * b * linear * (1.0 + whole);
@@ -80,9 +128,12 @@ pub(super) fn remainder(sea: &FramedSea, footprints: &Footprints, middle: f64, h
         } else {
             remainder.waves = index + 1;
             let x = libm::hypot(ku, b * linear);
-            let rest = |index: usize, reach: f64| x * reach + b * (reaches[index] - linear * reach).max(0.0);
-            let [u, u_slope] = least(&ellipses, rest);
-            let [v, v_slope] = least(&ellipses, |_, reach| kv * reach);
+            let along = |index: usize, ellipse: &Ellipse| {
+                let together = x * ellipse.reach + b * (reaches[index] - linear * ellipse.reach).max(0.0);
+                together.min(ku * ellipse.aside + b * reaches[index].max(0.0))
+            };
+            let [u, u_slope] = least(&ellipses, along);
+            let [v, v_slope] = least(&ellipses, |_, ellipse| kv * ellipse.aside);
             let big = libm::exp(b * whole);
             let share = libm::exp(-b);
             let turn = (u_slope + steep * v * big).max(v_slope * big + steep * u);
@@ -106,10 +157,10 @@ pub(super) fn remainder(sea: &FramedSea, footprints: &Footprints, middle: f64, h
 }
 
 /// Returns the least bound of the values over all ellipses, and that of the slopes.
-fn least(ellipses: &[Ellipse], exponent: impl Fn(usize, f64) -> f64) -> [f64; 2] {
+fn least(ellipses: &[Ellipse], exponent: impl Fn(usize, &Ellipse) -> f64) -> [f64; 2] {
     let mut best = [f64::INFINITY; 2];
     for (index, ellipse) in ellipses.iter().enumerate() {
-        let exponent = exponent(index, ellipse.reach);
+        let exponent = exponent(index, ellipse);
         best = [best[0].min(exponent + ellipse.value), best[1].min(exponent + ellipse.slope)];
     }
     best.map(libm::exp)

@@ -1,10 +1,10 @@
 //! Finds the first point of a sea on a ray among its cells.
 
-use super::bernstein::{Net, evaluate, part, range, split};
+use super::bernstein::{DEGREE, Net, evaluate, part, range, split};
 use super::cells::{Cell, SeaCells};
 use super::derivatives::Derivatives;
 use crate::boxes::Line;
-use crate::first_point::newton;
+use crate::first_point::{newton, stepped};
 use crate::surface::OneSheet;
 use crate::{Projector, Ray, SeaSurface};
 use fearless_simd::{Simd, dispatch};
@@ -31,8 +31,12 @@ pub(crate) struct FirstPoint {
     pub(crate) distance: f64,
     /// Rest point x, z.
     pub(crate) rest: [f64; 2],
-    /// The sea there.
-    pub(crate) sample: Sample,
+    /// The sea there; `None` if only the point was asked for.
+    pub(crate) sample: Option<Sample>,
+    /// How far derivatives and roughness may be from those of the sea's own point.
+    pub(crate) off: f64,
+    /// How far the distance may be from that of the sea's own point.
+    pub(crate) deep: f64,
     /// Rest points that hold no other point of the ray.
     pub(crate) sheet: Option<OneSheet>,
 }
@@ -40,6 +44,9 @@ pub(crate) struct FirstPoint {
 /// Effort that a search may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Thoroughness {
+    /// Only as much as it takes to know whether there is a point, on which sheet it lies, and its distance nearly; otherwise
+    /// as `Quick`.
+    Rough,
     /// As much as most rays need; some rays, near contours above all, remain unknown.
     Quick,
     /// As much as nearly all rays need: some milliseconds at most.
@@ -50,7 +57,7 @@ impl Thoroughness {
     /// Returns the most parts of patches, and the most smaller cells, that a ray may take.
     fn most(self) -> (u32, u32) {
         match self {
-            Self::Quick => (1000, 6),
+            Self::Rough | Self::Quick => (1000, 6),
             Self::Thorough => (12_000, 48),
         }
     }
@@ -64,8 +71,10 @@ const INDISTINCT: f64 = 8.0;
 const LEVELS: u32 = 6;
 /// Change of the derivatives across a part, relative to their mean, below which the part is one-to-one.
 const ONE_TO_ONE: f64 = 0.5;
-/// Number of Newton steps on a patch before those on the sea itself.
-const ON_PATCH: usize = 2;
+/// Most steps of Newton's method on a patch before those on the sea itself, and the size of a step, relative to the part,
+/// that is the last one.
+const ON_PATCH: usize = 8;
+const LAST: f64 = 1e-6;
 /// Most steps of the projected iteration, which at least halve the distance each.
 const STEPS: usize = 60;
 /// Share by which the part of a ray that is searched is longer at both ends.
@@ -113,6 +122,7 @@ struct Search<'a> {
     origin: DVec3,
     direction: DVec3,
     aside: [DVec3; 2],
+    effort: Thoroughness,
     /// Distance of the first point known, and the point.
     end: f64,
     found: Option<FirstPoint>,
@@ -167,6 +177,7 @@ impl SeaCells {
             origin,
             direction,
             aside,
+            effort,
             end,
             found: None,
             parts,
@@ -175,10 +186,7 @@ impl SeaCells {
             unknown: f64::INFINITY,
         };
         self.tree.visit(&Line::new(origin, direction), end, |cell| {
-            dispatch!(self.level, simd => simd.vectorize(
-                #[inline(always)]
-                || search.cell(&self.cells[cell], 0)
-            ));
+            search.look(&self.cells[cell], 0);
             // What lies behind something unknown does not matter any more.
             if search.unknown < f64::INFINITY { search.unknown.min(search.end) } else { search.end }
         });
@@ -191,6 +199,15 @@ impl SeaCells {
 }
 
 impl Search<'_> {
+    /// Looks at a cell, as vector code. Not inlined: this code is a quarter of the crate, and once is enough.
+    #[inline(never)]
+    fn look(&mut self, cell: &Cell, level: u32) {
+        dispatch!(self.cells.level, simd => simd.vectorize(
+            #[inline(always)]
+            || self.cell(cell, level)
+        ));
+    }
+
     /// Looks at a cell that lies within some other ones.
     #[inline(always)]
     fn cell(&mut self, cell: &Cell, level: u32) {
@@ -251,10 +268,7 @@ impl Search<'_> {
         match if may { self.cells.smaller(middle, half, &cell.remainder) } else { None } {
             Some(cell) => {
                 self.smaller -= 1;
-                dispatch!(self.cells.level, simd => simd.vectorize(
-                    #[inline(always)]
-                    || self.cell(&cell, seen.level + 1)
-                ));
+                self.look(&cell, seen.level + 1);
             }
             None => self.leave(seen, part),
         }
@@ -323,18 +337,46 @@ impl Search<'_> {
             if !to.is_finite() {
                 break;
             }
-            start = to.clamp(DVec2::ZERO, DVec2::ONE);
+            let to = to.clamp(DVec2::ZERO, DVec2::ONE);
+            let moved = (to - start).abs().max_element();
+            start = to;
+            if moved <= LAST {
+                break;
+            }
         }
         let axes = &self.cells.axes;
-        let from = axes.rest(cell.rest(part.whole(start)));
+        let rest = cell.rest(part.whole(start));
+        let from = axes.rest(rest);
+        if self.effort == Thoroughness::Rough
+            && let Some([distance, deep]) = self.roughly(seen, part, start)
+        {
+            let sheet = Some(part.sheet(cell, self.cells));
+            self.take(FirstPoint { distance, rest: from, sample: None, off: 0.0, deep, sheet });
+            return;
+        }
         let mut beyond = None;
-        if let Some((distance, rest, point)) = newton(self.sea, self.projector, self.ray, self.world_aside(), from) {
+        let near = match self.effort {
+            Thoroughness::Rough | Thoroughness::Quick => {
+                stepped(self.sea, self.projector, self.ray, self.world_aside(), from)
+            }
+            Thoroughness::Thorough => {
+                let found = newton(self.sea, self.projector, self.ray, self.world_aside(), from);
+                found.map(|(distance, rest, point)| (distance, rest, point, 0.0))
+            }
+        };
+        if let Some((distance, rest, point, off)) = near {
             let local = part.local(cell.place(axes.point(DVec3::new(rest[0], axes.level, rest[1]))));
             let is_within = (local - 0.5).abs().max_element() <= 0.5 + SAME;
             // Wherever it is, it is a point of the sea on the ray.
-            if distance >= 0.0 && distance < self.end && (local - 0.5).abs().max_element() < FAR {
-                self.end = distance;
-                self.found = Some(FirstPoint { distance, rest, sample: point.precise.sample, sheet: None });
+            if (local - 0.5).abs().max_element() < FAR {
+                self.take(FirstPoint {
+                    distance,
+                    rest,
+                    sample: Some(point.precise.sample),
+                    off,
+                    deep: 0.0,
+                    sheet: None,
+                });
             }
             // A part beside this one may have found it before.
             if is_within && let Some(found) = &mut self.found {
@@ -370,6 +412,46 @@ impl Search<'_> {
         if !is_known {
             self.again(seen, part);
         }
+    }
+
+    /// Takes a point of the ray if it is the first one known. If it is too close to that to tell, both remain unknown.
+    fn take(&mut self, point: FirstPoint) {
+        let [near, far] = [point.distance - point.deep, point.distance + point.deep];
+        if far < 0.0 || near >= self.end {
+            return;
+        }
+        let is_other = |found: &FirstPoint| {
+            let apart = libm::hypot(found.rest[0] - point.rest[0], found.rest[1] - point.rest[1]);
+            near <= found.distance + found.deep && found.distance - found.deep <= far && apart > found.deep + point.deep
+        };
+        if near < 0.0 || (self.effort == Thoroughness::Rough && self.found.as_ref().is_some_and(is_other)) {
+            self.unknown = self.unknown.min(near);
+        }
+        if self.found.as_ref().is_none_or(|found| point.distance < found.distance) {
+            self.end = self.end.min(far);
+            self.found = Some(point);
+        }
+    }
+
+    /// Returns the distance of the only point that a part may have on the ray, and how far it may be off, if the part
+    /// certainly has one; `start` is the patch's point on the ray.
+    ///
+    /// G contracts the part by κ ≤ ½ and moves this place by e = |Y|·(slack + |F|) at most. If the square of half side 2e
+    /// around it lies in the part, then G maps it to itself, so that the point exists and lies in it.
+    fn roughly(&self, seen: &SeenCell<'_>, part: &Part, start: DVec2) -> Option<[f64; 2]> {
+        let [p, q] = &part.aside;
+        let inverse = Derivatives::mean(p, q).inverse();
+        let norm = inverse.x_axis.abs() + inverse.y_axis.abs();
+        let [(p, _), (q, _)] = evaluate(&part.aside, start.to_array());
+        let within = 2.0 * (norm * (seen.slack + p.abs().max(q.abs()))).max_element() + SAME;
+        let is_inside = start.min_element() >= within && start.max_element() <= 1.0 - within;
+        if !is_inside {
+            return None;
+        }
+        let [(distance, _)] = evaluate(&[seen.along], part.whole(start));
+        // A polynomial's derivatives are at most its degree times the largest difference of its coefficients.
+        let turn = DEGREE as f64 * (seen.far - seen.near);
+        Some([distance, seen.deep + turn * within * (part.size[0] + part.size[1])])
     }
 
     fn world_aside(&self) -> [DVec3; 2] {

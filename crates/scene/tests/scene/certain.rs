@@ -6,8 +6,8 @@ use crate::random::Draw;
 use trochoid_image::Format;
 use trochoid_scene::bezier::{Bicubic, Patch, PatchModel, Placement, Tessellation};
 use trochoid_scene::{
-    Camera, Certain, ChannelSet, DVec3, GridSurface, Hit, Pose, Projection, RigidBodies, SeaSurface, Sight, Surface,
-    TriangleModel, Triangles, Visible, reference,
+    Asked, Camera, Certain, ChannelSet, DVec3, GridSurface, Hit, Met, Pose, Projection, RigidBodies, SeaSurface, Sight,
+    Surface, TriangleModel, Triangles, Visible, reference,
 };
 use trochoid_sea::{ExplicitWave, GerstnerSpectrum, Sea, Wave};
 
@@ -25,14 +25,14 @@ fn unclear(camera: &Camera, surfaces: &[&dyn Surface], size: [u32; 2], every: us
     let pixels: Vec<[i64; 2]> =
         (0..i64::from(size[1])).flat_map(|y| (0..i64::from(size[0])).map(move |x| [x, y])).collect();
     let offset = format.sample_offset(1);
-    let sights = certain.sights(surfaces, &pixels, offset);
+    let sights = certain.sights(surfaces, &pixels, offset, Asked::Values);
     for ([x, y], sight) in pixels.iter().zip(&sights).step_by(every) {
         let place = [*x as f64 + offset[0], *y as f64 + offset[1]];
         let truth = || reference::trace(camera, surfaces, format, place[0], place[1]).expect("smooth enough");
         match sight {
             Sight::Unclear => {}
             Sight::Nothing => assert_eq!(truth(), None, "at {place:?} nothing should be seen"),
-            Sight::Point(hit, _) => {
+            Sight::Point(Met { hit, .. }) => {
                 let truth = truth().unwrap_or_else(|| panic!("{hit:?} should be seen at {place:?}"));
                 assert!(agree(hit, &truth), "at {place:?}: {hit:?} should be {truth:?}");
             }
@@ -103,13 +103,13 @@ fn meshes_show_the_sheets_that_rays_meet() {
     let certain = Certain::new(&camera, &[&surface], format, &|| false).expect("nobody stops it");
     let pixels: Vec<[i64; 2]> = (0..54).flat_map(|y| (0..96).map(move |x| [x, y])).collect();
     let offset = format.sample_offset(1);
-    let sights = certain.sights(&[&surface], &pixels, offset);
+    let sights = certain.sights(&[&surface], &pixels, offset, Asked::Values);
     let same = visible.same_sheets(&[&surface], &pixels, offset, &sights);
     let other = same.iter().filter(|same| !**same).count();
     assert!(other * 100 < pixels.len(), "another sheet is shown, or may be, at {other} of {} samples", pixels.len());
     // Pixels that are asked for alone are the same.
     for pixel in [[7, 31], [8, 31], [50, 52], [95, 53], [33, 28]] {
-        let alone = certain.sights(&[&surface], &[pixel], offset);
+        let alone = certain.sights(&[&surface], &[pixel], offset, Asked::Values);
         assert_eq!(alone[0], sights[(pixel[1] * 96 + pixel[0]) as usize], "{pixel:?}");
     }
 }

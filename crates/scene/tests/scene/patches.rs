@@ -3,8 +3,8 @@
 use crate::random::Draw;
 use trochoid_image::Format;
 use trochoid_scene::{
-    Camera, Certain, Channel, ChannelSet, DVec3, GridSurface, Projection, Samples, SeaSurface, Sight, Sums, Surface,
-    Visible,
+    Asked, Camera, Certain, Channel, ChannelSet, DVec3, GridSurface, Met, Projection, Samples, SeaSurface, Sight, Sums,
+    Surface, Visible,
 };
 use trochoid_sea::{GerstnerSpectrum, Sea};
 
@@ -30,7 +30,7 @@ impl Errors {
         let mut samples = Samples::new();
         visible.fill(format.window(), offset, ChannelSet::ALL, &mut samples);
         let certain = Certain::new(camera, &[surface], format, &|| false).expect("nobody stops it");
-        let sights = certain.sights(&[surface], &pixels, offset);
+        let sights = certain.sights(&[surface], &pixels, offset, Asked::Values);
         let near = visible.points(&[surface], &pixels, offset, Sums::Double);
         let projector = visible.projector();
         let mut errors = Self::default();
@@ -38,7 +38,9 @@ impl Errors {
             let at = |channel: Channel| f64::from(samples.channel(channel)[index]);
             let vector = |channels: [Channel; 3]| DVec3::from(channels.map(at));
             let hit = match (sight, near[index]) {
-                (Sight::Point(hit, _), Some(near)) if (near.distance - hit.distance).abs() <= 1e-6 * hit.distance => {
+                (Sight::Point(Met { hit, .. }), Some(near))
+                    if (near.distance - hit.distance).abs() <= 1e-6 * hit.distance =>
+                {
                     hit
                 }
                 (Sight::Nothing, _) if at(Channel::Coverage) == 0.0 => continue,

@@ -1,0 +1,158 @@
+//! Points of a sea within squares of many cells, from fewer sums than the cells' own.
+//!
+//! A polynomial of high degree needs less points for its area than many of a low degree do: with 33 points a side, a
+//! square holds 6 cells a side of 9 points each, which are its values. What the square's polynomial is off, the cells
+//! are off in addition.
+
+use super::bernstein::{SIDE, nodes};
+use super::footprints::Footprints;
+use super::remainder::Remainder;
+use fearless_simd::{Level, Simd, dispatch};
+use std::sync::OnceLock;
+use trochoid_sea::{ColumnFactors, FramedSea, RowFactors};
+
+/// Number of cells along each side of a square.
+pub(super) const PARTS: usize = 6;
+/// Number of points along each side of a square.
+pub(super) const POINTS: usize = 33;
+/// Lebesgue constant of interpolation in as many Chebyshev points: 2/π·ln n + 1.
+pub(super) const LEBESGUE: f64 = 3.3;
+/// Rounding error of values between the points, relative to the largest one: both sums of 33 products, and the factors.
+///
+/// A factor is a quotient of a term and a sum of terms, each of which is rounded thrice, and the places are rounded; by
+/// Markov's inequality, that moves a value by 2·32² units at most.
+const ROUNDING: f64 = 2.0 * LEBESGUE * LEBESGUE * 4096.0 * f64::EPSILON;
+
+/// Number of the cells' points along each side of a square.
+const FINE: usize = PARTS * SIDE;
+
+/// Values along one axis between the points of a square: for each of these points its factors at the cells' points.
+type Factors = [[f64; FINE]; POINTS];
+
+fn factors() -> &'static Factors {
+    static FACTORS: OnceLock<Factors> = OnceLock::new();
+    FACTORS.get_or_init(|| {
+        let (own, points) = (nodes::<SIDE>(), nodes::<POINTS>());
+        let mut factors = [[0.0; FINE]; POINTS];
+        for index in 0..FINE {
+            let (part, node) = (index / SIDE, index % SIDE);
+            let at = ((2 * part + 1) as f64 - PARTS as f64 + own[node]) / PARTS as f64;
+            // The barycentric formula of Lagrange's polynomials in Chebyshev points of the first kind (Trefethen,
+            // *Approximation Theory and Approximation Practice*, chapter 5).
+            let terms: [f64; POINTS] = std::array::from_fn(|point| {
+                let sign = if point % 2 == 0 { 1.0 } else { -1.0 };
+                sign * libm::sin(std::f64::consts::PI * (point as f64 + 0.5) / POINTS as f64) / (at - points[point])
+            });
+            let sum: f64 = terms.iter().sum();
+            for (factors, term) in factors.iter_mut().zip(terms) {
+                factors[index] = term / sum;
+            }
+        }
+        factors
+    })
+}
+
+/// Makes the points of cells of squares side by side across the heading, all of one size.
+pub(super) struct Squares<'a> {
+    waves: &'a FramedSea,
+    rows: RowFactors,
+    columns: ColumnFactors,
+    level: Level,
+}
+
+/// Displacements in one square, for each of the cells' points along u and along v: along u, up, and along v.
+pub(super) struct Displacements {
+    values: Vec<[[f64; FINE]; FINE]>,
+    /// What rounding makes of them between the square's points.
+    pub(super) rounding: Remainder,
+}
+
+impl<'a> Squares<'a> {
+    /// Prepares squares of half side `half` around a place ahead of the camera; only the first waves matter.
+    pub(super) fn new(waves: &'a FramedSea, footprints: &Footprints, middle: f64, half: f64, left: usize) -> Self {
+        let offsets = nodes::<POINTS>().map(|node| half * node);
+        let places = offsets.map(|offset| (middle + offset, libm::sqrt(footprints.square(middle + offset))));
+        Self { waves, rows: waves.rows(&places, left), columns: waves.columns(&offsets), level: Level::new() }
+    }
+
+    /// Returns the displacements in the square around a place across the heading.
+    pub(super) fn displacements(&self, middle: f64) -> Displacements {
+        let mut points = vec![[0.0; 3]; POINTS * POINTS];
+        self.waves.squares(&self.rows, &self.columns, &[middle], &mut points);
+        let mut values = vec![[[0.0; FINE]; FINE]; 3];
+        let mut rounding = Remainder::default();
+        for axis in 0..3 {
+            let own: [[f64; POINTS]; POINTS] =
+                std::array::from_fn(|row| std::array::from_fn(|column| points[POINTS * row + column][axis]));
+            let largest = own.as_flattened().iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+            rounding.off[axis] = ROUNDING * largest;
+            dispatch!(self.level, simd => simd.vectorize(
+                #[inline(always)]
+                || between(&own, &mut values[axis])
+            ));
+        }
+        Displacements { values, rounding }
+    }
+}
+
+impl Displacements {
+    /// Returns those at the points of a cell, row by row, by its place among the square's.
+    pub(super) fn of_cell(&self, [along, across]: [usize; 2]) -> [[f64; 3]; SIDE * SIDE] {
+        std::array::from_fn(|index| {
+            let (row, column) = (SIDE * along + index / SIDE, SIDE * across + index % SIDE);
+            [0, 1, 2].map(|axis| self.values[axis][row][column])
+        })
+    }
+}
+
+/// Interpolates the values at a square's points at those of its cells.
+#[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "loops over neighbors")]
+fn between(own: &[[f64; POINTS]; POINTS], values: &mut [[f64; FINE]; FINE]) {
+    let factors = factors();
+    // First along v, for which the points are columns.
+    let mut across = [[0.0; FINE]; POINTS];
+    for (across, own) in across.iter_mut().zip(own) {
+        for (value, factors) in own.iter().zip(factors) {
+            for column in 0..FINE {
+                across[column] += factors[column] * value;
+            }
+        }
+    }
+    for (across, factors) in across.iter().zip(factors) {
+        for (values, factor) in values.iter_mut().zip(factors) {
+            for column in 0..FINE {
+                values[column] += factor * across[column];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_between_points_are_those_of_the_polynomial_within_the_rounding() {
+        let (coarse, fine) = (nodes::<POINTS>(), nodes::<SIDE>());
+        for case in 0..20 {
+            let part = |by: f64| (f64::from(case) * by + 0.2).fract() - 0.5;
+            let (a, b) = (12.0 * part(0.618), 12.0 * part(0.414));
+            let of = |u: f64, v: f64| libm::cos(a * u + b * v + part(0.732)) + part(0.31) * u * v;
+            let own = coarse.map(|u| coarse.map(|v| of(u, v)));
+            let mut values = [[0.0; FINE]; FINE];
+            between(&own, &mut values);
+            for (row, values) in values.iter().enumerate() {
+                for (column, value) in values.iter().enumerate() {
+                    let [u, v] = [row, column].map(|index| {
+                        ((2 * (index / SIDE) + 1) as f64 - PARTS as f64 + fine[index % SIDE]) / PARTS as f64
+                    });
+                    // Waves of 6 rad to the side are 1e-20 off.
+                    let off = (value - of(u, v)).abs();
+                    assert!(off <= 1.5 * ROUNDING, "case {case} at {u}, {v}: {off:e}");
+                }
+            }
+        }
+        const { assert!(ROUNDING < 5e-11) };
+    }
+}
