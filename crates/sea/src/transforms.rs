@@ -279,5 +279,6 @@ fn root<T: FftNum>(index: usize, length: usize) -> Complex<T> {
     let angle = -2.0 * PI / length as f64 * index as f64;
     // Numbers of every type that is transformed come from any f64.
     let of = |value: f64| T::from_f64(value).unwrap_or_else(T::zero);
-    Complex::new(of(angle.cos()), of(angle.sin())).conj()
+    let (sin, cos) = libm::sincos(angle);
+    Complex::new(of(cos), of(sin)).conj()
 }
