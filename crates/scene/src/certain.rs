@@ -58,12 +58,13 @@ impl Certain {
         let mut nearest = Sight::Nothing;
         // Seas last: what lies in front of them limits their search.
         for (index, surface) in seas_last(surfaces) {
-            let end = nearest.met().map_or(f64::INFINITY, |met| met.hit.distance - met.deep);
+            // What lies within the errors of both cannot be told apart.
+            let ends = nearest.met().map(|met| [met.hit.distance - met.deep, met.hit.distance + met.deep]);
+            let [near, end] = ends.unwrap_or([f64::INFINITY; 2]);
             match surface.first(&self.projector, &ray, end, asked) {
                 Sight::Unclear => return Sight::Unclear,
                 Sight::Nothing => {}
-                // Both are too close to each other to tell.
-                Sight::Point(met) if met.hit.distance + met.deep > end => return Sight::Unclear,
+                Sight::Point(met) if met.hit.distance + met.deep > near => return Sight::Unclear,
                 Sight::Point(met) => nearest = Sight::Point(Met { hit: Hit { surface: index, ..met.hit }, ..met }),
             }
         }

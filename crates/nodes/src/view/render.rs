@@ -215,8 +215,8 @@ impl Prepared for PreparedRender {
             return Err(NO_RUN);
         }
         let (surfaces, offset) = (borrowed(&self.exact), bounding.block.offset);
-        let has_values = Channel::ALL.iter().zip(&bounding.filled[usize::from(Out::View)]);
-        let has_values = has_values.into_iter().any(|(channel, filled)| filled.is_some() && !is_whole(*channel));
+        let mut filled = Channel::ALL.into_iter().zip(&bounding.filled[usize::from(Out::View)]);
+        let has_values = filled.any(|(channel, plane)| plane.is_some() && !is_whole(channel));
         let asked = if has_values { scene::Asked::Values } else { scene::Asked::Surface };
         let sights = certain.sights(&surfaces, &pixels, offset, asked);
         let same = match &self.visible {

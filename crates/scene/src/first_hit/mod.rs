@@ -12,6 +12,7 @@
 mod bernstein;
 mod cells;
 mod derivatives;
+mod first;
 mod footprints;
 mod kept;
 mod region;
@@ -22,5 +23,5 @@ mod squares;
 mod tests;
 
 pub(crate) use cells::NoCells;
+pub(crate) use first::{First, FirstPoint, Thoroughness};
 pub(crate) use kept::KeptCells;
-pub(crate) use search::{First, FirstPoint, Thoroughness};

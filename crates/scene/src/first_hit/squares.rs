@@ -1,6 +1,6 @@
 //! Points of a sea within squares of many cells, from fewer sums than the cells' own.
 //!
-//! A polynomial of high degree needs less points for its area than many of a low degree do: with 33 points a side, a
+//! A polynomial of high degree needs fewer points for its area than many of a low degree do: with 33 points a side, a
 //! square holds 6 cells a side of 9 points each, which are its values. What the square's polynomial is off, the cells
 //! are off in addition.
 

@@ -1,6 +1,6 @@
 use super::bernstein::evaluate;
 use super::cells::SeaCells;
-use super::search::{First, FirstPoint, Thoroughness};
+use super::first::{First, FirstPoint, Thoroughness};
 use crate::first_point::first_point;
 use crate::{Camera, DVec3, Projection, Projector, Ray, SeaSurface};
 use std::f64::consts::TAU;
