@@ -3,6 +3,7 @@
 use std::path::Path;
 use trochoid_graph::*;
 use trochoid_image::Window;
+use trochoid_nodes::inside::{Holding, prepare_read};
 use trochoid_weights::arithmetic;
 
 /// Checks a document with these nodes and the output `"out"` of kind `key`. If it has errors, returns their messages.
@@ -12,7 +13,7 @@ pub(crate) fn graph(key: &str, nodes: &str, folder: &Path) -> Result<CheckedGrap
             "outputs": {{ "out": {{ "{key}": "out" }} }} }}"#
     );
     let document = Document::parse("test.json", &text).map_err(|faults| format!("{faults:?}"))?;
-    let registry = Registry::new(crate::all());
+    let registry = Registry::new(trochoid_nodes::all());
     let (graph, faults) = check(&document, &registry, folder);
     let text: Vec<String> = faults.iter().map(|fault| format!("{fault:?}")).collect();
     graph.ok_or_else(|| text.join("\n"))
@@ -28,6 +29,20 @@ pub(crate) struct Frame {
 impl Frame {
     /// Prepares every stage, with all channels requested.
     pub(crate) fn new(graph: CheckedGraph) -> Result<Self, NodeError> {
+        Self::prepared(graph, |stage, _, prepare| stage.prepare(prepare))
+    }
+
+    /// Prepares every stage likewise, with pictures held so.
+    pub(crate) fn held(graph: CheckedGraph, holding: Holding) -> Result<Self, NodeError> {
+        Self::prepared(graph, |stage, settled, prepare| {
+            prepare_read(settled, prepare, holding).unwrap_or_else(|| stage.prepare(prepare))
+        })
+    }
+
+    fn prepared(
+        graph: CheckedGraph,
+        of: impl Fn(&dyn Stage, &Settled, &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError>,
+    ) -> Result<Self, NodeError> {
         let context = graph.frame_context(graph.frames().0, 1 << 30);
         let mut prepared: Vec<Option<Box<dyn Prepared>>> = graph.nodes().iter().map(|_| None).collect();
         let pool = Pool::new();
@@ -38,16 +53,33 @@ impl Frame {
             let handles = |id: NodeId| prepared[id.0].as_ref().and_then(|prepared| prepared.handle());
             let prepare = Prepare::new(&context, &node.kinds, &wanted, &handles, &|| false, &pool)
                 .with_purpose(Purpose::References);
-            let made = stage.prepare(&prepare)?;
+            let made = of(stage, &settled, &prepare)?;
             prepared[id.0] = Some(made);
         }
         Ok(Self { graph, context, prepared })
     }
 
     /// Returns the prepared stage of the node with this name.
-    #[cfg_attr(not(feature = "io"), allow(dead_code, reason = "only tests of files use it"))]
     pub(crate) fn node(&self, name: &str) -> &dyn Prepared {
         self.prepared[self.graph.find(name).unwrap().0].as_deref().unwrap()
+    }
+
+    /// Returns the references of the outputs of the stage "out", whose inputs from other nodes, by their names, are
+    /// `given`.
+    pub(crate) fn given(&self, at: [f64; 2], given: &dyn Fn(&str, [f64; 2]) -> Reference) -> Vec<Reference> {
+        let inputs = |source: &Source<Vec<f64>>, at: [f64; 2]| match source {
+            Source::Output { node, .. } => given(&self.graph.node(*node).name, at),
+            _ => unreachable!("literals are evaluated where they stand"),
+        };
+        self.node("out").reference(&References::new(&self.context, at, &inputs)).unwrap()
+    }
+
+    /// Returns the mask of the stage "out" by its reference, with inputs that are the same everywhere.
+    pub(crate) fn mask_of(&self, given: &dyn Fn(&str) -> Reference) -> f64 {
+        match self.given([0.5; 2], &|name, _| given(name))[..] {
+            [Reference::Mask(mask)] => mask,
+            _ => panic!("\"out\" is no mask"),
+        }
     }
 
     /// Returns the reference value of a node's output, in f64.
@@ -67,12 +99,7 @@ impl Frame {
     /// Returns the reference value of the node "out" as numbers: the channels of a color, one weight per control, or
     /// the components of a field.
     pub(crate) fn truth(&self, at: [f64; 2]) -> Vec<f64> {
-        match self.reference(self.graph.find("out").unwrap(), 0, at) {
-            Reference::Color(color) => color.to_vec(),
-            Reference::Mask(t) => vec![1.0 - t, t],
-            Reference::Weights(values) | Reference::Field(values) | Reference::View(values) => values,
-            Reference::Handle(_) => Vec::new(),
-        }
+        numbers(self.reference(self.graph.find("out").unwrap(), 0, at))
     }
 
     /// Returns the value of the node "out" by the lowered program, in f32.
@@ -106,7 +133,6 @@ impl Frame {
     }
 
     /// Fills every plane of a stage over the whole picture, which forces files to be read and checked.
-    #[cfg_attr(not(feature = "io"), allow(dead_code, reason = "only tests of files use it"))]
     pub(crate) fn fill_all(&self, name: &str) -> Result<(), NodeError> {
         let id = self.graph.find(name).unwrap();
         let block = Block::of(self.context.format.window(), [0.5; 2]);
@@ -176,6 +202,53 @@ impl Frame {
         }
         results
     }
+}
+
+/// Prepares a stage that no other feeds, with all channels requested, and with pictures held so if it is a Read.
+pub(crate) fn prepare(
+    graph: &CheckedGraph,
+    name: &str,
+    context: &FrameContext,
+    holding: Option<Holding>,
+    pool: &Pool,
+) -> Result<Box<dyn Prepared>, NodeError> {
+    let settled = graph.settle(graph.find(name).unwrap(), context.frame);
+    let kinds = settled.kinds();
+    let wanted: Vec<Vec<bool>> = kinds.iter().map(|kind| vec![true; kind.channels()]).collect();
+    let prepare = Prepare::new(context, &kinds, &wanted, &|_| None, &|| false, pool);
+    match holding {
+        Some(holding) => prepare_read(&settled, &prepare, holding).expect("a Read"),
+        None => settled.stage().unwrap().prepare(&prepare),
+    }
+}
+
+/// Returns the reference of the only output of a stage that no other feeds.
+pub(crate) fn sole_reference(
+    prepared: &dyn Prepared,
+    context: &FrameContext,
+    at: [f64; 2],
+) -> Result<Vec<f64>, NodeError> {
+    let nothing = |_: &Source<Vec<f64>>, _: [f64; 2]| unreachable!("nothing is connected");
+    let reference = prepared.reference(&References::new(context, at, &nothing))?.swap_remove(0);
+    Ok(numbers(reference))
+}
+
+fn numbers(reference: Reference) -> Vec<f64> {
+    match reference {
+        Reference::Color(color) => color.to_vec(),
+        Reference::Mask(t) => vec![1.0 - t, t],
+        Reference::Weights(values) | Reference::Field(values) | Reference::View(values) => values,
+        Reference::Handle(_) => Vec::new(),
+    }
+}
+
+/// Returns a view that is covered, with some channels.
+pub(crate) fn view(channels: &[(Channel, f64)]) -> Reference {
+    let mut numbers: Vec<f64> = Channel::ALL.iter().map(|channel| f64::from(channel.background())).collect();
+    for (channel, value) in [(Channel::Coverage, 1.0)].iter().chain(channels) {
+        numbers[*channel as usize] = *value;
+    }
+    Reference::View(numbers)
 }
 
 /// Checks and prepares a document with these nodes, which must be valid.

@@ -1,28 +1,24 @@
 //! Rows read on demand equal those of the decoded picture, bit for bit, and so do their errors.
 
-use super::knobs::FitBy;
-use super::read::Read;
-use super::{Fit, Layer, Reading, Rows, Stream, controls, walked};
-use crate::testing::graph;
+use crate::testing::{graph, prepare, sole_reference};
 use exr::compression::Compression as Method;
 use exr::image::write::WritableImage;
-use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer as ExrLayer};
+use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
 use exr::math::Vec2;
 use exr::meta::attribute::{IntegerBounds, LineOrder};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
 use rayon::prelude::*;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::Ordering;
-use trochoid_graph::{Block, Choice, FrameContext, NodeError, Pool, Prepare};
-use trochoid_image::{Format, Rgb, Window};
+use trochoid_graph::{Block, CheckedGraph, FrameContext, Inputs, Kind, NodeError, Outputs, Pool, Prepared};
+use trochoid_image::{Format, Window};
+use trochoid_nodes::inside::Holding;
 
 type Channels<'c> = [(&'c str, Vec<f32>)];
 
 fn write(path: &Path, data: Window, display: (usize, usize), way: (Method, Blocks), channels: &Channels<'_>) {
     let channels: Vec<_> =
         channels.iter().map(|(name, samples)| AnyChannel::new(*name, FlatSamples::F32(samples.clone()))).collect();
-    let layer = ExrLayer::new(
+    let layer = Layer::new(
         (data.width(), data.height()),
         LayerAttributes::default().with_position(Vec2(data.x0 as i32, data.y0 as i32)),
         Encoding { compression: way.0, blocks: way.1, line_order: LineOrder::Increasing },
@@ -32,12 +28,11 @@ fn write(path: &Path, data: Window, display: (usize, usize), way: (Method, Block
     image.write().to_file(path).unwrap();
 }
 
-/// Input of a Read with given knobs.
+/// A Read with given knobs.
 struct Case {
-    node: Read,
+    graph: CheckedGraph,
     context: FrameContext,
-    kind: trochoid_graph::Kind,
-    outside: Option<Rgb>,
+    kind: Kind,
 }
 
 impl Case {
@@ -47,69 +42,50 @@ impl Case {
         let mut context = graph.frame_context(1, 1 << 30);
         context.format = Format::new(format.0, format.1, 1).unwrap();
         context.document_format = context.format;
-        let settled = graph.settle(graph.find("out").unwrap(), 1);
-        let kind = settled.kinds()[0];
-        let node = settled.get::<Read>().unwrap().clone();
-        let outside = node.outside.map(|color| color.map(|v| v as f32));
-        Self { node, context, kind, outside }
+        let kind = graph.node(graph.find("out").unwrap()).kinds[0];
+        Self { graph, context, kind }
     }
 
-    fn reading<T>(&self, f: impl FnOnce(Reading<'_>) -> T) -> T {
-        let path = self.context.path("a.exr");
-        f(self.node.reading(&self.context, &path))
+    /// Prepares the picture to be read on demand.
+    fn stream(&self, pool: &Pool) -> Box<dyn Prepared> {
+        let holding = Holding { on_demand: Some(0), whole: u64::MAX };
+        prepare(&self.graph, "out", &self.context, Some(holding), pool).unwrap()
     }
 
-    fn stream(&self, pool: &Pool) -> Stream {
-        let wanted = vec![true; self.kind.channels()];
-        let wanted = [wanted];
-        let prepare = Prepare::new(&self.context, &[], &wanted, &|_| None, &|| false, pool);
-        let found = self.reading(|reading| reading.on_demand(&prepare, self.kind, &wanted[0], 0));
-        found.unwrap().expect("it can be streamed").0
+    /// Decodes the picture.
+    fn decoded(&self) -> Result<Box<dyn Prepared>, NodeError> {
+        let holding = Holding { on_demand: None, whole: u64::MAX };
+        prepare(&self.graph, "out", &self.context, Some(holding), &Pool::new())
     }
 
-    /// Decodes the picture, and returns its layers and the number of repaired values.
-    fn layers(&self) -> Result<(Vec<Layer>, u64), NodeError> {
-        let mut fit = None;
-        let planes = self.reading(|reading| {
-            reading.planes(self.kind, &vec![true; self.kind.channels()], &mut |picture| {
-                fit = Some(Fit::new(
-                    self.node.fit,
-                    FitBy::WORDS,
-                    picture.display,
-                    [self.context.format; 2],
-                    Path::new("a.exr"),
-                )?);
-                Ok(())
-            })
-        })?;
-        let repaired = planes.repaired;
-        let layers = planes.channels().enumerate().map(|(channel, plane)| {
-            let (plane, exact) = plane.unwrap();
-            Layer::new(plane, fit.unwrap(), self.outside.map(|color| color[channel])).with_exact(exact)
-        });
-        Ok((layers.collect(), repaired))
+    fn fill(
+        &self,
+        picture: &dyn Prepared,
+        block: &Block<'_>,
+        unwanted: Option<usize>,
+    ) -> Result<Vec<Vec<f32>>, NodeError> {
+        let mut planes = vec![vec![f32::NAN; block.window.area()]; self.kind.channels()];
+        let outs = planes
+            .iter_mut()
+            .enumerate()
+            .map(|(index, plane)| (unwanted != Some(index)).then_some(&mut plane[..]))
+            .collect();
+        picture.fill(block, &Inputs::new(&[]), &mut Outputs::new(vec![outs]))?;
+        Ok(planes)
+    }
+
+    fn reference(&self, picture: &dyn Prepared, at: [f64; 2]) -> Result<Vec<f64>, NodeError> {
+        sole_reference(picture, &self.context, at)
     }
 }
 
-fn fill(stream: &Stream, block: &Block<'_>, unwanted: Option<usize>) -> Result<Vec<Vec<f32>>, NodeError> {
-    let mut planes = vec![vec![f32::NAN; block.window.area()]; stream.outputs];
-    let mut outs: Vec<Option<&mut [f32]>> = planes
-        .iter_mut()
-        .enumerate()
-        .map(|(index, plane)| (unwanted != Some(index)).then_some(&mut plane[..]))
-        .collect();
-    stream.fill(block, &mut outs)?;
-    Ok(planes)
-}
-
-fn bits(samples: &[f32]) -> Vec<u32> {
-    samples.iter().map(|v| v.to_bits()).collect()
+fn bits(planes: &[Vec<f32>]) -> Vec<u32> {
+    planes.iter().flatten().map(|v| v.to_bits()).collect()
 }
 
 /// Compares a stream with the decoded picture, over windows of all sizes, on several threads.
 fn same(case: &Case, what: &str) {
-    let (layers, repaired) = case.layers().unwrap();
-    let stream = case.stream(&Pool::new());
+    let (decoded, stream) = (case.decoded().unwrap(), case.stream(&Pool::new()));
     let mut blocks = Vec::new();
     for (width, height) in [(1, 1), (3, 2), (7, 40), (60, 16), (90, 90)] {
         for (x, y) in [(0, 0), (-20, -9), (5, 17), (33, 30), (70, 80)] {
@@ -119,25 +95,21 @@ fn same(case: &Case, what: &str) {
         }
     }
     blocks.par_iter().enumerate().for_each(|(index, block)| {
-        let unwanted = Some(index % 4);
-        for (channel, plane) in fill(&stream, block, unwanted).unwrap().iter().enumerate() {
-            if unwanted != Some(channel) {
-                let mut expected = vec![f32::NAN; plane.len()];
-                layers[channel].fill(block, &mut expected);
-                assert_eq!(bits(plane), bits(&expected), "{what}: channel {channel} of {block:?}");
-            }
-        }
+        let fill = |picture: &dyn Prepared| bits(&case.fill(picture, block, Some(index % 4)).unwrap());
+        assert_eq!(fill(&*stream), fill(&*decoded), "{what}: {block:?}");
         let at = [block.window.x0 as f64 + block.offset[0], block.window.y0 as f64 + block.offset[1]];
-        let truth: Vec<f64> = layers.iter().map(|layer| layer.reference(at)).collect();
-        assert_eq!(stream.reference(at).unwrap(), truth, "{what}: at {at:?}");
+        let reference = |picture: &dyn Prepared| case.reference(picture, at).unwrap();
+        assert_eq!(reference(&*stream), reference(&*decoded), "{what}: at {at:?}");
     });
-    // The windows need not have included every row.
-    stream.each_row(0..stream.stored.data.height(), |_| Ok(())).unwrap();
-    assert_eq!(stream.repaired(), repaired, "{what}");
-    if case.kind == trochoid_graph::Kind::Color {
-        let [r, g, b] = [0, 1, 2].map(|channel| layers[channel].samples());
-        assert_eq!(walked(&stream, &|| false).unwrap(), controls([r, g, b]), "{what}");
+    // The blocks need not have included every row.
+    let nowhere = Window::sized(0, 0);
+    let all = stream.data_window(nowhere, &|_| nowhere);
+    for part in 0..8 {
+        let column = Window::new(all.x0, all.y0, all.x0 + 1, all.y1);
+        case.fill(&*stream, &Block::of(column, [0.5, f64::from(part) / 8.0]), None).unwrap();
     }
+    assert_eq!(stream.repaired(), decoded.repaired(), "{what}");
+    assert_eq!(stream.controls(), decoded.controls(), "{what}");
 }
 
 fn noise(count: usize, salt: u32) -> Vec<f32> {
@@ -205,6 +177,7 @@ fn many_colors_are_walked_to_the_same_hull() {
         &[("R", r), ("G", g), ("B", b)],
     );
     let case = Case::new(folder.path(), (300, 240), "color", r#""as": "color""#);
+    assert!(case.stream(&Pool::new()).rows_per_band().is_some() && case.decoded().unwrap().rows_per_band().is_none());
     same(&case, "many colors");
 }
 
@@ -217,27 +190,32 @@ fn reads_of_one_file_decode_it_once() {
     let named: Vec<(&str, Vec<f32>)> = channels.iter().map(|(name, plane)| (&**name, plane.clone())).collect();
     write(&folder.path().join("a.exr"), data, (40, 640), (Method::ZIP16, Blocks::ScanLines), &named);
     let pool = Pool::new();
-    let streams: Vec<Stream> = (0..5)
+    let cases: Vec<Case> = (0..5)
         .map(|index| {
             let knobs = format!(r#""as": "field", "layer": "sea.c{index}""#);
-            Case::new(folder.path(), (40, 640), "field", &knobs).stream(&pool)
+            Case::new(folder.path(), (40, 640), "field", &knobs)
         })
         .collect();
+    let streams: Vec<Box<dyn Prepared>> = cases.iter().map(|case| case.stream(&pool)).collect();
     let tiles: Vec<Window> = data.tiles(40, 16).collect();
-    for offset in [0.25, 0.75] {
+    let check = |picked: std::ops::Range<usize>, offset: f64| {
         tiles.par_iter().for_each(|tile| {
-            for (stream, (_, plane)) in streams.iter().zip(&channels) {
-                let found = fill(stream, &Block::of(*tile, [offset; 2]), None).unwrap();
+            for index in picked.clone() {
+                let found = cases[index].fill(&*streams[index], &Block::of(*tile, [offset; 2]), None).unwrap();
                 let start = tile.y0 as usize * 40;
-                assert_eq!(found[0], plane[start..start + tile.area()]);
+                assert_eq!(found[0], channels[index].1[start..start + tile.area()]);
             }
         });
-    }
-    let Rows::File(file, _) = &streams[0].rows else { panic!("a file") };
-    assert_eq!(Arc::strong_count(file), 5);
-    assert_eq!(file.decoded.load(Ordering::Relaxed), 40, "each of 40 blocks once");
+    };
+    check(0..1, 0.25);
+    assert!(streams.iter().map(|stream| stream.bytes()).sum::<usize>() >= 5 * 4 * data.area() / 2);
     assert_eq!(streams[0].rows_per_band(), Some(16));
-    assert!(streams.iter().map(Stream::bytes).sum::<usize>() >= 5 * 4 * data.area() / 2);
+    // What one of them has decoded, no other reads again.
+    std::fs::OpenOptions::new().write(true).open(folder.path().join("a.exr")).unwrap().set_len(0).unwrap();
+    check(0..5, 0.25);
+    check(0..5, 0.75);
+    let alone = &cases[0];
+    assert!(prepare(&alone.graph, "out", &alone.context, None, &Pool::new()).is_err(), "the file is gone");
 }
 
 #[test]
@@ -252,17 +230,17 @@ fn the_first_fault_is_reported_whoever_asks() {
     let path = folder.path().join("a.exr");
     write(&path, data, (3, 6000), (Method::ZIP16, Blocks::ScanLines), &[("u", plane), ("v", other)]);
     let case = Case::new(folder.path(), (3, 6000), "field", r#""as": "field", "channels": ["u", "v"]"#);
-    let decoded = case.layers().err().unwrap().to_string();
+    let decoded = case.decoded().err().unwrap().to_string();
     assert!(decoded.contains("channel \"u\", pixel (1, 5000): found NaN"), "{decoded}");
     for rows in [5496..5512, 0..16, 4999..5001] {
         let window = Window::new(2, rows.start, 3, rows.end);
         let stream = case.stream(&Pool::new());
         let block = Block::of(window, [0.5; 2]);
-        assert_eq!(fill(&stream, &block, None).unwrap_err().to_string(), decoded);
-        assert_eq!(stream.reference([2.5, rows.start as f64 + 4.5]).is_err(), rows.start == 5496);
+        assert_eq!(case.fill(&*stream, &block, None).unwrap_err().to_string(), decoded);
+        assert_eq!(case.reference(&*stream, [2.5, rows.start as f64 + 4.5]).is_err(), rows.start == 5496);
     }
     let fine = Block::of(Window::sized(3, 2), [0.5; 2]);
-    fill(&case.stream(&Pool::new()), &fine, None).unwrap();
+    case.fill(&*case.stream(&Pool::new()), &fine, None).unwrap();
 }
 
 #[test]
@@ -278,9 +256,9 @@ fn a_truncated_file_is_refused_where_it_ends() {
         let case = Case::new(folder.path(), (64, 200), "field", r#""as": "field""#);
         let stream = case.stream(&Pool::new());
         let part = |y0: i64| Block::of(Window::new(0, y0, 64, y0 + 10), [0.5; 2]);
-        fill(&stream, &part(0), None).unwrap();
-        let first = fill(&stream, &part(190), None).unwrap_err().to_string();
+        case.fill(&*stream, &part(0), None).unwrap();
+        let first = case.fill(&*stream, &part(190), None).unwrap_err().to_string();
         assert!(first.contains("the end of the file") || first.contains("an offset from"), "{first}");
-        assert_eq!(fill(&stream, &part(150), None).unwrap_err().to_string(), first);
+        assert_eq!(case.fill(&*stream, &part(150), None).unwrap_err().to_string(), first);
     }
 }

@@ -7,14 +7,14 @@ use trochoid_image::{Chromaticities, Plane, Window, WorkingSpace, srgb_decode};
 use trochoid_io::{ExrChannel, ExrImage, PngImage, Samples, write_exr, write_png8};
 
 /// Writes 4 × 3 pixels of named channels with the given samples.
-fn exr(folder: &Path, channels: &[(&str, [f32; 12])], chromaticities: Option<Chromaticities>) {
+pub(super) fn exr(folder: &Path, channels: &[(&str, [f32; 12])], chromaticities: Option<Chromaticities>) {
     let window = Window::sized(4, 3);
     let channels =
         channels.iter().map(|(name, samples)| ExrChannel::float(*name, Samples::contiguous(samples))).collect();
     write_exr(folder.join("a.exr"), &ExrImage { channels, chromaticities, ..ExrImage::new(window) }).unwrap();
 }
 
-fn read(folder: &Path, key: &str, knobs: &str) -> Result<Frame, NodeError> {
+pub(super) fn read(folder: &Path, key: &str, knobs: &str) -> Result<Frame, NodeError> {
     let node = format!(r#""out": {{ "type": "Read", "file": "a.exr", {knobs} }}"#);
     let frame = Frame::new(graph(key, &node, folder).unwrap())?;
     // Bad data may be found only where it is needed.
@@ -27,7 +27,7 @@ fn message(result: Result<Frame, NodeError>) -> String {
 }
 
 /// Returns the value by reference and by fill, which must agree.
-fn value(frame: &Frame, x: usize, y: usize) -> Vec<f32> {
+pub(super) fn value(frame: &Frame, x: usize, y: usize) -> Vec<f32> {
     let at = [x as f64 + 0.5, y as f64 + 0.5];
     let (truth, found) = (frame.truth(at), frame.lowered(at));
     let near = |(truth, found): (&f64, &f32)| (truth - f64::from(*found)).abs() < 1e-6 || *truth == f64::from(*found);
@@ -53,11 +53,29 @@ fn colors_come_as_they_are_and_are_controls() {
 
 #[test]
 fn many_colors_are_handed_over_as_their_hull() {
-    let count = crate::files::MANY_COLORS + 5;
-    let r: Vec<f32> = (0..count).map(|index| index as f32).collect();
-    assert!(crate::files::distinct(&r, &r, &r).is_none());
-    assert_eq!(crate::files::distinct(&r[..9], &r[..9], &r[..9]).unwrap().len(), 9);
-    assert_eq!(crate::files::distinct(&[1.0; 9], &[2.0; 9], &[3.0; 9]).unwrap(), [[1.0, 2.0, 3.0]]);
+    let folder = tempfile::tempdir().unwrap();
+    const MOST: usize = 1 << 16;
+    for (count, listed) in [(9, 9), (MOST, MOST), (MOST + 1, 4)] {
+        // Every color twice; more than the most that are listed lie on a line and a point beside it.
+        let planes = [0, 1, 2].map(|channel: usize| -> Vec<f32> {
+            let color = |index: usize| if index == 3 { [1.0, 7.0, 9.0][channel] } else { index as f32 };
+            (0..2 * count).map(|at| color(at / 2)).collect()
+        });
+        let channels = ["R", "G", "B"].into_iter().zip(&planes);
+        let channels = channels.map(|(name, plane)| ExrChannel::float(name, Samples::contiguous(plane))).collect();
+        let image = ExrImage { channels, ..ExrImage::new(Window::new(0, 0, 2, count as i64)) };
+        write_exr(folder.path().join("a.exr"), &image).unwrap();
+        let controls = read(folder.path(), "color", r#""as": "color", "fit": "crop""#).unwrap().node("out").controls();
+        if count <= MOST {
+            assert_eq!(controls.len(), listed, "in the order of their pixels: {:?}", &controls[..4]);
+            assert_eq!(controls[..3], [[0.0; 3], [1.0; 3], [2.0; 3]]);
+        } else {
+            assert!(controls.len() <= listed, "{controls:?}");
+            for corner in [[0.0; 3], [MOST as f32; 3], [1.0, 7.0, 9.0]] {
+                assert!(controls.contains(&corner), "{corner:?} of {controls:?}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -5,9 +5,13 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use trochoid_graph::{MemoryContext, MemoryUse};
 use trochoid_io::{PngImage, Samples, write_png8};
+use trochoid_nodes::inside::{Holding, memory_of_read};
 
 const WIDTH: usize = 1300;
 const HEIGHT: usize = 40;
+
+/// Pictures of more than a kilobyte are held in part.
+const HOLDING: Holding = Holding { on_demand: None, whole: 1 << 10 };
 
 /// Returns the bytes of a pixel.
 fn pixel(x: usize, y: usize) -> [u8; 3] {
@@ -21,7 +25,7 @@ fn frame(folder: &Path, key: &str, knobs: &str) -> Frame {
     let image = PngImage::new(WIDTH as u32, HEIGHT as u32, Samples::rgb(&pixels));
     write_png8(folder.join("a.png"), &image).unwrap();
     let node = format!(r#""out": {{ "type": "Read", "file": "a.png", {knobs} }}"#);
-    Frame::new(graph(key, &node, folder).unwrap()).unwrap()
+    Frame::held(graph(key, &node, folder).unwrap(), HOLDING).unwrap()
 }
 
 /// Returns the value by reference and by fill, which must agree.
@@ -99,7 +103,7 @@ fn what_is_repaired_counts_in_equal_rows_too() {
         write_png8(folder.path().join("a.png"), &image).unwrap();
         let knobs = r#""as": "weights", "channels": ["R", "G"], "repair": true, "fit": "crop""#;
         let node = format!(r#""out": {{ "type": "Read", "file": "a.png", {knobs} }}"#);
-        let frame = Frame::new(graph("weights", &node, folder.path()).unwrap()).unwrap();
+        let frame = Frame::held(graph("weights", &node, folder.path()).unwrap(), HOLDING).unwrap();
         assert_eq!(frame.node("out").repaired(), (WIDTH * HEIGHT / 2) as u64);
         for y in 0..3 {
             let expected = if is_off(y as usize) { 2.0 / 7.0 } else { 0.6 };
@@ -119,7 +123,7 @@ fn weights_are_parts_of_their_sum_before_they_are_rounded() {
     for fit in ["nearest", "crop", "bilinear"] {
         let knobs = format!(r#""as": "weights", "channels": ["R", "G", "B"], "repair": true, "fit": "{fit}""#);
         let node = format!(r#""out": {{ "type": "Read", "file": "a.png", {knobs} }}"#);
-        let frame = Frame::new(graph("weights", &node, folder.path()).unwrap()).unwrap();
+        let frame = Frame::held(graph("weights", &node, folder.path()).unwrap(), HOLDING).unwrap();
         assert!(2 * frame.node("out").bytes() < 9 * WHOLE, "{fit}: not all is held");
         for x in 0..4 {
             let (truth, found) = (frame.truth([x as f64 + 0.5, 0.5]), frame.lowered([x as f64 + 0.5, 0.5]));
@@ -151,7 +155,7 @@ fn what_will_be_held_is_told_beforehand() {
         let id = frame.graph.find("out").unwrap();
         let (node, wanted) = (frame.graph.settle(id, 1), [vec![true; frame.graph.node(id).kinds[0].channels()]]);
         let of = |_| MemoryUse::default();
-        let taken = node.stage().unwrap().memory(&MemoryContext::new(&frame.context, &wanted, &of));
+        let taken = memory_of_read(&node, &MemoryContext::new(&frame.context, &wanted, &of), HOLDING).unwrap();
         assert_eq!(taken.held as usize, frame.node("out").bytes(), "{knobs}");
         assert!(taken.working < 2 << 20, "{taken:?}");
     }

@@ -20,7 +20,7 @@ fn view(folder: &Path, knobs: &str) -> Result<Frame, NodeError> {
             "outputs": {{ "out": {{ "weights": "view.coverage" }} }} }}"#
     );
     let document = Document::parse("test.json", &text).unwrap();
-    let (graph, faults) = check(&document, &Registry::new(crate::all()), folder);
+    let (graph, faults) = check(&document, &Registry::new(trochoid_nodes::all()), folder);
     let frame = Frame::new(graph.unwrap_or_else(|| panic!("{faults:?}")))?;
     // Bad data is found only where it is needed.
     frame.fill_all("view")?;
