@@ -1,10 +1,15 @@
-use super::bernstein::evaluate;
-use super::cells::SeaCells;
-use super::first::{First, FirstPoint, Thoroughness};
-use crate::first_point::first_point;
-use crate::{Camera, DVec3, Projection, Projector, Ray, SeaSurface};
+//! Tests of first points of seas by cells.
+
+mod bernstein;
+mod footprints;
+mod region;
+mod squares;
+
 use std::f64::consts::TAU;
 use trochoid_image::Format;
+use trochoid_scene::inside::first_hit::{Cells, First, FirstPoint, Thoroughness};
+use trochoid_scene::inside::{carried, first_point, summit};
+use trochoid_scene::{Camera, DVec3, Projection, Projector, Ray, SeaSurface};
 use trochoid_sea::{ExplicitWave, GerstnerSpectrum, Sea, Wave};
 
 fn part(case: u32, by: f64) -> f64 {
@@ -53,8 +58,8 @@ fn projector(case: u32, middle: [f64; 2]) -> Projector {
 
 /// Returns the stretch of a ray within the slab of heights that a sea reaches, if it is not too long to search.
 fn stretch(sea: &SeaSurface, ray: &Ray) -> Option<[f64; 2]> {
-    let (height, slope) = (ray.origin.y - sea.level, ray.direction.y);
-    let (a, b) = ((-sea.summit - height) / slope, (sea.summit - height) / slope);
+    let (height, slope) = (ray.origin.y - sea.level(), ray.direction.y);
+    let (a, b) = ((-summit(sea) - height) / slope, (summit(sea) - height) / slope);
     let (start, end) = (a.min(b).max(0.0), a.max(b));
     (start <= end && end < 300.0).then_some([start, end])
 }
@@ -65,17 +70,17 @@ fn cells_are_as_close_to_the_sea_as_they_say() {
     for (index, sea) in seas().iter().enumerate() {
         for case in 0..6 {
             let projector = projector(case + 3 * index as u32, [[0.0, 0.0], [1e6, -3e5]][case as usize % 2]);
-            let Ok(cells) = SeaCells::new(sea, &projector, &|| false) else { continue };
+            let Some(cells) = Cells::new(sea, &projector) else { continue };
             for pick in 0..200 {
-                let cell = &cells.cells[(part(pick, 0.618) * cells.cells.len() as f64) as usize];
+                let cell = (part(pick, 0.618) * cells.count() as f64) as usize;
                 let at = [part(pick, 0.414), part(pick, 0.732)];
-                let nets = cell.seen_along(DVec3::ZERO, [DVec3::X, DVec3::Y, DVec3::Z]);
-                let rest = cells.axes.rest(cell.rest(at));
-                let truth = cells.axes.point(sea.carried(&projector, rest).point);
+                let (patch, (most_off, turn)) = (cells.patch(cell, at), cells.remainder(cell));
+                let rest = cells.rest(cell, at);
+                let truth = cells.point(carried(sea, &projector, rest).0);
                 for axis in 0..3 {
-                    let (value, slopes) = evaluate(&nets, at)[axis];
+                    let (value, slopes) = patch[axis];
                     let off = (value - truth[axis]).abs();
-                    let bound = cell.remainder.off[axis];
+                    let bound = most_off[axis];
                     // Rest points far from the origin are rounded.
                     let rounding = 4.0 * f64::EPSILON * (rest[0].abs() + rest[1].abs());
                     assert!(
@@ -85,8 +90,8 @@ fn cells_are_as_close_to_the_sea_as_they_say() {
                     worst = worst.max(off / (bound + rounding));
                     let step = 1e-5;
                     let there = |by: [f64; 2]| {
-                        let rest = cells.axes.rest(cell.rest([at[0] + by[0], at[1] + by[1]]));
-                        cells.axes.point(sea.carried(&projector, rest).point)[axis]
+                        let rest = cells.rest(cell, [at[0] + by[0], at[1] + by[1]]);
+                        cells.point(carried(sea, &projector, rest).0)[axis]
                     };
                     for (side, own) in slopes.iter().enumerate() {
                         let by = [0, 1].map(|other| if side == other { step } else { 0.0 });
@@ -94,9 +99,11 @@ fn cells_are_as_close_to_the_sea_as_they_say() {
                         // By −1…1, half as much as by 0…1. The difference quotient loses digits, above all those by which
                         // rest points far from the origin are rounded.
                         let placed = 0.5 * f64::EPSILON * rest[0].abs().max(rest[1].abs()) / step;
-                        let loss = 1e-9 * (1.0 + truth.abs().max_element()) + 1e-4 * cell.half * cell.half + placed;
+                        let loss = 1e-9 * (1.0 + truth.abs().max_element())
+                            + 1e-4 * cells.half(cell) * cells.half(cell)
+                            + placed;
                         let off = 0.5 * (own - slope).abs();
-                        assert!(off <= cell.remainder.turn + loss, "sea {index}, camera {case}: {off:e}");
+                        assert!(off <= turn + loss, "sea {index}, camera {case}: {off:e}");
                     }
                     looked_at += 1;
                     close += usize::from(off > 1e-3 * bound);
@@ -115,7 +122,7 @@ fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
     for (index, sea) in seas().iter().enumerate() {
         for case in 0..6 {
             let projector = projector(case + 5 * index as u32, [[0.0, 0.0], [2e3, -1e3]][case as usize % 2]);
-            let Ok(cells) = SeaCells::new(sea, &projector, &|| false) else { continue };
+            let Some(cells) = Cells::new(sea, &projector) else { continue };
             for pick in 0..40 {
                 let ray = projector.ray(48.0 * part(pick, 0.618), 27.0 * part(pick, 0.414));
                 let Some([start, end]) = stretch(sea, &ray) else { continue };
@@ -130,7 +137,7 @@ fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
                         );
                         assert!(sheet.is_none_or(|sheet| sheet.holds(rest)), "{sheet:?} without {rest:?}");
                         alone += usize::from(sheet.is_some());
-                        overhung += usize::from(sea.carried(&projector, rest).precise.sample.jacobian() < 0.0);
+                        overhung += usize::from(carried(sea, &projector, rest).1.jacobian() < 0.0);
                         met += 1;
                     }
                     (First::Nothing, None) => missed += 1,
@@ -181,7 +188,7 @@ fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
 #[test]
 fn cells_far_from_the_origin_are_as_large_as_rounding_lets_them_be() {
     let sea = &seas()[0];
-    let count = |middle: [f64; 2]| SeaCells::new(sea, &projector(0, middle), &|| false).map(|cells| cells.cells.len());
+    let count = |middle: [f64; 2]| Cells::new(sea, &projector(0, middle)).map(|cells| cells.count());
     let (near, far) = (count([0.0, 0.0]).expect("something is seen"), count([1e8, 0.0]).expect("something is seen"));
     assert!(2 * far < 3 * near, "{near} cells near the origin, {far} far from it");
 }
@@ -192,22 +199,22 @@ fn squares_without_their_middles_in_sight_are_kept_where_waves_carry_them_into_i
     for (index, sea) in seas().iter().enumerate().take(4) {
         for case in 0..6 {
             let projector = projector(case + 5 * index as u32, [0.0, 0.0]);
-            let Ok(cells) = SeaCells::new(sea, &projector, &|| false) else { continue };
+            let Some(cells) = Cells::new(sea, &projector) else { continue };
             for pick in 0..2000 {
                 // A point of the sea that the region holds lies in a cell.
                 let far = 60.0 * part(pick, 0.31);
                 let [x, z] = [far * (part(pick, 0.618) - 0.5), far * (part(pick, 0.414) - 0.5)];
                 let rest = [projector.position.x + x, projector.position.z + z];
-                let point = cells.axes.point(sea.carried(&projector, rest).point);
-                if cells.region.misses([point, point]) {
+                let point = cells.point(carried(sea, &projector, rest).0);
+                if cells.misses(point) {
                     continue;
                 }
-                let own = cells.axes.point(DVec3::new(rest[0], sea.level, rest[1]));
-                let is_in = |cell: &super::cells::Cell| {
-                    let [s, t] = cell.place(own);
+                let own = cells.point(DVec3::new(rest[0], sea.level(), rest[1]));
+                let is_in = |cell: usize| {
+                    let [s, t] = cells.place(cell, own);
                     s.clamp(-1e-9, 1.0 + 1e-9) == s && t.clamp(-1e-9, 1.0 + 1e-9) == t
                 };
-                assert!(cells.cells.iter().any(is_in), "sea {index}, camera {case}: {rest:?} is seen at {point}");
+                assert!((0..cells.count()).any(is_in), "sea {index}, camera {case}: {rest:?} is seen at {point}");
                 held += 1;
             }
         }

@@ -1,9 +1,13 @@
 //! Valid and invalid meshes.
 
-use super::mesh::{joined, mesh};
-use super::samples::{buoy, glb, glb_of, obj_of};
-use crate::{DVec3, Triangles};
+mod patches;
+mod samples;
+
+use samples::{buoy, glb, glb_of, obj_of};
 use std::path::{Path, PathBuf};
+use trochoid_scene::files::mesh;
+use trochoid_scene::inside::joined;
+use trochoid_scene::{DVec3, Triangles};
 
 fn samples(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../samples").join(name)

@@ -1,7 +1,7 @@
 //! Generator of the buoy under `samples/`.
 
-use crate::{DVec3, Triangles};
 use std::fmt::Write as _;
+use trochoid_scene::{DVec3, Triangles};
 
 /// Radius and height in meters around the axis, from the keel up; the waterline is at 0.
 const PROFILE: [[f64; 2]; 15] = [

@@ -1,24 +1,22 @@
-use trochoid_image::{Format, Window};
+//! Tests of what samples see, against the formulas and one by one.
 
-use super::*;
-use crate::patches::Patches;
-use crate::surface::{GivenUp, Hit, Topology};
-use crate::{Camera, Projection, Ray, Surface};
+use trochoid_image::{Channel, ChannelSet, Format, Window};
+use trochoid_scene::inside::{heights, look, patches, plane, rounded, triangle};
+use trochoid_scene::shading::unit_or_up;
+use trochoid_scene::{
+    Between, Camera, DVec3, GivenUp, GridSurface, Hit, Mesh, Projection, Projector, Ray, Samples, Surface, Topology,
+    Visible,
+};
 
 /// Computes the attributes of one triangle at a pixel by itself, straight from the formulas.
-fn plain(visible: &Visible, number: u64, pixel: [f64; 2]) -> [f32; Channel::ALL.len()] {
+fn plain(visible: &Visible, number: Option<u64>, pixel: [f64; 2]) -> [f32; Channel::ALL.len()] {
     let mut answers = Channel::ALL.map(Channel::background);
-    if number == NOTHING {
-        return answers;
-    }
-    let primitive = (number / 2) as u32;
-    let surface = visible.layer(primitive);
-    let layer = &visible.layers[surface];
-    let triangle = layer.triangles((primitive - visible.firsts[surface]) as usize)[(number % 2) as usize];
-    let (mesh, projector) = (&layer.mesh, &visible.projector);
+    let Some(number) = number else { return answers };
+    let (surface, mesh, triangle) = triangle(visible, number);
+    let projector = visible.projector();
     let vertices = triangle.map(|vertex| vertex as usize);
     let positions = vertices.map(|vertex| glam::Vec3::from(mesh.positions[vertex]).as_dvec3());
-    let (across, upward) = projector.plane(pixel[0], pixel[1]);
+    let (across, upward) = plane(projector, pixel);
     let (ray, [p, q, r]) = if projector.orthographic {
         (projector.forward, positions.map(|position| position - across - upward))
     } else {
@@ -160,11 +158,11 @@ impl Random {
         let between = if case & 2 != 0 {
             let tangents = self.values::<3>(2 * columns * rows, hostile).as_chunks::<2>().0.to_vec();
             let steps = self.values::<1>(rows - 1, hostile).concat();
-            Between::Patches(Patches::new(columns, &positions, tangents, steps, case & 4 != 0))
+            Between::Patches(patches(columns, &positions, tangents, steps, case & 4 != 0))
         } else {
-            let heights = self.values::<1>(60 * 40, hostile).concat();
-            let grid = crate::GridSurface::new(heights, 60, 0.21, [93.8, -18.0], -1.0);
-            Between::Heights(HeightField::new(&grid, ChannelSet::ALL))
+            let values = self.values::<1>(60 * 40, hostile).concat();
+            let grid = GridSurface::new(values, 60, 0.21, [93.8, -18.0], -1.0);
+            Between::Heights(heights(&grid))
         };
         let rests = if case & 2 != 0 { self.values(columns * rows, hostile) } else { Vec::new() };
         let topology = Topology::Grid { columns, rows };
@@ -234,14 +232,9 @@ fn hits_side_by_side_have_the_bits_of_each_by_itself() {
         // Compares all samples together with this one alone, which is requested by an offset that belongs to no
         // sample.
         let all = || (0..window.area() as i64).map(|index| [window.x0 + index % 90, window.y0 + index / 90]);
-        let look = |visible: &Visible| {
-            let mut numbers = Vec::new();
-            visible.look(window, offset, |seen| numbers.extend(all().map(|[x, y]| seen.triangle(x, y))));
-            numbers
-        };
         let alone = Visible::prepare(&camera, &surfaces, Format::new(90, 50, 1).expect("valid"), ChannelSet::ALL);
-        let seen = look(&visible);
-        assert!(look(&alone) == seen, "case {case}: samples together and each by itself");
+        let seen = look(&visible, window, offset);
+        assert!(look(&alone, window, offset) == seen, "case {case}: samples together and each by itself");
         let some: Vec<[i64; 2]> = all().filter(|_| random.next() < 0.4).collect();
         let mut alone = Samples::new();
         visible.fill_pixels(&some, offset, ChannelSet::ALL, &mut alone);
@@ -256,11 +249,10 @@ fn hits_side_by_side_have_the_bits_of_each_by_itself() {
         for (index, &number) in seen.iter().enumerate() {
             let place = [index % window.width(), index / window.width()];
             let pixel = [0, 1].map(|axis| {
-                let unit = f64::from(1_u32 << visible.raster.bits);
                 let first = [window.x0, window.y0][axis] + place[axis] as i64;
-                first as f64 + visible.raster.fix(offset[axis]) as f64 / unit
+                first as f64 + rounded(&visible, offset[axis])
             });
-            hits += usize::from(number != NOTHING);
+            hits += usize::from(number.is_some());
             let truth = plain(&visible, number, pixel);
             for channel in Channel::ALL {
                 let (found, truth) = (samples.channel(channel)[index], truth[channel as usize]);

@@ -1,6 +1,7 @@
-use glam::{DVec3, Vec3};
+//! Tests of the fast forms of shading against their references.
 
-use super::{blinn, fresnel, lambert};
+use glam::{DVec3, Vec3};
+use trochoid_scene::shading::{blinn, fresnel, lambert};
 
 /// Returns deterministic directions, some of them degenerate.
 fn directions(seed: u64, count: usize) -> Vec<DVec3> {

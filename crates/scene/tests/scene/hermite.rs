@@ -1,4 +1,8 @@
-use super::*;
+//! Tests of patches between the vertices of grids.
+
+use trochoid_image::Format;
+use trochoid_scene::inside::{self, point_of};
+use trochoid_scene::{Camera, DVec3, Patches, Projection, Projector};
 
 /// Columns and rows of the grids.
 const SIDE: usize = 9;
@@ -41,7 +45,7 @@ fn grid(wave: &Wave, rows: &[f64], closed: bool) -> (Vec<[f32; 3]>, Patches) {
         }
     }
     let steps = rows.windows(2).map(|rows| (rows[1] - rows[0]) as f32).collect();
-    let patches = Patches::new(SIDE, &positions, tangents, steps, closed);
+    let patches = inside::patches(SIDE, &positions, tangents, steps, closed);
     (positions, patches)
 }
 
@@ -52,27 +56,26 @@ struct PatchPoint {
     by_v: DVec3,
 }
 
-impl Cells {
-    /// Returns a point of the first cell.
+/// One cell of a grid.
+struct Cell<'a> {
+    positions: &'a [[f32; 3]],
+    patches: &'a Patches,
+    place: [usize; 2],
+    eye: Projector,
+}
+
+impl Cell<'_> {
+    /// Returns a point of the cell.
     fn point(&self, u: f64, v: f64) -> PatchPoint {
-        let points = self.at(&[u as f32; WIDE], &[v as f32; WIDE]);
-        let vector = |of: &[Wide; 3]| DVec3::from_array(of.each_ref().map(|axis| f64::from(axis[0])));
-        let first = DVec3::from_array(self.firsts.map(|axis| axis[0]));
-        let position = first + vector(&points.positions);
-        PatchPoint { position, by_u: vector(&points.by_u), by_v: vector(&points.by_v) }
+        let [position, by_u, by_v] = point_of(self.patches, self.positions, SIDE, self.place, [u, v], &self.eye);
+        PatchPoint { position, by_u, by_v }
     }
 }
 
-/// Returns one cell.
-fn cell(positions: &[[f32; 3]], patches: &Patches, row: usize, column: usize) -> Cells {
-    let format = trochoid_image::Format::new(8, 8, 1).unwrap();
+fn cell<'a>(positions: &'a [[f32; 3]], patches: &'a Patches, row: usize, column: usize) -> Cell<'a> {
     let (position, target) = (DVec3::ZERO, DVec3::NEG_Z);
-    let projection = crate::Projection::Perspective { fov: 1.0 };
-    let projector = crate::Camera { position, target, roll: 0.0, projection }.projector(format);
-    let view = PatchView { patches, positions, columns: SIDE, rows: positions.len() / SIDE, projector: &projector };
-    let mut walks = [Walk::default(); WIDE];
-    walks[0] = Walk { row, column, ..Walk::default() };
-    view.cells(&walks, 1)
+    let camera = Camera { position, target, roll: 0.0, projection: Projection::Perspective { fov: 1.0 } };
+    Cell { positions, patches, place: [row, column], eye: camera.projector(Format::new(8, 8, 1).unwrap()) }
 }
 
 /// Patches between evenly spaced vertices miss a wave by no more than the theory of Hermite interpolation says, and
