@@ -46,6 +46,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("trochoid-cli", &["trochoid", "trochoid-diagram", "trochoid-terminal"]),
     ("trochoid-tests", &["trochoid", "trochoid-diagram"]),
     ("trochoid-bench", &["trochoid", "trochoid-sea"]),
+    ("trochoid-files-tests", &["trochoid-image", "trochoid-io"]),
 ];
 
 /// Returns the packages of the workspace, as Cargo describes them.
@@ -68,7 +69,7 @@ fn arrows() -> BTreeMap<String, BTreeSet<String>> {
     packages
         .iter()
         .map(|package| {
-            let tests = name(package) == "trochoid-tests";
+            let tests = name(package).ends_with("-tests");
             let dependencies = package["dependencies"].as_array().unwrap().iter();
             // Tests have nothing but dev-dependencies.
             let counted = dependencies.filter(|dependency| tests || dependency["kind"] != "dev");

@@ -4,7 +4,7 @@ use half::f16;
 use trochoid_image::{Plane, Window, WorkingSpace};
 
 use super::make::values;
-use crate::{
+use trochoid_io::{
     Error, ExrChannel, ExrImage, Limits, PngImage, SampleType, Samples, Selection, check_whole, info, read,
     read_metadata, readable_metadata, write_exr, write_png8,
 };

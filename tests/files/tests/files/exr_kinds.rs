@@ -5,8 +5,8 @@ use exr::math::{RoundingMode, Vec2};
 use exr::meta::attribute::LineOrder;
 use trochoid_image::Window;
 
-use super::make::{METHODS, Method, Part, describe, exr, read};
-use crate::{Compression, Encoding, Error, Levels, SampleType, Selection, Storage};
+use super::make::{METHODS, Method, Part, describe, exr, file, read};
+use trochoid_io::{Compression, Encoding, Error, Levels, SampleType, Selection, Storage};
 
 /// Checks the three channels of a part made by [`Part`].
 fn check(part: &Part, bytes: &[u8], selection: &Selection) {
@@ -103,8 +103,7 @@ fn only_wanted_channels_come_and_in_the_wanted_order() {
 fn large_tiles_in_many_bands() {
     let part = Part { size: (2100, 2100), ..Part::tiled(Method::RLE, (256, 100)) };
     let bytes = exr(std::slice::from_ref(&part));
-    let limits = crate::Limits::default();
-    let source = crate::source::SourceFile::of_bytes(bytes);
-    let picture = crate::read::read_of(source, &Selection::channels(["Z"]), &limits).unwrap();
+    let limits = trochoid_io::Limits::default();
+    let picture = trochoid_io::read(file(&bytes).path(), &Selection::channels(["Z"]), &limits).unwrap();
     assert_eq!(picture.channels[0].plane.samples(), part.float());
 }

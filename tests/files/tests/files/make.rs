@@ -1,6 +1,6 @@
 //! Construction of small files, byte by byte or with the `exr` crate.
 
-use std::io::Cursor;
+use std::io::{Cursor, Write};
 
 use exr::image::write::WritableImage;
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer, Levels as ExrLevels, RipMaps};
@@ -9,9 +9,9 @@ use exr::meta::attribute::{IntegerBounds, LineOrder, Text};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use tempfile::NamedTempFile;
 
-use crate::source::SourceFile;
-use crate::{Error, Info, Levels, Limits, Picture, Selection};
+use trochoid_io::{Error, Info, Levels, Limits, Picture, Selection};
 
 pub(super) use exr::compression::Compression as Method;
 
@@ -31,12 +31,19 @@ pub(super) const METHODS: [Method; 10] = [
 
 pub(super) const SMALL: Limits = Limits { pixels: 1 << 20, bytes: 16 << 20 };
 
+/// Returns a file with these bytes, which is there as long as the result.
+pub(super) fn file(bytes: &[u8]) -> NamedTempFile {
+    let mut file = NamedTempFile::new().unwrap();
+    file.write_all(bytes).unwrap();
+    file
+}
+
 pub(super) fn read(bytes: &[u8], selection: &Selection) -> Result<Picture, Error> {
-    crate::read::read_of(SourceFile::of_bytes(bytes.to_vec()), selection, &SMALL)
+    trochoid_io::read(file(bytes).path(), selection, &SMALL)
 }
 
 pub(super) fn describe(bytes: &[u8]) -> Result<Info, Error> {
-    crate::read::info_of(&mut SourceFile::of_bytes(bytes.to_vec()), &SMALL)
+    trochoid_io::info(file(bytes).path(), &SMALL)
 }
 
 pub(super) fn random() -> Pcg64Mcg {

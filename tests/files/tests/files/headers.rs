@@ -2,9 +2,10 @@
 
 use trochoid_image::{Chromaticities, Window};
 
-use super::make::{Method, Part, SMALL, describe, exr, read};
-use crate::source::SourceFile;
-use crate::{BandBuffer, Compression, Error, ExrReader, FileKind, Levels, Limits, SampleType, Selection, Storage};
+use super::make::{Method, Part, SMALL, describe, exr, file, read};
+use trochoid_io::{
+    BandBuffer, Compression, Error, ExrReader, FileKind, Levels, Limits, SampleType, Selection, Storage, info,
+};
 
 /// Builder of headers, attribute by attribute.
 #[derive(Clone)]
@@ -71,8 +72,8 @@ fn huge_claims_are_refused_at_once() {
     let huge = Head::new(0).part(100_000, 100_000, 3).end();
     assert!(huge.len() < 1024);
     for result in [
-        crate::read::info_of(&mut SourceFile::of_bytes(huge.clone()), &Limits::default()).map(|_| ()),
-        crate::read::read_of(SourceFile::of_bytes(huge.clone()), &Selection::default(), &Limits::default()).map(|_| ()),
+        info(file(&huge).path(), &Limits::default()).map(|_| ()),
+        trochoid_io::read(file(&huge).path(), &Selection::default(), &Limits::default()).map(|_| ()),
     ] {
         let error = result.unwrap_err();
         assert!(matches!(error, Error::TooLarge { found: 10_000_000_000, limit: 2_147_483_648, .. }), "{error}");
@@ -88,7 +89,7 @@ fn huge_claims_are_refused_at_once() {
     // Small enough in pixels, but one chunk would need too much memory.
     let wide = Head::new(0).part(1 << 20, 1, 9).end();
     let limits = Limits { pixels: u64::MAX, bytes: 1 << 20 };
-    let error = crate::read::read_of(SourceFile::of_bytes(wide), &Selection::default(), &limits).unwrap_err();
+    let error = trochoid_io::read(file(&wide).path(), &Selection::default(), &limits).unwrap_err();
     assert!(matches!(error, Error::TooLarge { .. }), "{error}");
 }
 
@@ -102,7 +103,7 @@ fn a_chunk_that_cannot_hold_its_pixels_takes_no_memory() {
         bytes.extend(0_i32.to_le_bytes());
         bytes.extend(40_i32.to_le_bytes());
         bytes.extend([0x78; 40]);
-        let of = |bytes: &[u8]| ExrReader::of(SourceFile::of_bytes(bytes.to_vec()), &Selection::default(), &SMALL);
+        let of = |bytes: &[u8]| ExrReader::open(file(bytes).path(), &Selection::default(), &SMALL);
         let reader = of(&bytes).unwrap();
         let mut buffer = BandBuffer::new();
         let error = reader.decode(0, &mut buffer).unwrap_err();
@@ -220,7 +221,9 @@ fn a_readable_part_beside_one_that_is_not() {
 fn interrupted_writers_are_recognized() {
     let part = Part::new(Method::ZIP16);
     let mut bytes = exr(std::slice::from_ref(&part));
-    let table = crate::exr_file::Header::read(&mut SourceFile::of_bytes(bytes.clone())).unwrap().tables as usize;
+    // The table of three chunks begins where the position of the first chunk is that of the table's end.
+    let word = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
+    let table = (0..bytes.len() - 8).find(|at| word(*at) == *at as u64 + 3 * 8).unwrap();
     bytes[table + 8..table + 16].fill(0);
     let message = refused(&bytes).to_string();
     assert!(message.contains("chunk 1 (rows 27 to 42)") && message.contains("interrupted"), "{message}");
@@ -256,7 +259,7 @@ fn a_header_is_described() {
 
 #[test]
 fn other_files_are_refused() {
-    let refused = |bytes: &[u8]| crate::read::info_of(&mut SourceFile::of_bytes(bytes.to_vec()), &SMALL).unwrap_err();
+    let refused = |bytes: &[u8]| describe(bytes).unwrap_err();
     for (bytes, found) in [(&b""[..], "an empty file"), (b"v", "text"), (b"GIF89a..", "a GIF picture")] {
         let error = refused(bytes);
         assert!(matches!(error, Error::NoPicture { .. }) && error.to_string().contains(found), "{error}");
@@ -267,7 +270,7 @@ fn other_files_are_refused() {
     }
     let folder = tempfile::tempdir().unwrap();
     for path in [folder.path().to_path_buf(), folder.path().join("missing.exr")] {
-        let error = crate::read(&path, &Selection::default(), &SMALL).unwrap_err();
+        let error = trochoid_io::read(&path, &Selection::default(), &SMALL).unwrap_err();
         assert!(matches!(error, Error::Io { .. } | Error::NotAFile { .. }), "{error}");
         assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
     }

@@ -7,15 +7,14 @@ use exr::math::Vec2;
 use rand::RngExt;
 use trochoid_image::{Plane, Window};
 
-use super::make::{METHODS, Method, Part, SMALL, exr, random, values};
-use crate::source::SourceFile;
-use crate::{
+use super::make::{METHODS, Method, Part, SMALL, exr, file, random, values};
+use trochoid_io::{
     BandBuffer, EncodeScratch, EncodedBand, Error, ExrChannel, ExrHeader, ExrImage, ExrReader, ExrWriter, Limits,
     SampleType, Samples, Selection, info, read, read_metadata, write_exr,
 };
 
 fn reader(bytes: &[u8], selection: &Selection) -> ExrReader {
-    ExrReader::of(SourceFile::of_bytes(bytes.to_vec()), selection, &SMALL).unwrap()
+    ExrReader::open(file(bytes).path(), selection, &SMALL).unwrap()
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use half::f16;
 
 use super::make::read;
-use crate::{Encoding, Error, SampleType, Selection};
+use trochoid_io::{Encoding, Error, SampleType, Selection};
 
 const WIDTH: usize = 19;
 const HEIGHT: usize = 11;

@@ -5,9 +5,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use image::{DynamicImage, ImageFormat};
 use rand::{Rng, RngExt};
 
-use super::make::{METHODS, Method, Part, SMALL, exr, random, read};
-use crate::source::SourceFile;
-use crate::{Levels, Selection, metadata};
+use super::make::{METHODS, Method, Part, SMALL, exr, file, random, read};
+use trochoid_io::{Levels, Selection};
 
 /// Returns small valid files of every kind.
 fn files() -> Vec<(String, Vec<u8>)> {
@@ -41,9 +40,10 @@ fn files() -> Vec<(String, Vec<u8>)> {
 /// Calls all functions that read. Any result is accepted, as long as they return.
 fn survive(name: &str, case: &str, bytes: &[u8]) {
     let attempt = catch_unwind(AssertUnwindSafe(|| {
-        let _ = crate::read::info_of(&mut SourceFile::of_bytes(bytes.to_vec()), &SMALL);
-        let _ = metadata::metadata_of(&mut SourceFile::of_bytes(bytes.to_vec()));
-        if let Ok(picture) = read(bytes, &Selection::default()) {
+        let file = file(bytes);
+        let _ = trochoid_io::info(file.path(), &SMALL);
+        let _ = trochoid_io::read_metadata(file.path());
+        if let Ok(picture) = trochoid_io::read(file.path(), &Selection::default(), &SMALL) {
             let held: usize = picture.channels.iter().map(|channel| channel.plane.samples().len() * 4).sum();
             assert!(held as u64 <= SMALL.bytes);
         }

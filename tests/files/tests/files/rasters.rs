@@ -5,9 +5,8 @@ use std::io::Cursor;
 use image::{DynamicImage, ImageFormat};
 use trochoid_image::Window;
 
-use super::make::{SMALL, describe, read};
-use crate::source::SourceFile;
-use crate::{Encoding, Error, FileKind, Limits, SampleType, Selection};
+use super::make::{SMALL, describe, file, read};
+use trochoid_io::{Encoding, Error, FileKind, Limits, SampleType, Selection};
 
 const WIDTH: u32 = 13;
 const HEIGHT: u32 = 7;
@@ -118,8 +117,8 @@ fn huge_claims_are_refused() {
     assert!(!matches!(read(&huge, &Selection::default()), Ok(_) | Err(Error::Io { .. })));
     let tight = Limits { bytes: 100, ..SMALL };
     for format in [ImageFormat::Png, ImageFormat::Tiff, ImageFormat::Jpeg] {
-        let source = SourceFile::of_bytes(encoded(&image, format));
-        let error = crate::read::read_of(source, &Selection::default(), &tight).unwrap_err();
+        let file = file(&encoded(&image, format));
+        let error = trochoid_io::read(file.path(), &Selection::default(), &tight).unwrap_err();
         assert!(matches!(error, Error::TooLarge { .. } | Error::Unsupported { .. }), "{format:?}: {error}");
     }
 }
