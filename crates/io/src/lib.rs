@@ -112,6 +112,3 @@ pub use samples::Samples;
 pub use selection::{PartName, Selection};
 #[cfg(feature = "pictures")]
 pub use statistics::{Statistics, statistics};
-
-#[cfg(all(test, feature = "pictures"))]
-mod tests;

@@ -1,4 +1,3 @@
-use std::io::{BufRead, Seek};
 use std::path::Path;
 
 use crate::source::{self, SourceFile};
@@ -16,7 +15,7 @@ pub fn read_metadata(path: impl AsRef<Path>) -> Result<Vec<(String, String)>, Er
     metadata_of(&mut source::open(path.as_ref())?)
 }
 
-pub(crate) fn metadata_of<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Vec<(String, String)>, Error> {
+pub(crate) fn metadata_of(source: &mut SourceFile) -> Result<Vec<(String, String)>, Error> {
     match source.kind()? {
         FileKind::Exr => Ok(exr_file::Header::read(source)?.into_strings()),
         FileKind::Png => png_file::read_text(source),

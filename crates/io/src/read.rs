@@ -1,10 +1,9 @@
 //! Reading of any kind of image file: its kind, its header, its pixels.
 
-use std::io::{BufRead, Seek};
 use std::path::Path;
 
 use crate::exr_file::{self, ExrReader};
-use crate::source::{self, Shareable, SourceFile};
+use crate::source::{self, SourceFile};
 use crate::{Error, FileKind, Info, Limits, Picture, PictureInfo, Selection, raster};
 
 /// Returns the kind of an image file by its first bytes, whatever its name.
@@ -25,7 +24,7 @@ pub fn info(path: impl AsRef<Path>, limits: &Limits) -> Result<Info, Error> {
     info_of(&mut source::open(path.as_ref())?, limits)
 }
 
-pub(crate) fn info_of<R: BufRead + Seek>(source: &mut SourceFile<R>, limits: &Limits) -> Result<Info, Error> {
+pub(crate) fn info_of(source: &mut SourceFile, limits: &Limits) -> Result<Info, Error> {
     let kind = source.kind()?;
     let parts = match kind {
         FileKind::Exr => exr_file::Header::read(source)?.into_parts(),
@@ -46,11 +45,7 @@ pub fn read(path: impl AsRef<Path>, selection: &Selection, limits: &Limits) -> R
     read_of(source::open(path.as_ref())?, selection, limits)
 }
 
-pub(crate) fn read_of<R: Shareable>(
-    mut source: SourceFile<R>,
-    selection: &Selection,
-    limits: &Limits,
-) -> Result<Picture, Error> {
+pub(crate) fn read_of(mut source: SourceFile, selection: &Selection, limits: &Limits) -> Result<Picture, Error> {
     match source.kind()? {
         FileKind::Exr => ExrReader::of(source, selection, limits)?.picture(),
         kind => {

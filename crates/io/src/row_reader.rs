@@ -1,5 +1,3 @@
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
 use crate::raster::{self, Form, TakeRow};
@@ -28,7 +26,7 @@ use crate::{Error, FileKind, Limits, PictureInfo, Selection};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct RowReader {
-    source: SourceFile<BufReader<File>>,
+    source: SourceFile,
     kind: FileKind,
     form: Form,
     info: PictureInfo,

@@ -1,21 +1,22 @@
-//! Sources of bytes: files and memory, read with the place in every error.
+//! Files as sources of bytes, read with the place in every error.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::open::{OpenFile, open_file};
 use crate::{Error, FileKind, describe};
 
-/// File or bytes in memory, with a name for messages and the length that claims are checked against.
-pub(crate) struct SourceFile<R> {
+/// File with a name for messages and the length that claims are checked against.
+pub(crate) struct SourceFile {
     pub(crate) path: PathBuf,
     pub(crate) length: u64,
-    pub(crate) reader: R,
+    pub(crate) reader: BufReader<File>,
 }
 
 /// Opens a regular file.
-pub(crate) fn open(path: &Path) -> Result<SourceFile<BufReader<File>>, Error> {
+pub(crate) fn open(path: &Path) -> Result<SourceFile, Error> {
     let OpenFile { file, length } = open_file(path)?;
     Ok(SourceFile { path: path.into(), length, reader: BufReader::new(file) })
 }
@@ -24,21 +25,6 @@ pub(crate) fn open(path: &Path) -> Result<SourceFile<BufReader<File>>, Error> {
 pub(crate) trait ReadAt: Send + Sync {
     /// Fills `bytes` from `position` on.
     fn read_at(&self, bytes: &mut [u8], position: u64) -> std::io::Result<()>;
-}
-
-/// Reader whose bytes threads can share afterward.
-pub(crate) trait Shareable: BufRead + Seek {
-    /// Returns the same bytes without a position.
-    fn share(self) -> Box<dyn ReadAt>;
-}
-
-impl Shareable for BufReader<File> {
-    fn share(self) -> Box<dyn ReadAt> {
-        #[cfg(unix)]
-        return Box::new(self.into_inner());
-        #[cfg(not(unix))]
-        return Box::new(std::sync::Mutex::new(self.into_inner()));
-    }
 }
 
 #[cfg(unix)]
@@ -58,7 +44,15 @@ impl ReadAt for std::sync::Mutex<File> {
     }
 }
 
-impl<R: Read + Seek> SourceFile<R> {
+impl SourceFile {
+    /// Returns the same bytes without a position, for threads to share.
+    pub(crate) fn share(self) -> Arc<dyn ReadAt> {
+        #[cfg(unix)]
+        return Arc::new(self.reader.into_inner());
+        #[cfg(not(unix))]
+        return Arc::new(std::sync::Mutex::new(self.reader.into_inner()));
+    }
+
     /// Returns the kind of image file by the first bytes, whatever the name of the file.
     pub(crate) fn kind(&mut self) -> Result<FileKind, Error> {
         let mut magic = Vec::new();
@@ -84,29 +78,5 @@ impl<R: Read + Seek> SourceFile<R> {
             return Err(Error::invalid(&self.path, place, found, format!("{count} bytes")));
         }
         Ok(bytes)
-    }
-}
-
-#[cfg(test)]
-impl Shareable for std::io::Cursor<Vec<u8>> {
-    fn share(self) -> Box<dyn ReadAt> {
-        Box::new(self.into_inner())
-    }
-}
-
-#[cfg(test)]
-impl ReadAt for Vec<u8> {
-    fn read_at(&self, bytes: &mut [u8], position: u64) -> std::io::Result<()> {
-        let tail = usize::try_from(position).ok().and_then(|position| self.get(position..));
-        tail.ok_or(std::io::ErrorKind::UnexpectedEof)?.read_exact(bytes)
-    }
-}
-
-#[cfg(test)]
-impl SourceFile<std::io::Cursor<Vec<u8>>> {
-    /// Creates a source from bytes in memory, with a name for messages.
-    pub(crate) fn of_bytes(bytes: Vec<u8>) -> Self {
-        let length = bytes.len() as u64;
-        Self { path: "memory".into(), length, reader: std::io::Cursor::new(bytes) }
     }
 }

@@ -14,8 +14,6 @@
 //! # Features
 //! With `files`, the module `files` reads meshes and models of patches from the bytes of files.
 
-#![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
-
 pub mod bezier;
 mod boxes;
 mod camera;
@@ -35,6 +33,8 @@ mod grid_ranges;
 mod grid_ray;
 mod grid_surface;
 mod grid_values;
+#[doc(hidden)]
+pub mod inside;
 mod light;
 mod meet_near;
 mod obstacles;

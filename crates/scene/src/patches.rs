@@ -445,6 +445,22 @@ fn normal(points: &PatchPoints, axis: usize, lane: usize) -> f32 {
     u[next][lane] * v[last][lane] - u[last][lane] * v[next][lane]
 }
 
-#[cfg(test)]
-#[path = "patches_tests.rs"]
-mod tests;
+/// Returns a point of the cell at a row and column of a grid, at a place in it, and its derivatives by this place; for
+/// tests.
+pub fn point_of(
+    patches: &Patches,
+    positions: &[[f32; 3]],
+    columns: usize,
+    [row, column]: [usize; 2],
+    [u, v]: [f64; 2],
+    projector: &Projector,
+) -> [DVec3; 3] {
+    let view = PatchView { patches, positions, columns, rows: positions.len() / columns, projector };
+    let mut walks = [Walk::default(); WIDE];
+    walks[0] = Walk { row, column, ..Walk::default() };
+    let cells = view.cells(&walks, 1);
+    let points = cells.at(&[u as f32; WIDE], &[v as f32; WIDE]);
+    let vector = |of: &[Wide; 3]| DVec3::from_array(of.each_ref().map(|axis| f64::from(axis[0])));
+    let first = DVec3::from_array(cells.firsts.map(|axis| axis[0]));
+    [first + vector(&points.positions), vector(&points.by_u), vector(&points.by_v)]
+}

@@ -489,7 +489,3 @@ impl Block<'_> {
         }
     }
 }
-
-#[cfg(test)]
-#[path = "resolve_tests.rs"]
-mod tests;

@@ -1,6 +1,5 @@
 //! Locating and reading of compressed chunks.
 
-use std::io::{BufRead, Seek};
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -60,7 +59,7 @@ pub(super) struct Chunks {
 /// # Errors
 /// A chunk is missing or out of place, or bytes follow the last; or the file is of a kind that this crate does not
 /// write.
-pub(crate) fn check_whole<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<(), Error> {
+pub(crate) fn check_whole(source: &mut SourceFile) -> Result<(), Error> {
     let header = Header::read(source)?;
     let chunks = Chunks::find(source, &header, 0)?;
     if chunks.multi_part || chunks.layout.tiled {
@@ -108,11 +107,7 @@ pub(super) struct Position {
 
 impl Chunks {
     /// Reads the part's table of offsets.
-    pub(super) fn find<R: BufRead + Seek>(
-        source: &mut SourceFile<R>,
-        header: &Header,
-        part: usize,
-    ) -> Result<Self, Error> {
+    pub(super) fn find(source: &mut SourceFile, header: &Header, part: usize) -> Result<Self, Error> {
         let (detail, place) = (&header.details[part], header.parts[part].place(part));
         let layout = detail.layout;
         if let Some(stated) = detail.stated_chunks.filter(|&stated| stated != layout.chunks) {

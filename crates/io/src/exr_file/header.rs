@@ -1,6 +1,6 @@
 //! Headers of all parts. Every claim is checked against the file's length before anything is allocated for it.
 
-use std::io::{BufRead, Read, Seek};
+use std::io::{BufRead, Read};
 
 use trochoid_image::{Chromaticities, Window};
 
@@ -59,7 +59,7 @@ struct Attribute {
 
 impl Header {
     /// Reads and checks the headers of all parts.
-    pub(crate) fn read<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Self, Error> {
+    pub(crate) fn read(source: &mut SourceFile) -> Result<Self, Error> {
         source.seek(0)?;
         let start = source.bytes(8, "version")?;
         let mut fields = Fields(&start[4..]);
@@ -115,7 +115,7 @@ impl Header {
 }
 
 /// Returns the attributes of [`Header::into_strings`], as far as the file can be read.
-pub(crate) fn readable_strings<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Vec<(String, String)> {
+pub(crate) fn readable_strings(source: &mut SourceFile) -> Vec<(String, String)> {
     let mut attributes = Vec::new();
     if source.seek(8).is_ok() {
         let _ = Reader { source, position: 8 }.attributes(0, &mut attributes);
@@ -130,12 +130,12 @@ fn strings(attributes: &[Attribute]) -> Vec<(String, String)> {
 }
 
 /// Reader of attributes, which counts the bytes.
-struct Reader<'a, R> {
-    source: &'a mut SourceFile<R>,
+struct Reader<'a> {
+    source: &'a mut SourceFile,
     position: u64,
 }
 
-impl<R: BufRead + Seek> Reader<'_, R> {
+impl Reader<'_> {
     /// Reads all attributes of one part; none at the end of the list of parts.
     fn attributes(&mut self, part: usize, attributes: &mut Vec<Attribute>) -> Result<(), Error> {
         loop {
@@ -200,13 +200,13 @@ impl<R: BufRead + Seek> Reader<'_, R> {
 }
 
 /// Creates a part from its attributes.
-struct Builder<'a, R> {
-    source: &'a SourceFile<R>,
+struct Builder<'a> {
+    source: &'a SourceFile,
     index: usize,
     version: u32,
 }
 
-impl<R> Builder<'_, R> {
+impl Builder<'_> {
     fn part(&self, attributes: Vec<Attribute>) -> Result<(PartInfo, Detail), Error> {
         let find = |name: &str| attributes.iter().find(|attribute| attribute.name == name);
         let string = |name: &str| find(name).map(|attribute| String::from_utf8_lossy(&attribute.bytes).into_owned());

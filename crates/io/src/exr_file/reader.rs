@@ -1,6 +1,5 @@
 //! Reading of one part's pixels, band by band, from any thread.
 
-use std::io::{BufRead, Seek};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -13,7 +12,7 @@ use super::failure::Failure;
 use super::header::Header;
 use super::parallel::in_order;
 use crate::limits::{grow, zeroed};
-use crate::source::{self, ReadAt, Shareable, SourceFile};
+use crate::source::{self, ReadAt, SourceFile};
 use crate::{Error, FileKind, Limits, PartInfo, Picture, PictureInfo, Selection, Storage};
 
 /// Remedy for a valid file that is not supported.
@@ -85,11 +84,7 @@ impl ExrReader {
         }
     }
 
-    pub(crate) fn of<R: Shareable>(
-        mut source: SourceFile<R>,
-        selection: &Selection,
-        limits: &Limits,
-    ) -> Result<Self, Error> {
+    pub(crate) fn of(mut source: SourceFile, selection: &Selection, limits: &Limits) -> Result<Self, Error> {
         let header = Header::read(&mut source)?;
         let found = selection.resolve(&source.path, &header.parts)?;
         let part = &header.parts[found.part];
@@ -110,7 +105,7 @@ impl ExrReader {
         let reader = Self {
             info: PictureInfo::new(part, found.part, &[]),
             part: Arc::new(part.clone()),
-            file: source.reader.share().into(),
+            file: source.share(),
             chunks: Arc::new(chunks),
             codec: Arc::new(codec),
             stored: Vec::new(),
@@ -327,7 +322,7 @@ impl std::fmt::Debug for ExrReader {
 }
 
 /// Returns the codec of a part, or the reason that it is not supported.
-fn supported<R: BufRead + Seek>(source: &SourceFile<R>, header: &Header, part: usize) -> Result<Codec, Error> {
+fn supported(source: &SourceFile, header: &Header, part: usize) -> Result<Codec, Error> {
     let info = &header.parts[part];
     let refuse =
         |place: String, found: String| Error::Unsupported { path: source.path.clone(), place, found, remedy: REMEDY };

@@ -1,6 +1,5 @@
 //! Text chunks of PNG: tEXt for Latin-1 keywords with ASCII text, iTXt for all other text.
 
-use std::io::{BufRead, Seek};
 use std::path::Path;
 
 use crate::Error;
@@ -49,21 +48,21 @@ fn push(bytes: &mut Vec<u8>, kind: [u8; 4], data: &[u8]) {
 
 /// Reads the keywords and texts of all uncompressed text chunks, in order. Compressed ones, which this crate never
 /// writes, are skipped.
-pub(crate) fn read_text<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Vec<(String, String)>, Error> {
+pub(crate) fn read_text(source: &mut SourceFile) -> Result<Vec<(String, String)>, Error> {
     let mut found = Vec::new();
     walk(source, &mut found)?;
     Ok(found)
 }
 
 /// Reads keywords and texts as far as that is possible.
-pub(crate) fn readable_text<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Vec<(String, String)> {
+pub(crate) fn readable_text(source: &mut SourceFile) -> Vec<(String, String)> {
     let mut found = Vec::new();
     let _ = walk(source, &mut found);
     found
 }
 
 /// Checks that the file ends with its end mark.
-pub(crate) fn check_whole<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<(), Error> {
+pub(crate) fn check_whole(source: &mut SourceFile) -> Result<(), Error> {
     let expected = "the end mark IEND, and nothing after it";
     match walk(source, &mut Vec::new())? {
         Some(end) if end == source.length => Ok(()),
@@ -77,10 +76,7 @@ pub(crate) fn check_whole<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Resu
 
 /// Collects texts chunk by chunk; returns the position after the end mark. Some writers omit the mark, and the decoder
 /// of the pixels judges whether anything is missing.
-fn walk<R: BufRead + Seek>(
-    source: &mut SourceFile<R>,
-    found: &mut Vec<(String, String)>,
-) -> Result<Option<u64>, Error> {
+fn walk(source: &mut SourceFile, found: &mut Vec<(String, String)>) -> Result<Option<u64>, Error> {
     let mut position = 8;
     let mut total = 0;
     source.seek(position)?;

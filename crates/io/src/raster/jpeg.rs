@@ -1,6 +1,7 @@
 //! Reading of JPEG by the `image` crate, which decodes the whole picture to bytes.
 
-use std::io::{BufRead, Seek};
+use std::fs::File;
+use std::io::{BufRead, BufReader};
 
 use image::ImageDecoder;
 use image::codecs::jpeg::JpegDecoder;
@@ -25,7 +26,7 @@ struct Frame {
 }
 
 /// Finds the header of the frame, and refuses a truncated JPEG, whose decoder would silently fill the rest with gray.
-fn frame<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Frame, Error> {
+fn frame(source: &mut SourceFile) -> Result<Frame, Error> {
     source.seek(2)?;
     let path = source.path.clone();
     let broken = |found: &str| Error::invalid(&path, PLACE, found, "segments and an end-of-image marker");
@@ -65,7 +66,7 @@ fn frame<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Frame, Error> 
     frame.ok_or_else(|| broken("no frame"))
 }
 
-pub(super) fn form<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Form, Error> {
+pub(super) fn form(source: &mut SourceFile) -> Result<Form, Error> {
     let found = frame(source)?;
     let path = &source.path;
     match found.mark {
@@ -104,15 +105,11 @@ pub(super) fn form<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Form
     Ok(form)
 }
 
-fn decoder<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<JpegDecoder<&mut R>, Error> {
+fn decoder(source: &mut SourceFile) -> Result<JpegDecoder<&mut BufReader<File>>, Error> {
     JpegDecoder::new(&mut source.reader).map_err(|_| damaged(&source.path, FileKind::Jpeg, 0))
 }
 
-pub(super) fn rows<R: BufRead + Seek>(
-    source: &mut SourceFile<R>,
-    form: &Form,
-    take: &mut TakeBytes<'_>,
-) -> Result<(), Error> {
+pub(super) fn rows(source: &mut SourceFile, form: &Form, take: &mut TakeBytes<'_>) -> Result<(), Error> {
     let path = source.path.clone();
     let decoder = decoder(source)?;
     let size = form.row_bytes() * form.height as usize;

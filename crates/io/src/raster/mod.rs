@@ -6,7 +6,6 @@ mod jpeg;
 mod png;
 mod turn;
 
-use std::io::{BufRead, Seek};
 use std::ops::ControlFlow;
 
 use image::metadata::Orientation;
@@ -23,7 +22,7 @@ pub(crate) use jpeg::DENSEST as JPEG_DENSEST;
 pub(crate) use turn::oriented;
 
 /// Reads the header.
-pub(crate) fn form<R: BufRead + Seek>(source: &mut SourceFile<R>, kind: FileKind) -> Result<Form, Error> {
+pub(crate) fn form(source: &mut SourceFile, kind: FileKind) -> Result<Form, Error> {
     source.seek(0)?;
     let form = match kind {
         FileKind::Jpeg => jpeg::form(source)?,
@@ -37,7 +36,7 @@ pub(crate) fn form<R: BufRead + Seek>(source: &mut SourceFile<R>, kind: FileKind
 }
 
 /// Returns the description of a header for users.
-pub(crate) fn info<R: BufRead + Seek>(source: &mut SourceFile<R>, kind: FileKind) -> Result<(PartInfo, Form), Error> {
+pub(crate) fn info(source: &mut SourceFile, kind: FileKind) -> Result<(PartInfo, Form), Error> {
     let attributes = if kind == FileKind::Png { png_file::read_text(source)? } else { Vec::new() };
     let form = form(source, kind)?;
     let channels = form.bases.iter().map(|base| ChannelInfo {
@@ -69,8 +68,8 @@ pub(crate) fn info<R: BufRead + Seek>(source: &mut SourceFile<R>, kind: FileKind
 }
 
 /// Decodes all rows and passes `channels` of each to the receiver, from the top down, until the receiver stops.
-pub(crate) fn each_row<R: BufRead + Seek>(
-    source: &mut SourceFile<R>,
+pub(crate) fn each_row(
+    source: &mut SourceFile,
     kind: FileKind,
     form: &Form,
     channels: &[usize],
@@ -118,12 +117,7 @@ pub(crate) fn each_row<R: BufRead + Seek>(
     Ok(())
 }
 
-fn rows<R: BufRead + Seek>(
-    source: &mut SourceFile<R>,
-    kind: FileKind,
-    form: &Form,
-    take: &mut TakeBytes<'_>,
-) -> Result<(), Error> {
+fn rows(source: &mut SourceFile, kind: FileKind, form: &Form, take: &mut TakeBytes<'_>) -> Result<(), Error> {
     source.seek(0)?;
     match kind {
         FileKind::Jpeg => jpeg::rows(source, form, take),
@@ -149,8 +143,8 @@ fn spread(row: &[u8], form: &Form, channel: usize, line: &mut [f32]) {
 }
 
 /// Decodes `channels` of the picture, in that order.
-pub(crate) fn read_planes<R: BufRead + Seek>(
-    source: &mut SourceFile<R>,
+pub(crate) fn read_planes(
+    source: &mut SourceFile,
     kind: FileKind,
     info: &PartInfo,
     form: &Form,

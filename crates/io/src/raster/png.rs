@@ -1,6 +1,7 @@
 //! Reading of PNG row by row, by the `png` crate; interlaced files are decoded as a whole.
 
-use std::io::{BufRead, ErrorKind, Seek};
+use std::fs::File;
+use std::io::{BufReader, ErrorKind};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -17,7 +18,7 @@ const DEFLATE: u64 = 1032;
 /// Memory for decoding in addition to rows, in bytes: the window of DEFLATE with its buffers, and ancillary chunks.
 const WORKING: usize = 1 << 20;
 
-fn open<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Reader<&mut R>, Error> {
+fn open(source: &mut SourceFile) -> Result<Reader<&mut BufReader<File>>, Error> {
     let path = source.path.clone();
     // The rows that the crate holds are limited by the size that the file can inflate to.
     let room = usize::try_from(source.length.saturating_mul(DEFLATE)).unwrap_or(usize::MAX).saturating_add(WORKING);
@@ -42,7 +43,7 @@ fn failed(path: &Path, row: usize, error: DecodingError) -> Error {
     }
 }
 
-pub(super) fn form<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Form, Error> {
+pub(super) fn form(source: &mut SourceFile) -> Result<Form, Error> {
     let length = source.length;
     let path = source.path.clone();
     let reader = open(source)?;
@@ -71,11 +72,7 @@ pub(super) fn form<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Form
     Ok(form)
 }
 
-pub(super) fn rows<R: BufRead + Seek>(
-    source: &mut SourceFile<R>,
-    form: &Form,
-    take: &mut TakeBytes<'_>,
-) -> Result<(), Error> {
+pub(super) fn rows(source: &mut SourceFile, form: &Form, take: &mut TakeBytes<'_>) -> Result<(), Error> {
     let path = source.path.clone();
     let mut reader = open(source)?;
     let size = form.row_bytes();

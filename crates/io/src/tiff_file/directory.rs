@@ -1,7 +1,6 @@
 //! The first directory of a TIFF or BigTIFF. Every claim is checked against the file's length.
 
 use std::collections::HashMap;
-use std::io::{BufRead, Seek};
 use std::path::{Path, PathBuf};
 
 use crate::Error;
@@ -67,7 +66,7 @@ pub(super) struct Directory {
 }
 
 impl Directory {
-    pub(super) fn read<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Self, Error> {
+    pub(super) fn read(source: &mut SourceFile) -> Result<Self, Error> {
         source.seek(0)?;
         let head = source.bytes(4, "header")?;
         let big_endian = head[0] == b'M';
@@ -113,12 +112,7 @@ impl Directory {
     }
 
     /// Returns the unsigned numbers of a tag, at most this many; none if the tag is absent.
-    pub(super) fn numbers<R: BufRead + Seek>(
-        &self,
-        source: &mut SourceFile<R>,
-        tag: u16,
-        most: u64,
-    ) -> Result<Option<Vec<u64>>, Error> {
+    pub(super) fn numbers(&self, source: &mut SourceFile, tag: u16, most: u64) -> Result<Option<Vec<u64>>, Error> {
         let Some(entry) = self.entries.get(&tag).filter(|entry| entry.count > 0) else { return Ok(None) };
         let place = format!("tag {tag}");
         let (Some(size), 1 | 3 | 4 | 7 | 13 | 16 | 18) = (entry.size(), entry.kind) else {
@@ -133,7 +127,7 @@ impl Directory {
     }
 
     /// Returns the first number of a tag.
-    pub(super) fn number<R: BufRead + Seek>(&self, source: &mut SourceFile<R>, tag: u16) -> Result<Option<u64>, Error> {
+    pub(super) fn number(&self, source: &mut SourceFile, tag: u16) -> Result<Option<u64>, Error> {
         let Some(entry) = self.entries.get(&tag) else { return Ok(None) };
         Ok(self.numbers(source, tag, entry.count.min(u64::from(u16::MAX)))?.map(|numbers| numbers[0]))
     }

@@ -1,6 +1,5 @@
 //! Layout of a TIFF's pixels according to its tags, and checks of whether it is supported.
 
-use std::io::{BufRead, Seek};
 use std::path::PathBuf;
 
 use image::metadata::Orientation;
@@ -62,12 +61,12 @@ pub(super) struct Layout {
 }
 
 /// Tags of an open file.
-struct Tags<'a, R> {
-    source: &'a mut SourceFile<R>,
+struct Tags<'a> {
+    source: &'a mut SourceFile,
     directory: Directory,
 }
 
-impl<R: BufRead + Seek> Tags<'_, R> {
+impl Tags<'_> {
     fn number(&mut self, tag: u16) -> Result<Option<u64>, Error> {
         self.directory.number(self.source, tag)
     }
@@ -211,7 +210,7 @@ fn sample_type(meaning: &Meaning, bits: usize, float: bool) -> SampleType {
 }
 
 impl Layout {
-    pub(super) fn read<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Self, Error> {
+    pub(super) fn read(source: &mut SourceFile) -> Result<Self, Error> {
         let directory = Directory::read(source)?;
         let (path, length) = (source.path.clone(), source.length);
         let mut tags = Tags { source, directory };

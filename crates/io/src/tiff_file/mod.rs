@@ -8,8 +8,6 @@ mod layout;
 mod samples;
 mod unpack;
 
-use std::io::{BufRead, Seek};
-
 use crate::limits::reserve;
 use crate::raster::{Form, PLACE, TakeBytes, damaged};
 use crate::source::SourceFile;
@@ -17,16 +15,12 @@ use crate::{Error, FileKind};
 use layout::Layout;
 
 /// Reads the tags.
-pub(crate) fn form<R: BufRead + Seek>(source: &mut SourceFile<R>) -> Result<Form, Error> {
+pub(crate) fn form(source: &mut SourceFile) -> Result<Form, Error> {
     Ok(Layout::read(source)?.form)
 }
 
 /// Decodes all rows, a row of chunks at a time.
-pub(crate) fn rows<R: BufRead + Seek>(
-    source: &mut SourceFile<R>,
-    form: &Form,
-    take: &mut TakeBytes<'_>,
-) -> Result<(), Error> {
+pub(crate) fn rows(source: &mut SourceFile, form: &Form, take: &mut TakeBytes<'_>) -> Result<(), Error> {
     let layout = Layout::read(source)?;
     let (height, high) = (form.height as usize, layout.chunk[1]);
     let row = form.row_bytes();
@@ -48,12 +42,7 @@ pub(crate) fn rows<R: BufRead + Seek>(
 }
 
 /// Returns the raw samples of the chunk that starts at row `y`; if planes are separate, one chunk of each.
-fn read_chunks<R: BufRead + Seek>(
-    source: &mut SourceFile<R>,
-    layout: &Layout,
-    y: usize,
-    column: usize,
-) -> Result<Vec<Vec<u8>>, Error> {
+fn read_chunks(source: &mut SourceFile, layout: &Layout, y: usize, column: usize) -> Result<Vec<Vec<u8>>, Error> {
     let (height, high) = (layout.form.height as usize, layout.chunk[1]);
     // The last strip has only the remaining rows; tiles are always whole.
     let rows = if layout.tiled { high } else { high.min(height - y) };

@@ -32,14 +32,3 @@ impl Pointwise for Invert {
         Reference::Mask(1.0 - inputs.scalar(&self.weight))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::testing::agrees;
-
-    #[test]
-    fn weights_change_sides() {
-        agrees("weights", r#""x": { "type": "ScreenX" }, "out": { "type": "Invert", "weight": "x" }"#);
-        agrees("weights", r#""out": { "type": "Invert", "weight": 0.3 }"#);
-    }
-}

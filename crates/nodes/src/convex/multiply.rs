@@ -36,14 +36,3 @@ impl Pointwise for Multiply {
         Reference::Mask(self.weights.iter().map(|source| inputs.scalar(source)).product())
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::testing::agrees;
-
-    #[test]
-    fn all_masks_at_once() {
-        let xy = r#""x": { "type": "ScreenX" }, "y": { "type": "ScreenY" }"#;
-        agrees("weights", &format!(r#"{xy}, "out": {{ "type": "Multiply", "weights": ["x", "y", 0.5] }}"#));
-    }
-}

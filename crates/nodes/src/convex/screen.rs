@@ -40,14 +40,3 @@ impl Pointwise for Screen {
         Reference::Mask(self.weights.iter().map(|source| inputs.scalar(source)).fold(0.0, either))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::testing::agrees;
-
-    #[test]
-    fn any_of_the_masks() {
-        let xy = r#""x": { "type": "ScreenX" }, "y": { "type": "ScreenY" }"#;
-        agrees("weights", &format!(r#"{xy}, "out": {{ "type": "Screen", "weights": ["x", "y", 0.25] }}"#));
-    }
-}

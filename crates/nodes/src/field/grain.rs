@@ -176,39 +176,3 @@ impl Prepared for PreparedGrain {
         Ok(vec![Reference::Mask(self.truth(inputs.at))])
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::testing::{Frame, graph};
-    use std::path::Path;
-
-    /// All masks of a picture of 4 × 3 pixels, at many positions within its pixels.
-    fn masks(knobs: &str) -> Vec<(f32, f64)> {
-        let nodes = format!(r#""out": {{ "type": "Grain", {knobs} }}"#);
-        let frame = Frame::new(graph("weights", &nodes, Path::new(".")).unwrap()).unwrap();
-        let id = frame.graph.find("out").unwrap();
-        let places = (0..90).flat_map(|y| (0..120).map(move |x| [f64::from(x) / 30.0, f64::from(y) / 30.0]));
-        places.map(|at| (frame.filled(id, 0, 0, at), frame.truth(at)[1])).collect()
-    }
-
-    #[test]
-    fn agrees_with_the_reference_and_lies_about_one_half() {
-        for knobs in [
-            r#""threads": 1.4"#,
-            r#""threads": 1.2, "turn": 33, "slub": 1, "seed": 8"#,
-            r#""kind": "paper", "threads": 1.4, "turn": -20"#,
-        ] {
-            let masks = masks(knobs);
-            assert!(masks.iter().all(|(found, truth)| (f64::from(*found) - truth).abs() < 3e-6), "{knobs}");
-            let mean = masks.iter().map(|(found, _)| f64::from(*found)).sum::<f64>() / masks.len() as f64;
-            assert!((mean - 0.5).abs() < 0.08, "{knobs}: {mean}");
-            let (low, high) = masks.iter().fold((1.0f32, 0.0f32), |(l, h), (m, _)| (l.min(*m), h.max(*m)));
-            assert!(high - low > 0.25, "{knobs}: from {low} to {high}");
-        }
-    }
-
-    #[test]
-    fn threads_finer_than_pixels_leave_nothing() {
-        assert!(masks(r#""threads": 3"#).iter().all(|(found, truth)| *found == 0.5 && *truth == 0.5));
-    }
-}

@@ -257,39 +257,3 @@ impl Memo {
         known.1
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bytes_by_table_are_bytes_by_formula() {
-        for (space, encoding) in [
-            (WorkingSpace::LinearSrgb, Encoded::Auto),
-            (WorkingSpace::LinearSrgb, Encoded::Linear),
-            (WorkingSpace::Srgb, Encoded::Linear),
-            (WorkingSpace::AcesCg, Encoded::Auto),
-        ] {
-            let source = ColorSource {
-                path: PathBuf::new(),
-                part: 0,
-                encoding: Encoding::Srgb,
-                chromaticities: None,
-                stored: SampleType::U8,
-                space,
-                repair: false,
-            };
-            let mut conversion = Conversion::new(source, encoding).unwrap();
-            assert_eq!(conversion.table.is_some(), conversion.matrix.is_none() && !conversion.identity);
-            let bytes: Vec<f32> = (0..=255_u8).map(|byte| f32::from(byte) / 255.0).collect();
-            let row = |conversion: &mut Conversion| {
-                let [mut r, mut g, mut b] = [bytes.clone(), bytes.clone(), bytes.clone()];
-                conversion.row([0, 0], [&mut r, &mut g, &mut b]).unwrap();
-                [r, g, b].concat().iter().map(|v| v.to_bits()).collect::<Vec<u32>>()
-            };
-            let by_table = row(&mut conversion);
-            conversion.table = None;
-            assert_eq!(by_table, row(&mut conversion), "{space} {encoding:?}");
-        }
-    }
-}

@@ -2,7 +2,7 @@
 
 use super::kept::Grid;
 use super::knobs::{FitBy, Knobs};
-use super::{Fit, Reading, limits};
+use super::{Fit, Holding, Reading, limits};
 use crate::files::shared::KEPT;
 use std::path::Path;
 use trochoid_graph::{Choice, FrameContext, Kind, MemoryContext, MemoryUse, NodeError};
@@ -12,10 +12,11 @@ use trochoid_io::{Cost, RowReader, Selection};
 /// Remedy for files that take too much memory.
 const REMEDY: &str = "crop or scale the picture, or save it as EXR, which is read row by row on demand";
 
-/// Returns the memory of a picture that is `laid` over the document's pixels (Read) or looked up anywhere (Texture).
+/// Returns the memory of a picture that is `laid` over the document's pixels and held so (Read), or looked up anywhere
+/// (Texture).
 ///
 /// Reads only headers and decodes no pixels. A file that cannot be read counts as nothing.
-pub(crate) fn memory_of_picture(knobs: Knobs<'_>, context: &MemoryContext<'_>, laid: bool) -> MemoryUse {
+pub(crate) fn memory_of_picture(knobs: Knobs<'_>, context: &MemoryContext<'_>, laid: Option<Holding>) -> MemoryUse {
     let path = context.frame.path(&knobs.named.file);
     let wanted = context.wanted.first().map(Vec::as_slice).unwrap_or_default();
     if !wanted.contains(&true) {
@@ -37,7 +38,7 @@ fn in_use(cost: Result<Cost, NodeError>) -> MemoryUse {
 impl Reading<'_> {
     /// Returns the cost of a value, from the knobs shared by Read and Texture; a Read keeps only the pixels that the
     /// document's samples need.
-    fn cost(&self, wanted: &[bool], laid: bool) -> Result<Cost, NodeError> {
+    fn cost(&self, wanted: &[bool], laid: Option<Holding>) -> Result<Cost, NodeError> {
         let kind = self.knobs.kind();
         let selection = self.selection(self.wanted_channels(kind, wanted));
         let cost = trochoid_io::cost(self.path, &selection, None, &limits(self.frame))?;
@@ -47,14 +48,14 @@ impl Reading<'_> {
             Kind::Field(_) => wanted.iter().filter(|wanted| **wanted).count() as u64,
             _ => kind.channels() as u64,
         };
-        let (pixels, grid) = self.pixels(&selection, kind, laid)?;
+        let (pixels, grid) = self.pixels(&selection, kind, laid.is_some())?;
         let whole = 4 * planes * pixels;
         // Of weights that are divided by their sum, decoded pictures keep the quotients in f64 too.
         let more = if matches!(kind, Kind::Weights(_)) && self.knobs.selected.channels.len() > 1 { 3 } else { 1 };
-        let held = match grid {
-            _ if !laid => more * whole,
-            Held::Stream if kind != Kind::Color || whole > super::KEPT_COLORS => whole.min(KEPT as u64),
-            Held::Grid(count) if whole > super::KEPT_WHOLE && 2 * count <= pixels => more * 4 * planes * count,
+        let streams = |colors: u64| kind != Kind::Color || whole > colors;
+        let held = match (grid, laid) {
+            (Held::Stream, Some(laid)) if laid.on_demand.is_some_and(streams) => whole.min(KEPT as u64),
+            (Held::Grid(count), Some(laid)) if whole > laid.whole && 2 * count <= pixels => more * 4 * planes * count,
             _ => more * whole,
         };
         // While a whole picture is decoded, its channels are in memory too.

@@ -95,26 +95,3 @@ pub(crate) fn place(window: Window, index: usize) -> (i64, i64) {
     let width = window.width().max(1);
     (window.x0 + (index % width) as i64, window.y0 + (index / width) as i64)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn repair_takes_the_nearest_legal_value() {
-        for (rule, found, legal) in [
-            (Rule::Color, f32::NAN, 0.0),
-            (Rule::Color, -0.5, 0.0),
-            (Rule::Color, f32::INFINITY, f32::MAX),
-            (Rule::Color, f32::NEG_INFINITY, 0.0),
-            (Rule::Color, 7.5, 7.5),
-            (Rule::Mask, 1.25, 1.0),
-            (Rule::Mask, -1e-9, 0.0),
-            (Rule::Mask, f32::NAN, 0.0),
-            (Rule::Field, f32::NAN, 0.0),
-            (Rule::Field, f32::NEG_INFINITY, f32::NEG_INFINITY),
-        ] {
-            assert_eq!(rule.nearest(found), legal, "{rule:?} of {found}");
-        }
-    }
-}

@@ -3,20 +3,16 @@
 mod color;
 mod cost;
 mod kept;
-#[cfg(test)]
-mod kept_tests;
 mod knobs;
 mod layer;
 mod legal;
 mod on_demand;
 mod palette;
-mod read;
+pub(crate) mod read;
 mod reading;
 mod recipe;
 mod shared;
 mod stream;
-#[cfg(test)]
-mod stream_tests;
 mod texture;
 mod view_from_passes;
 
@@ -25,8 +21,6 @@ pub(crate) use kept::{KeptPlane, PartialPicture};
 pub(crate) use layer::{Fit, Layer, index_of_nearest};
 pub(crate) use legal::Rule;
 pub(crate) use on_demand::{FoundPass, Opened, find_pass};
-#[cfg(test)]
-pub(crate) use palette::{MANY_COLORS, distinct};
 pub(crate) use palette::{controls, walked};
 pub(crate) use reading::{Planes, Reading};
 pub(crate) use recipe::Recipe;
@@ -38,13 +32,19 @@ use trochoid_graph::{BadData, FrameContext, NodeError, NodeType};
 use trochoid_image::{MAX_PIXELS, Window};
 use trochoid_io::{ExrReader, Limits, Picture, PictureInfo, RowReader, Selection};
 
-/// Colors up to this many bytes are kept decoded: their file is read for the control colors anyway, so reading it on
-/// demand would decode it twice.
-pub(crate) const KEPT_COLORS: u64 = 256 << 20;
+/// Which pictures a Read holds decoded.
+#[derive(Clone, Copy, Debug)]
+pub struct Holding {
+    /// Colors of an EXR up to this many bytes are kept decoded: their file is read for the control colors anyway, so
+    /// reading it on demand would decode it twice. Other EXRs are read on demand; `None` keeps them decoded, too.
+    pub on_demand: Option<u64>,
+    /// Pictures other than EXR up to this many bytes are kept whole; of larger ones, only the pixels that the
+    /// document's samples need.
+    pub whole: u64,
+}
 
-/// Pictures other than EXR up to this many bytes are kept whole; of larger ones, only the pixels that the document's
-/// samples need.
-pub(crate) const KEPT_WHOLE: u64 = if cfg!(test) { 1 << 10 } else { 64 << 20 };
+/// What is held unless a test asks for something else.
+pub(crate) const HOLDING: Holding = Holding { on_demand: Some(256 << 20), whole: 64 << 20 };
 
 /// Decodes a selection within the frame's memory limit.
 pub(crate) fn decode(frame: &FrameContext, path: &Path, selection: &Selection) -> Result<Picture, NodeError> {

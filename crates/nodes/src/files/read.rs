@@ -2,8 +2,8 @@
 
 use crate::files::knobs::{As, DecodeKnobs, FileKnobs, FitBy, Knobs, SelectionKnobs};
 use crate::files::{
-    Accuracy, Fit, KEPT_COLORS, KEPT_WHOLE, KeptPlane, Layer, PartialPicture, Reading, Stream, controls,
-    memory_of_picture, walked,
+    Accuracy, Fit, HOLDING, Holding, KeptPlane, Layer, PartialPicture, Reading, Stream, controls, memory_of_picture,
+    walked,
 };
 use crate::filter;
 use crate::view::named;
@@ -44,10 +44,10 @@ pub(crate) struct Read {
     #[items]
     selected: SelectionKnobs,
     /// Fit of a picture whose size differs from the document's. If unset, such a picture is refused.
-    pub(super) fit: Option<FitBy>,
+    fit: Option<FitBy>,
     /// Color outside the data window; if unset, the nearest pixel repeats.
     #[knob(color)]
-    pub(super) outside: Option<[f64; 3]>,
+    outside: Option<[f64; 3]>,
     #[items]
     taken: DecodeKnobs,
 }
@@ -57,9 +57,51 @@ impl Read {
         Knobs { named: &self.named, selected: &self.selected, taken: &self.taken, fit: self.fit }
     }
 
-    pub(super) fn reading<'a>(&'a self, frame: &'a FrameContext, path: &'a Path) -> Reading<'a> {
+    fn reading<'a>(&'a self, frame: &'a FrameContext, path: &'a Path) -> Reading<'a> {
         let outside = self.outside.map(|color| color.map(|v| v as f32));
         Reading { knobs: self.knobs(), frame, path, outside }
+    }
+
+    /// Returns the memory of the picture if it is held so.
+    pub(crate) fn memory_of(&self, context: &MemoryContext<'_>, holding: Holding) -> MemoryUse {
+        memory_of_picture(self.knobs(), context, Some(holding))
+    }
+
+    /// Prepares the picture, held so.
+    ///
+    /// # Errors
+    /// The file cannot be read, or its values are not legal.
+    pub(crate) fn prepare_held(&self, prepare: &Prepare<'_>, holding: Holding) -> Result<Box<dyn Prepared>, NodeError> {
+        let path = named(prepare.frame, &self.named.file)?;
+        let wanted = prepare.wanted.first().map(Vec::as_slice).unwrap_or_default();
+        let reading = self.reading(prepare.frame, &path);
+        let (kind, outside) = (reading.knobs.kind(), reading.outside);
+        if let Some(colors) = holding.on_demand
+            && let Some((stream, targets)) = reading.on_demand(prepare, kind, wanted, colors)?
+        {
+            return Ok(Box::new(PreparedStream::new(kind, stream, targets, prepare)?));
+        }
+        if let Some(PartialPicture { grid, fit, planes, controls, repaired }) =
+            reading.kept(prepare, kind, wanted, holding.whole)?
+        {
+            let mut layers: Vec<Option<Layer>> = (0..kind.channels()).map(|_| None).collect();
+            for KeptPlane { channel, samples, exact } in planes {
+                let outside = outside.map(|color| color[channel]);
+                layers[channel] = Some(Layer::kept(grid.clone(), samples, fit, outside).with_exact(exact));
+            }
+            let (node, frame) = (self.clone(), prepare.frame.clone());
+            let fallback = WholeFileFallback { node, frame, wanted: wanted.to_vec(), whole: OnceLock::new() };
+            return Ok(Box::new(PreparedRead {
+                kind,
+                layers,
+                controls: Some(controls),
+                outside,
+                repaired,
+                fallback: Some(fallback),
+            }));
+        }
+        let (layers, repaired) = whole(&reading, kind, wanted)?;
+        Ok(Box::new(PreparedRead { kind, layers, controls: None, outside, repaired, fallback: None }))
     }
 }
 
@@ -83,7 +125,7 @@ impl Stage for Read {
     }
 
     fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
-        memory_of_picture(self.knobs(), context, true)
+        self.memory_of(context, HOLDING)
     }
 
     fn check_headers(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
@@ -93,34 +135,7 @@ impl Stage for Read {
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        let path = named(prepare.frame, &self.named.file)?;
-        let wanted = prepare.wanted.first().map(Vec::as_slice).unwrap_or_default();
-        let reading = self.reading(prepare.frame, &path);
-        let (kind, outside) = (reading.knobs.kind(), reading.outside);
-        if let Some((stream, targets)) = reading.on_demand(prepare, kind, wanted, KEPT_COLORS)? {
-            return Ok(Box::new(PreparedStream::new(kind, stream, targets, prepare)?));
-        }
-        if let Some(PartialPicture { grid, fit, planes, controls, repaired }) =
-            reading.kept(prepare, kind, wanted, KEPT_WHOLE)?
-        {
-            let mut layers: Vec<Option<Layer>> = (0..kind.channels()).map(|_| None).collect();
-            for KeptPlane { channel, samples, exact } in planes {
-                let outside = outside.map(|color| color[channel]);
-                layers[channel] = Some(Layer::kept(grid.clone(), samples, fit, outside).with_exact(exact));
-            }
-            let (node, frame) = (self.clone(), prepare.frame.clone());
-            let fallback = WholeFileFallback { node, frame, wanted: wanted.to_vec(), whole: OnceLock::new() };
-            return Ok(Box::new(PreparedRead {
-                kind,
-                layers,
-                controls: Some(controls),
-                outside,
-                repaired,
-                fallback: Some(fallback),
-            }));
-        }
-        let (layers, repaired) = whole(&reading, kind, wanted)?;
-        Ok(Box::new(PreparedRead { kind, layers, controls: None, outside, repaired, fallback: None }))
+        self.prepare_held(prepare, HOLDING)
     }
 }
 
@@ -311,7 +326,3 @@ impl Prepared for PreparedStream {
         self.stream.bytes() + size_of_val(&self.controls[..])
     }
 }
-
-#[cfg(test)]
-#[path = "read_tests.rs"]
-mod tests;

@@ -25,9 +25,6 @@ pub(crate) struct SharedFile {
     /// Number of bands in a block.
     group: usize,
     threads: usize,
-    /// Number of blocks decoded so far.
-    #[cfg(test)]
-    pub(crate) decoded: std::sync::atomic::AtomicUsize,
 }
 
 struct State {
@@ -105,8 +102,6 @@ impl SharedFile {
             rows_per_band: reader.rows_per_band(),
             group: ROWS.div_ceil(reader.rows_per_band()),
             threads: rayon::current_num_threads(),
-            #[cfg(test)]
-            decoded: Default::default(),
         })
     }
 
@@ -156,8 +151,6 @@ impl SharedFile {
     }
 
     fn decode(&self, reader: &ExrReader, index: usize, mut spare: Vec<BandBuffer>) -> Result<Decoded, NodeError> {
-        #[cfg(test)]
-        self.decoded.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let first = index * self.group;
         let count = self.group.min(self.bands - first);
         spare.resize_with(count, BandBuffer::new);

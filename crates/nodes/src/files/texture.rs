@@ -95,7 +95,7 @@ impl Stage for Texture {
     }
 
     fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
-        memory_of_picture(self.knobs(), context, false)
+        memory_of_picture(self.knobs(), context, None)
     }
 
     fn check_headers(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
@@ -328,37 +328,5 @@ impl Prepared for PreparedTexture {
     fn bytes(&self) -> usize {
         let exact = self.exact.iter().map(|exact| size_of_val(&exact[..]));
         self.planes.iter().flatten().map(|plane| size_of_val(plane.samples())).chain(exact).sum()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Wrap;
-    use crate::testing::refused;
-
-    #[test]
-    fn coordinates_come_back_to_the_picture() {
-        let cases = [
-            (0.25, [0.25, 0.25, 0.25]),
-            (1.25, [0.25, 1.0, 0.75]),
-            (-0.25, [0.75, 0.0, 0.25]),
-            (-3.75, [0.25, 0.0, 0.25]),
-            (1e30, [0.0, 1.0, 0.0]),
-            (f64::INFINITY, [0.0, 1.0, 0.0]),
-            (f64::NEG_INFINITY, [0.0, 0.0, 0.0]),
-            (f64::NAN, [0.0, 0.0, 0.0]),
-        ];
-        for (at, expected) in cases {
-            assert_eq!([Wrap::Repeat, Wrap::Clamp, Wrap::Mirror].map(|wrap| wrap.unit(at)), expected, "{at}");
-        }
-        assert_eq!([-1, 4].map(|at| Wrap::Repeat.pixel(at, 4)), [3, 0]);
-        assert_eq!([-1, 4].map(|at| Wrap::Mirror.pixel(at, 4)), [0, 3]);
-    }
-
-    #[test]
-    fn knobs_of_colors_are_refused_of_fields() {
-        let node =
-            r#""out": { "type": "Texture", "file": "a.exr", "as": "field", "premultiplied": true, "u": 0, "v": 0 }"#;
-        assert!(refused("field", node).contains("a Texture as field"));
     }
 }

@@ -461,7 +461,3 @@ fn coverage_output<'a>(channel: Channel, outputs: &mut Outputs<'a>) -> Option<&'
 fn absent(channel: Channel) -> f32 {
     if channel == Channel::Coverage { 1.0 } else { channel.background() }
 }
-
-#[cfg(test)]
-#[path = "view_tests.rs"]
-mod tests;

@@ -60,28 +60,3 @@ fn read<T, E: Error + Send + Sync + 'static>(
     let bytes = trochoid_io::read_bytes(path, most)?;
     Ok(decode(&bytes).map_err(|fault| OfFile { path: path.into(), fault })?)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn meshes_beyond_the_limit_are_not_taken() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../samples/buoy.obj");
-        let length = std::fs::metadata(&path).unwrap().len();
-        assert!(read_mesh(&path, 32 * length).is_ok());
-        let error = read_mesh(&path, 32 * length - 1).unwrap_err().to_string();
-        assert!(error.contains("buoy.obj") && error.contains("at most"), "{error}");
-    }
-
-    #[test]
-    fn models_beyond_the_limit_are_not_taken() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("large.json");
-        std::fs::File::create(&path).unwrap().set_len(MAX_FILE_BYTES + 1).unwrap();
-        let message = read_model(&path).unwrap_err().to_string();
-        assert!(message.contains("large.json") && message.contains("at most 8388608"), "{message}");
-        assert!(read_model(&folder.path().join("missing.json")).unwrap_err().to_string().contains("missing.json"));
-        assert!(read_model(folder.path()).unwrap_err().to_string().contains("found a folder"));
-    }
-}

@@ -109,6 +109,12 @@ impl Node for LineSet {
     }
 }
 
+impl LineSet {
+    pub(crate) fn drawn(&self) -> DrawnLines {
+        DrawnLines::new(self.lines.clone(), self.seed)
+    }
+}
+
 impl Stage for LineSet {
     fn interval(&self, output: usize, _channel: usize) -> Option<(f64, f64)> {
         Some((0.0, if output < self.lines.widths.len() { 1.0 } else { 0.0 }))
@@ -126,7 +132,7 @@ impl Stage for LineSet {
         Ok(Box::new(PreparedLineSet {
             place: self.place.clone(),
             thickness: self.thickness.clone(),
-            drawn: DrawnLines::new(self.lines.clone(), self.seed),
+            drawn: self.drawn(),
         }))
     }
 }
@@ -138,7 +144,7 @@ struct PreparedLineSet {
 }
 
 /// The lines of a seed, prepared for evaluation.
-struct DrawnLines {
+pub(crate) struct DrawnLines {
     lines: Lines,
     /// How far a line may reach from its position, before it is widened to a pixel, in distances between lines.
     farthest: f64,
@@ -147,18 +153,18 @@ struct DrawnLines {
 
 /// Properties of a line that do not depend on the place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Line {
+pub(crate) struct Line {
     index: i64,
-    middle: f64,
+    pub(crate) middle: f64,
     begin: f64,
     end: f64,
     /// Factor of all widths.
-    width: f64,
+    pub(crate) width: f64,
 }
 
 /// Cache of the lines used last: neighboring samples mostly need the same ones.
 #[derive(Default)]
-struct Recent([Option<Line>; 4]);
+pub(crate) struct Recent([Option<Line>; 4]);
 
 impl Recent {
     fn line(&mut self, drawing: &DrawnLines, index: i64) -> Line {
@@ -189,7 +195,7 @@ impl DrawnLines {
         Self { lines, farthest, key: key(0x6c69_6e65, seed) }
     }
 
-    fn line(&self, index: i64) -> Line {
+    pub(crate) fn line(&self, index: i64) -> Line {
         let line = key(self.key, index);
         let [h1, h2, h3, h4] = [1, 2, 3, 4].map(|which| draw(line, which));
         let between = |[from, to]: [f64; 2], share: f64| from + share * (to - from);
@@ -203,7 +209,7 @@ impl DrawnLines {
     }
 
     /// Returns the fraction of its width that a line has at a position along it.
-    fn taper(&self, line: &Line, v: f64) -> f64 {
+    pub(crate) fn taper(&self, line: &Line, v: f64) -> f64 {
         if v < line.begin || v > line.end {
             return 0.0;
         }
@@ -212,7 +218,7 @@ impl DrawnLines {
     }
 
     /// Returns the masks at a place; `change` is the change of `q` from pixel to pixel.
-    fn masks(&self, [q, v]: [f64; 2], change: f64, thickness: f64, recent: &mut Recent) -> [f64; MOST] {
+    pub(crate) fn masks(&self, [q, v]: [f64; 2], change: f64, thickness: f64, recent: &mut Recent) -> [f64; MOST] {
         let mut masks = [0.0; MOST];
         let sharp = (2.0 - change * self.lines.finest * 2.0).clamp(0.0, 1.0);
         // Written so that NaN fails the test.
@@ -296,73 +302,5 @@ impl Prepared for PreparedLineSet {
         let change = change(q, [beside[0], beside[1]], [beside[2], beside[3]]);
         let masks = self.drawn.masks([q, v], change, thickness, &mut Recent::default());
         Ok(masks.map(Reference::Mask).to_vec())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::testing::refused;
-
-    fn drawing(widths: &[f64], jitter: f64) -> DrawnLines {
-        let (begin, end, widths) = ([0.0, 0.3], [0.6, 1.4], widths.to_vec());
-        let lines =
-            Lines { widths, begin, end, head: 0.1, tail: 0.8, vary: 0.6, jitter, lean: 0.1, lag: 0.02, finest: 3.0 };
-        DrawnLines { key: key(0, 3), ..DrawnLines::new(lines, 0) }
-    }
-
-    #[test]
-    fn hostile_places_have_masks_too() {
-        let drawing = drawing(&[1.9, 1.0, 0.5, 0.1], 1.0);
-        let hostile = [0.0, -0.0, 0.5, 1e-30, -3.7, 1e6, -1e18, f64::MAX, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
-        for q in hostile {
-            for v in hostile {
-                for change in hostile.map(f64::abs) {
-                    for thickness in [0.0, 1e-30, 0.3, 1.0] {
-                        let masks = drawing.masks([q, v], change, thickness, &mut Recent::default());
-                        assert!(masks.iter().all(|mask| (0.0..=1.0).contains(mask)), "{masks:?} at {q}, {v}, {change}");
-                        assert!(thickness > 0.0 || masks == [0.0; MOST]);
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn no_line_is_missed_and_what_is_kept_of_neighbors_changes_nothing() {
-        let drawing = drawing(&[1.6, 0.7], 1.0);
-        let mut recent = Recent::default();
-        let mut most: f64 = 0.0;
-        for step in 0..4000 {
-            let place = [f64::from(step) * 0.0137 - 20.0, f64::from(step % 37) / 30.0];
-            let masks = drawing.masks(place, 0.02, 1.0, &mut recent);
-            assert_eq!(masks, drawing.masks(place, 0.02, 1.0, &mut Recent::default()));
-            // Compare with all lines in a wide neighborhood, one by one.
-            for (k, width) in drawing.lines.widths.iter().enumerate() {
-                let all = (-40..60).map(|index| {
-                    let line = drawing.line(index);
-                    let wide = width * line.width * drawing.taper(&line, place[1] - k as f64 * drawing.lines.lag);
-                    let distance = (place[0] - k as f64 * drawing.lines.lean - line.middle).abs();
-                    let drawn = wide.max(0.02);
-                    if wide > 0.0 {
-                        wide / drawn * (0.5 + (0.5 * drawn - distance) / 0.02).clamp(0.0, 1.0)
-                    } else {
-                        0.0
-                    }
-                });
-                assert_eq!(masks[k], all.fold(0.0, f64::max), "{place:?}");
-                most = most.max(masks[k]);
-            }
-        }
-        assert_eq!(most, 1.0);
-    }
-
-    #[test]
-    fn places_have_two_components_and_widths_are_shares() {
-        let nodes = r#""x": { "type": "ScreenX" }, "out": { "type": "LineSet", "place": "x", "widths": [0.5] }"#;
-        assert!(refused("weights", nodes).contains("2 components"));
-        let nodes = r#""x": { "type": "ScreenX" }, "p": { "type": "FieldMath", "a": "x", "components": 2,
-            "expression": "[a, a]" }, "out": { "type": "LineSet", "place": "p", "widths": [0.5, 3] }"#;
-        assert!(refused("weights", nodes).contains("from 0 to 2"));
     }
 }

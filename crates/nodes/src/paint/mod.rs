@@ -6,8 +6,8 @@ mod canvas;
 mod hooks;
 mod layer;
 #[cfg(feature = "scene")]
-mod line_set;
-mod seeds;
+pub(crate) mod line_set;
+pub(crate) mod seeds;
 mod stroke;
 mod strokes;
 

@@ -1,12 +1,12 @@
 //! Cameras, views of surfaces, and the passes taken from views.
 
 mod camera;
-mod cloud_layers;
+pub(crate) mod cloud_layers;
 mod clouds;
 mod copy;
 mod curvature;
 mod depth;
-mod flow_field;
+pub(crate) mod flow_field;
 mod height;
 mod in_front;
 mod mask;
@@ -24,7 +24,7 @@ mod seen;
 mod silhouette;
 mod sky;
 mod surroundings;
-mod thickness;
+pub(crate) mod thickness;
 mod uv;
 
 pub(crate) use camera::{Camera, Projection};

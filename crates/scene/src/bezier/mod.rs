@@ -14,7 +14,7 @@ mod edge;
 mod model;
 mod normal;
 mod rails;
-mod stitch;
+pub(crate) mod stitch;
 mod surface;
 mod tessellate;
 mod trace;

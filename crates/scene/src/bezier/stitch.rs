@@ -2,16 +2,16 @@
 
 /// How a patch is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Cut {
+pub(crate) struct Cut {
     /// Pieces of each edge, in the order of [`Bicubic::edge`](super::Bicubic::edge).
-    pub(super) edges: [usize; 4],
+    pub(crate) edges: [usize; 4],
     /// Cells of the inner grid along u and v, at least 2 each; the join replaces its outermost cells.
-    pub(super) inner: [usize; 2],
+    pub(crate) inner: [usize; 2],
 }
 
 impl Cut {
     /// Returns the number of vertices.
-    pub(super) fn vertices(&self) -> usize {
+    pub(crate) fn vertices(&self) -> usize {
         self.edges.iter().sum::<usize>() + (self.inner[0] - 1) * (self.inner[1] - 1)
     }
 
@@ -28,13 +28,13 @@ impl Cut {
     }
 
     /// Returns (u, v) of every inner vertex, in order.
-    pub(super) fn inner_points(&self) -> impl Iterator<Item = [f64; 2]> {
+    pub(crate) fn inner_points(&self) -> impl Iterator<Item = [f64; 2]> {
         let [columns, rows] = self.inner;
         (1..rows).flat_map(move |j| (1..columns).map(move |i| [i as f64 / columns as f64, j as f64 / rows as f64]))
     }
 
     /// Returns the triangles, counterclockwise seen from the outer side.
-    pub(super) fn triangles(&self) -> Vec<[u32; 3]> {
+    pub(crate) fn triangles(&self) -> Vec<[u32; 3]> {
         let [columns, rows] = self.inner;
         let mut triangles = Vec::with_capacity(2 * columns * rows + self.edges.iter().sum::<usize>());
         for j in 1..rows - 1 {
@@ -70,46 +70,6 @@ impl Cut {
             } else {
                 triangles.push([self.border(edge, a), inside(b + 1), inside(b)]);
                 b += 1;
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::collections::HashMap;
-
-    use super::*;
-
-    /// Every inner edge is shared by two triangles in opposite directions, every border piece belongs to one, and
-    /// areas over (u, v) are positive and sum to 1.
-    #[test]
-    fn any_cut_covers_the_square_once() {
-        for edges in [[1, 1, 1, 1], [1, 7, 2, 3], [9, 1, 1, 9], [5, 5, 5, 5], [64, 1, 3, 17]] {
-            for inner in [[2, 2], [2, 5], [6, 3], [9, 9]] {
-                let cut = Cut { edges, inner };
-                let mut points = Vec::new();
-                for (edge, count) in edges.into_iter().enumerate() {
-                    for t in (0..count).map(|index| index as f64 / count as f64) {
-                        points.push([[t, 0.0], [1.0, t], [1.0 - t, 1.0], [0.0, 1.0 - t]][edge]);
-                    }
-                }
-                points.extend(cut.inner_points());
-                assert_eq!(points.len(), cut.vertices());
-                let (mut area, mut sides) = (0.0, HashMap::new());
-                for triangle in cut.triangles() {
-                    let [p, q, r] = triangle.map(|vertex| points[vertex as usize]);
-                    let twice = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
-                    assert!(twice > 0.0, "{cut:?}");
-                    area += twice / 2.0;
-                    for (from, to) in [(0, 1), (1, 2), (2, 0)] {
-                        *sides.entry((triangle[from], triangle[to])).or_insert(0) += 1;
-                    }
-                }
-                assert!((area - 1.0).abs() < 1e-12, "{cut:?}: {area}");
-                assert!(sides.values().all(|count| *count == 1), "{cut:?}");
-                let border = sides.keys().filter(|(from, to)| !sides.contains_key(&(*to, *from))).count();
-                assert_eq!(border, edges.iter().sum::<usize>(), "{cut:?}");
             }
         }
     }

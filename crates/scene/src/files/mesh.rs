@@ -25,7 +25,7 @@ pub fn mesh(bytes: &[u8]) -> Result<Triangles, MeshFault> {
 
 /// Joins parts into one mesh. If some have normals, the others get theirs from their triangles; if some have texture
 /// coordinates, those of the others are 0.
-pub(super) fn joined(parts: Vec<Triangles>) -> Result<Triangles, MeshFault> {
+pub(crate) fn joined(parts: Vec<Triangles>) -> Result<Triangles, MeshFault> {
     let total = |of: fn(&Triangles) -> usize| parts.iter().map(of).sum::<usize>();
     let most = total(|part| part.positions.len()).max(total(|part| part.triangles.len()));
     if most > MAX_TRIANGLES {

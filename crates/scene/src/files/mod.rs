@@ -6,13 +6,10 @@ mod gltf;
 mod mesh;
 mod obj;
 mod patches;
-#[cfg(test)]
-mod samples;
-#[cfg(test)]
-mod tests;
 
 pub use faults::{
     AccessorFault, BufferFault, GltfFault, MeshFault, ObjElement, ObjFault, PartFault, PatchesFault, PointPlace,
 };
+pub(crate) use mesh::joined;
 pub use mesh::mesh;
 pub use patches::patches;

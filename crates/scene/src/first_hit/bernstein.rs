@@ -5,13 +5,13 @@ use std::sync::OnceLock;
 /// Degree in each variable.
 pub(super) const DEGREE: usize = 8;
 /// Number of coefficients along each side.
-pub(super) const SIDE: usize = DEGREE + 1;
+pub const SIDE: usize = DEGREE + 1;
 
 /// Coefficients, by the first variable s, then the second variable t. The polynomial lies in their convex hull.
-pub(super) type Net = [[f64; SIDE]; SIDE];
+pub type Net = [[f64; SIDE]; SIDE];
 
 /// Returns the Chebyshev points of −1…1, at which polynomials are determined.
-pub(super) fn nodes<const N: usize>() -> [f64; N] {
+pub fn nodes<const N: usize>() -> [f64; N] {
     std::array::from_fn(|index| -libm::cos(std::f64::consts::PI * (index as f64 + 0.5) / N as f64))
 }
 
@@ -44,7 +44,7 @@ fn bases() -> &'static Net {
 /// Bounds how far a net's polynomial lies, anywhere in the unit square, from the one that has exactly these values at the
 /// Chebyshev points: the difference is a polynomial as well, whose values at these points are computed here.
 #[inline(always)]
-pub(super) fn off(net: &Net, values: &Net) -> f64 {
+pub fn off(net: &Net, values: &Net) -> f64 {
     let half = combined(bases(), net);
     let (mut worst, mut largest, mut all) = (0.0_f64, 0.0_f64, 0.0);
     for (row, (values, net)) in half.iter().zip(values.iter().zip(net)) {
@@ -75,7 +75,7 @@ fn combined(matrix: &Net, net: &Net) -> Net {
 
 /// Returns the coefficients of the polynomial that has these values at the Chebyshev points.
 #[inline(always)]
-pub(super) fn interpolated(values: &Net) -> Net {
+pub fn interpolated(values: &Net) -> Net {
     static MATRIX: OnceLock<Net> = OnceLock::new();
     let matrix = MATRIX.get_or_init(|| inverse(*bases()));
     let half = combined(matrix, values);
@@ -150,7 +150,7 @@ pub(super) fn evaluate<const N: usize>(nets: &[Net; N], [s, t]: [f64; 2]) -> [(f
 /// the other one in its place.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "loops over neighbors")]
-pub(super) fn split(net: &mut Net, along_s: bool, takes_low: bool) -> Net {
+pub fn split(net: &mut Net, along_s: bool, takes_low: bool) -> Net {
     let mut other = [[0.0; SIDE]; SIDE];
     // De Casteljau's algorithm leaves the half at which it ends in the place of the whole.
     for step in 0..SIDE {
@@ -193,7 +193,7 @@ pub(super) fn split(net: &mut Net, along_s: bool, takes_low: bool) -> Net {
 }
 
 /// Returns the part of a net over a rectangle of the unit square.
-pub(super) fn part(net: &Net, start: [f64; 2], size: [f64; 2]) -> Net {
+pub fn part(net: &Net, start: [f64; 2], size: [f64; 2]) -> Net {
     let [s, t] = [0, 1].map(|axis| [start[axis], start[axis] + size[axis]]);
     let rows = net.map(|row| cut(row, t));
     let columns: Net = std::array::from_fn(|column| cut(rows.map(|row| row[column]), s));
@@ -221,7 +221,7 @@ fn cut(mut line: [f64; SIDE], [from, to]: [f64; 2]) -> [f64; SIDE] {
 /// It compares and selects: `f64::min` and `f64::max` over rows that do not fill vectors lost coefficients in code for
 /// AVX-512, so that rays passed through parts of the sea.
 #[inline(always)]
-pub(super) fn range(net: &Net) -> [f64; 2] {
+pub fn range(net: &Net) -> [f64; 2] {
     let (mut low, mut high) = (net[0], net[0]);
     for row in &net[1..] {
         for column in 0..SIDE {
@@ -242,89 +242,4 @@ pub(super) fn larger(a: f64, b: f64) -> f64 {
 #[inline(always)]
 fn smaller(a: f64, b: f64) -> f64 {
     if b < a { b } else { a }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use fearless_simd::{Level, Simd, dispatch};
-
-    fn some(net: impl Fn(f64, f64) -> f64) -> Net {
-        nodes::<SIDE>().map(|s| nodes::<SIDE>().map(|t| net(0.5 + 0.5 * s, 0.5 + 0.5 * t)))
-    }
-
-    #[test]
-    fn polynomials_are_found_from_their_values_within_the_rounding() {
-        for case in 0..50 {
-            let part = |by: f64| (f64::from(case) * by).fract() - 0.5;
-            let of = |s: f64, t: f64| {
-                1.0 + part(0.618) * s + part(0.414) * t * t + part(0.732) * libm::pow(s, 8.0) * libm::pow(t, 7.0)
-            };
-            let values = some(of);
-            let mut net = interpolated(&values);
-            let rounding = off(&net, &values);
-            assert!(rounding < 1e-12, "{rounding:e}");
-            for i in 0..=20 {
-                let at = [f64::from(i) / 20.0, (f64::from(i) * 0.37).fract()];
-                let [(value, _)] = evaluate(&[net], at);
-                assert!((value - of(at[0], at[1])).abs() <= rounding, "{at:?}: {value}");
-            }
-            let step = 1e-6;
-            let [(value, slopes)] = evaluate(&[net], [0.3, 0.7]);
-            assert!((value - of(0.3, 0.7)).abs() <= rounding);
-            let slope = [of(0.3 + step, 0.7) - of(0.3 - step, 0.7), of(0.3, 0.7 + step) - of(0.3, 0.7 - step)];
-            assert!((0..2).all(|axis| (slopes[axis] - slope[axis] / (2.0 * step)).abs() < 1e-8));
-            // A coefficient that is wrong is noticed.
-            net[4][4] += 1e-6;
-            let wrong = off(&net, &values);
-            assert!(wrong >= (evaluate(&[net], [0.5, 0.5])[0].0 - of(0.5, 0.5)).abs() && wrong > 1e3 * rounding);
-        }
-    }
-
-    #[test]
-    fn ranges_are_the_same_with_all_instructions_of_the_machine() {
-        let part = |case: u32, by: f64| (f64::from(case) * by + 0.3).fract() - 0.5;
-        for case in 0..2000 {
-            let net: Net = std::array::from_fn(|i| {
-                std::array::from_fn(|j| part(case * 100 + (SIDE * i + j) as u32, 0.618_033_988_749))
-            });
-            let all = net.as_flattened().iter();
-            let expected = all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-                [if *value < low { *value } else { low }, if *value > high { *value } else { high }]
-            });
-            let found = dispatch!(Level::new(), simd => simd.vectorize(
-                #[inline(always)]
-                || range(&net)
-            ));
-            assert_eq!(found, expected, "{net:?}");
-        }
-    }
-
-    #[test]
-    fn halves_and_parts_are_the_same_polynomial() {
-        let net = interpolated(&some(|s, t| s * s * s - 0.4 * t + s * t * t));
-        let same = |piece: &Net, start: [f64; 2], size: [f64; 2]| {
-            for at in [[0.2, 0.9], [1.0, 0.5], [0.0, 0.3]] {
-                let whole = [0, 1].map(|axis| start[axis] + size[axis] * at[axis]);
-                let ([(a, _)], [(b, _)]) = (evaluate(&[*piece], at), evaluate(&[net], whole));
-                assert!((a - b).abs() < 1e-12, "{a} {b}");
-                let [least, most] = range(piece);
-                assert!(least <= a + 1e-12 && a <= most + 1e-12);
-            }
-        };
-        for along_s in [true, false] {
-            let size = if along_s { [0.5, 1.0] } else { [1.0, 0.5] };
-            let upper = if along_s { [0.5, 0.0] } else { [0.0, 0.5] };
-            for takes_low in [true, false] {
-                let mut left = net;
-                let taken = split(&mut left, along_s, takes_low);
-                let [low, high] = if takes_low { [taken, left] } else { [left, taken] };
-                same(&low, [0.0; 2], size);
-                same(&high, upper, size);
-            }
-        }
-        for (start, size) in [([0.25, 0.5], [0.125, 0.5]), ([0.0, 0.75], [1.0, 0.25]), ([0.0; 2], [1.0; 2])] {
-            same(&part(&net, start, size), start, size);
-        }
-    }
 }

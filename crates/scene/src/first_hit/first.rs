@@ -5,7 +5,7 @@ use trochoid_sea::Sample;
 
 /// What a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum First {
+pub enum First {
     /// No point of the sea.
     Nothing,
     /// The first point.
@@ -18,24 +18,24 @@ pub(crate) enum First {
 
 /// The first point of a sea on a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct FirstPoint {
+pub struct FirstPoint {
     /// Distance along the ray, in meters.
-    pub(crate) distance: f64,
+    pub distance: f64,
     /// Rest point x, z.
-    pub(crate) rest: [f64; 2],
+    pub rest: [f64; 2],
     /// The sea there; `None` if only the point was asked for.
-    pub(crate) sample: Option<Sample>,
+    pub sample: Option<Sample>,
     /// How far derivatives and roughness may be from those of the sea's own point.
-    pub(crate) off: f64,
+    pub off: f64,
     /// How far the distance may be from that of the sea's own point.
-    pub(crate) deep: f64,
+    pub deep: f64,
     /// Rest points that hold no other point of the ray.
-    pub(crate) sheet: Option<OneSheet>,
+    pub sheet: Option<OneSheet>,
 }
 
 /// Effort that a search may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Thoroughness {
+pub enum Thoroughness {
     /// Only as much as it takes to know whether there is a point, on which sheet it lies, and its distance nearly; otherwise
     /// as `Quick`.
     Rough,

@@ -14,13 +14,12 @@ mod cells;
 mod derivatives;
 mod first;
 mod footprints;
+pub mod inside;
 mod kept;
 mod region;
 mod remainder;
 mod search;
 mod squares;
-#[cfg(test)]
-mod tests;
 
 pub(crate) use cells::NoCells;
 pub(crate) use first::{First, FirstPoint, Thoroughness};

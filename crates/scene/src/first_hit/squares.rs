@@ -12,19 +12,19 @@ use std::sync::OnceLock;
 use trochoid_sea::{ColumnFactors, FramedSea, RowFactors};
 
 /// Number of cells along each side of a square.
-pub(super) const PARTS: usize = 6;
+pub const PARTS: usize = 6;
 /// Number of points along each side of a square.
-pub(super) const POINTS: usize = 33;
+pub const POINTS: usize = 33;
 /// Lebesgue constant of interpolation in as many Chebyshev points: 2/π·ln n + 1.
 pub(super) const LEBESGUE: f64 = 3.3;
 /// Rounding error of values between the points, relative to the largest one: both sums of 33 products, and the factors.
 ///
 /// A factor is a quotient of a term and a sum of terms, each of which is rounded thrice, and the places are rounded; by
 /// Markov's inequality, that moves a value by 2·32² units at most.
-const ROUNDING: f64 = 2.0 * LEBESGUE * LEBESGUE * 4096.0 * f64::EPSILON;
+pub const ROUNDING: f64 = 2.0 * LEBESGUE * LEBESGUE * 4096.0 * f64::EPSILON;
 
 /// Number of the cells' points along each side of a square.
-const FINE: usize = PARTS * SIDE;
+pub const FINE: usize = PARTS * SIDE;
 
 /// Values along one axis between the points of a square: for each of these points its factors at the cells' points.
 type Factors = [[f64; FINE]; POINTS];
@@ -108,7 +108,7 @@ impl Displacements {
 /// Interpolates the values at a square's points at those of its cells.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "loops over neighbors")]
-fn between(own: &[[f64; POINTS]; POINTS], values: &mut [[f64; FINE]; FINE]) {
+pub(super) fn between(own: &[[f64; POINTS]; POINTS], values: &mut [[f64; FINE]; FINE]) {
     let factors = factors();
     // First along v, for which the points are columns.
     let mut across = [[0.0; FINE]; POINTS];
@@ -125,34 +125,5 @@ fn between(own: &[[f64; POINTS]; POINTS], values: &mut [[f64; FINE]; FINE]) {
                 values[column] += factor * across[column];
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_between_points_are_those_of_the_polynomial_within_the_rounding() {
-        let (coarse, fine) = (nodes::<POINTS>(), nodes::<SIDE>());
-        for case in 0..20 {
-            let part = |by: f64| (f64::from(case) * by + 0.2).fract() - 0.5;
-            let (a, b) = (12.0 * part(0.618), 12.0 * part(0.414));
-            let of = |u: f64, v: f64| libm::cos(a * u + b * v + part(0.732)) + part(0.31) * u * v;
-            let own = coarse.map(|u| coarse.map(|v| of(u, v)));
-            let mut values = [[0.0; FINE]; FINE];
-            between(&own, &mut values);
-            for (row, values) in values.iter().enumerate() {
-                for (column, value) in values.iter().enumerate() {
-                    let [u, v] = [row, column].map(|index| {
-                        ((2 * (index / SIDE) + 1) as f64 - PARTS as f64 + fine[index % SIDE]) / PARTS as f64
-                    });
-                    // Waves of 6 rad to the side are 1e-20 off.
-                    let off = (value - of(u, v)).abs();
-                    assert!(off <= 1.5 * ROUNDING, "case {case} at {u}, {v}: {off:e}");
-                }
-            }
-        }
-        const { assert!(ROUNDING < 5e-11) };
     }
 }

@@ -6,7 +6,7 @@
 pub mod blinn;
 pub mod fresnel;
 pub mod lambert;
-mod power;
+pub(crate) mod power;
 
 use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
@@ -62,6 +62,3 @@ pub fn view_directions(positions: Vectors<'_>, projector: &crate::Projector, out
 fn cut([x, y, z]: Vectors<'_>, start: usize, count: usize) -> Vectors<'_> {
     [&x[start..][..count], &y[start..][..count], &z[start..][..count]]
 }
-
-#[cfg(test)]
-mod tests;

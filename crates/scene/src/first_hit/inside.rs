@@ -1,0 +1,169 @@
+//! What tests see of cells, and of what they are made of.
+
+pub use super::bernstein::{Net, SIDE, interpolated, nodes, off, part, range, split};
+pub use super::first::{First, FirstPoint, Thoroughness};
+pub use super::squares::{FINE, PARTS, POINTS, ROUNDING};
+
+use super::bernstein;
+use super::cells::SeaCells;
+use super::footprints::Footprints;
+use super::region::{Axes, Region};
+use super::squares;
+use crate::{Projector, Ray, SeaSurface};
+use fearless_simd::{Level, Simd, dispatch};
+use glam::DVec3;
+
+/// Returns value and derivatives of a polynomial at a place in 0…1.
+pub fn evaluate(net: &Net, at: [f64; 2]) -> (f64, [f64; 2]) {
+    let [value] = bernstein::evaluate(&[*net], at);
+    value
+}
+
+/// Returns [`range`], computed with all instructions of the machine.
+pub fn range_by_all_instructions(net: &Net) -> [f64; 2] {
+    dispatch!(Level::new(), simd => simd.vectorize(
+        #[inline(always)]
+        || range(net)
+    ))
+}
+
+/// Interpolates the values at a square's points at those of its cells.
+pub fn between(own: &[[f64; POINTS]; POINTS]) -> Box<[[f64; FINE]; FINE]> {
+    let mut values = Box::new([[0.0; FINE]; FINE]);
+    squares::between(own, &mut values);
+    values
+}
+
+/// The footprints of a camera over a sea, and how they change.
+pub struct SeaFootprints(Footprints);
+
+impl SeaFootprints {
+    /// Finds them.
+    pub fn new(sea: &SeaSurface, projector: &Projector) -> Self {
+        Self(Footprints::new(sea, projector))
+    }
+
+    /// Returns the square of the footprint at a distance ahead of the camera.
+    pub fn square(&self, ahead: f64) -> f64 {
+        self.0.square(ahead)
+    }
+
+    /// Returns the factor that bounds the power series of the square around a place, at a distance from it.
+    pub fn growth(&self, ahead: f64, distance: f64) -> f64 {
+        self.0.growth(ahead).at(distance)
+    }
+
+    /// Returns the linear coefficient of that factor.
+    pub fn linear(&self, ahead: f64) -> f64 {
+        self.0.growth(ahead).linear()
+    }
+
+    /// Returns the places where the footprint has a kink.
+    pub fn kinks(&self) -> Vec<f64> {
+        self.0.kinks()
+    }
+}
+
+/// The part of a slab around a sea that a camera sees, in axes of its own.
+pub struct SeenRegion {
+    axes: Axes,
+    region: Region,
+}
+
+impl SeenRegion {
+    /// Finds it.
+    pub fn new(sea: &SeaSurface, projector: &Projector) -> Self {
+        let axes = Axes::new(sea, projector);
+        Self { region: Region::new(sea, projector, &axes), axes }
+    }
+
+    /// Returns a point in its axes.
+    pub fn point(&self, point: DVec3) -> DVec3 {
+        self.axes.point(point)
+    }
+
+    /// Returns its range ahead of the camera.
+    pub fn along(&self) -> Option<[f64; 2]> {
+        self.region.along()
+    }
+
+    /// Returns its range across, over a range ahead.
+    pub fn across(&self, ahead: [f64; 2]) -> Option<[f64; 2]> {
+        self.region.across(ahead)
+    }
+
+    /// Returns whether a box of its axes is outside.
+    pub fn misses(&self, corners: [DVec3; 2]) -> bool {
+        self.region.misses(corners)
+    }
+
+    /// Returns whether a stretch of a ray of the world is inside.
+    pub fn holds(&self, ray: &Ray, stretch: [f64; 2]) -> bool {
+        let own = Ray { origin: self.axes.point(ray.origin), direction: self.axes.direction(ray.direction) };
+        self.region.holds(&own, stretch)
+    }
+}
+
+/// The cells of a sea that a camera sees.
+pub struct Cells(SeaCells);
+
+impl Cells {
+    /// Makes them; `None` if there are none, or too many.
+    pub fn new(sea: &SeaSurface, projector: &Projector) -> Option<Self> {
+        SeaCells::new(sea, projector, &|| false).ok().map(Self)
+    }
+
+    /// Returns how many there are.
+    pub fn count(&self) -> usize {
+        self.0.cells.len()
+    }
+
+    /// Returns a point in the axes of the cells.
+    pub fn point(&self, point: DVec3) -> DVec3 {
+        self.0.axes.point(point)
+    }
+
+    /// Returns the rest point x, z at a place in a cell.
+    pub fn rest(&self, cell: usize, at: [f64; 2]) -> [f64; 2] {
+        self.0.axes.rest(self.0.cells[cell].rest(at))
+    }
+
+    /// Returns, for each axis, the coordinate of the cell's patch at a place and its derivatives.
+    pub fn patch(&self, cell: usize, at: [f64; 2]) -> [(f64, [f64; 2]); 3] {
+        bernstein::evaluate(&self.0.cells[cell].seen_along(DVec3::ZERO, [DVec3::X, DVec3::Y, DVec3::Z]), at)
+    }
+
+    /// Returns how far the patch of a cell may be from the sea along each axis, and its derivatives by −1…1 from those
+    /// of the sea.
+    pub fn remainder(&self, cell: usize) -> ([f64; 3], f64) {
+        let remainder = &self.0.cells[cell].remainder;
+        (remainder.off, remainder.turn)
+    }
+
+    /// Returns half the side of a cell, in meters.
+    pub fn half(&self, cell: usize) -> f64 {
+        self.0.cells[cell].half
+    }
+
+    /// Returns the place of a rest point, in the axes of the cells, in a cell: 0…1 if it is inside.
+    pub fn place(&self, cell: usize, rest: DVec3) -> [f64; 2] {
+        self.0.cells[cell].place(rest)
+    }
+
+    /// Returns whether a point, in the axes of the cells, is out of sight.
+    pub fn misses(&self, point: DVec3) -> bool {
+        self.0.region.misses([point, point])
+    }
+
+    /// Returns the first point that a ray of the camera meets between two distances.
+    pub fn first(
+        &self,
+        sea: &SeaSurface,
+        projector: &Projector,
+        ray: &Ray,
+        stretch: [f64; 2],
+        effort: Thoroughness,
+    ) -> First {
+        self.0.first(sea, projector, ray, stretch, effort)
+    }
+}

@@ -1,0 +1,184 @@
+//! What the tests of this crate see beside its interface. They stand outside, in `tests/scene`, so that the crate is not
+//! compiled a second time for them. Nothing of it is part of the interface.
+
+pub use crate::first_hit::inside as first_hit;
+pub use crate::first_point::first_point;
+pub use crate::footprint::least_footprint;
+pub use crate::patches::point_of;
+
+use crate::bezier::stitch::Cut;
+use crate::edges::{Edges, Whole};
+use crate::extent::{Bounds, Sector};
+use crate::grid_ranges::{Range, Ranges};
+use crate::project::ScreenVertex;
+use crate::raster::NOTHING;
+use crate::shading::power;
+use crate::{ChannelSet, DVec3, GridSurface, HeightField, Mesh, Patches, Projector, Ray, SeaSurface, Visible};
+use trochoid_image::Window;
+use trochoid_sea::Sample;
+
+/// Joins meshes of files.
+///
+/// # Errors
+/// There are too many vertices or triangles.
+#[cfg(feature = "files")]
+pub fn joined(parts: Vec<crate::Triangles>) -> Result<crate::Triangles, crate::files::MeshFault> {
+    crate::files::joined(parts)
+}
+
+/// Cuts the edges of a patch, and its inside along u and v. Returns the number of vertices, (u, v) of the inner ones, and
+/// the triangles.
+pub fn cut(edges: [usize; 4], inner: [usize; 2]) -> (usize, Vec<[f64; 2]>, Vec<[u32; 3]>) {
+    let cut = Cut { edges, inner };
+    (cut.vertices(), cut.inner_points().collect(), cut.triangles())
+}
+
+/// Returns log(1 + x) for x in [−1, 0].
+pub fn log1p(x: f32) -> f32 {
+    power::log1p(x)
+}
+
+/// Returns e to the power y ≤ 0, or NaN.
+pub fn exp(y: f32) -> f32 {
+    power::exp(y)
+}
+
+/// Edge functions of a triangle at one position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeValues {
+    /// The functions.
+    pub functions: [i64; 3],
+    /// Whether the position belongs to the triangle.
+    pub inside: bool,
+    /// Bits of the key there.
+    pub key: u64,
+}
+
+/// Returns the edge functions of a triangle of corners with keys, from a starting position and by a displacement, by
+/// numbers of 32 and of 64 bits; `None` for a triangle without area.
+pub fn edge_values(corners: [([i32; 2], f32); 3], from: [i64; 2], by: [i64; 2]) -> [Option<EdgeValues>; 2] {
+    fn of<I: Whole + Into<i64>>(corners: [ScreenVertex; 3], from: [i64; 2], by: [i64; 2]) -> Option<EdgeValues> {
+        let edges = Edges::<I>::new(corners, from)?;
+        let change = edges.change(I::of(by[0]), I::of(by[1]));
+        let at = [0, 1, 2].map(|edge| edges.first[edge] + change[edge]);
+        let inside = Edges::inside(at) >= I::of(0);
+        Some(EdgeValues { functions: at.map(Into::into), inside, key: edges.key(at).to_bits() })
+    }
+    let corners = corners.map(|([x, y], key)| ScreenVertex { x, y, key });
+    [of::<i32>(corners, from, by), of::<i64>(corners, from, by)]
+}
+
+/// Part of a sea's plane that a camera may see.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenSector {
+    /// Whether it is a full circle.
+    pub closed: bool,
+    /// Its angle, in radians.
+    pub width: f64,
+    /// Its least and greatest distance.
+    pub radii: [f64; 2],
+}
+
+/// Returns the sector of a sea at a level whose points rise and move by so much; `None` if it is out of sight.
+pub fn sector(projector: &Projector, level: f64, rise: f64, reach: f64) -> Option<SeenSector> {
+    let sector = Sector::new(projector, level, Bounds { rise, reach })?;
+    Some(SeenSector { closed: sector.closed(), width: sector.width, radii: sector.radii })
+}
+
+/// Distance beyond which no sea is seen, in meters.
+pub const HORIZON_M: f64 = crate::extent::HORIZON_M;
+
+/// Returns the distance where a ray first crosses a height field, at most so far into its slab.
+pub fn first_of_grid(grid: &GridSurface, ray: &Ray, most: f64) -> Option<f64> {
+    let [start, end] = grid.within_slab(ray)?;
+    crate::grid_ray::first_of_grid(grid, ray, [start, end.min(most)])
+}
+
+/// Ranges of a height field over its cells and blocks of cells.
+pub struct GridRanges(Ranges);
+
+impl GridRanges {
+    /// Finds them.
+    pub fn new(grid: &GridSurface) -> Self {
+        Self(Ranges::new(grid))
+    }
+
+    /// Returns least and greatest height over a cell.
+    pub fn cell(&self, cell: [usize; 2]) -> [f64; 2] {
+        let Range { low, high } = self.0.cell(cell);
+        [low, high]
+    }
+
+    /// Returns those over the block that contains a cell.
+    pub fn block(&self, cell: [usize; 2]) -> [f64; 2] {
+        let Range { low, high } = self.0.block(cell);
+        [low, high]
+    }
+}
+
+/// Returns how far a sea reaches above and below its level, in meters.
+pub fn summit(sea: &SeaSurface) -> f64 {
+    sea.summit
+}
+
+/// Returns the horizontal unit vector x, z along which a camera looks.
+pub fn heading(projector: &Projector) -> [f64; 2] {
+    projector.heading()
+}
+
+/// Returns the vectors across and upward from the middle of the picture to a place in it, at depth 1 or, if rays are
+/// parallel, at any.
+pub fn plane(projector: &Projector, [x, y]: [f64; 2]) -> (DVec3, DVec3) {
+    projector.plane(x, y)
+}
+
+/// Returns a field of heights with all channels.
+pub fn heights(grid: &GridSurface) -> HeightField {
+    HeightField::new(grid, ChannelSet::ALL)
+}
+
+/// Returns the footprint at a rest point of a sea.
+pub fn footprint_of(sea: &SeaSurface, projector: &Projector, rest: DVec3) -> f64 {
+    sea.footprint(projector, rest)
+}
+
+/// Returns where the waves carry a rest point x, z, and the sea there.
+pub fn carried(sea: &SeaSurface, projector: &Projector, rest: [f64; 2]) -> (DVec3, Sample) {
+    let there = sea.carried(projector, rest);
+    (there.point, there.precise.sample)
+}
+
+/// Makes patches from positions and first derivatives, row by row.
+pub fn patches(
+    columns: usize,
+    positions: &[[f32; 3]],
+    tangents: Vec<[[f32; 3]; 2]>,
+    steps: Vec<f32>,
+    closed: bool,
+) -> Patches {
+    Patches::new(columns, positions, tangents, steps, closed)
+}
+
+/// Returns the numbers of the triangles that a sample of each pixel of a window sees, row by row; `None` for nothing.
+pub fn look(visible: &Visible, window: Window, offset: [f64; 2]) -> Vec<Option<u64>> {
+    let mut numbers = Vec::new();
+    visible.look(window, offset, |seen| {
+        let rows = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| [x, y]));
+        numbers.extend(rows.map(|[x, y]| seen.triangle(x, y)).map(|number| (number != NOTHING).then_some(number)));
+    });
+    numbers
+}
+
+/// Returns a triangle by its number: its surface, the mesh of this surface as it was cut, and its vertices.
+pub fn triangle(visible: &Visible, number: u64) -> (usize, &Mesh, [u32; 3]) {
+    let primitive = (number / 2) as u32;
+    let surface = visible.layer(primitive);
+    let layer = &visible.layers[surface];
+    let triangles = layer.triangles((primitive - visible.firsts[surface]) as usize);
+    (surface, &layer.mesh, triangles[(number % 2) as usize])
+}
+
+/// Returns an offset within a pixel as it is rounded for edge functions.
+pub fn rounded(visible: &Visible, offset: f64) -> f64 {
+    visible.raster.fix(offset) as f64 / f64::from(1_u32 << visible.raster.bits)
+}

@@ -1,0 +1,1 @@
+//! Holds the tests of image files; see `tests/files/main.rs`.
