@@ -77,8 +77,10 @@ pub use wave::{ExplicitWave, GRAVITY, Wave, WaveError, WaveParameter, attenuatio
 pub mod inside {
     use crate::lanes::{self, Lanes};
     use crate::line::spreader::{self, Spreader};
+    use crate::toon::reference::functions;
     use crate::transforms::Transform;
     use crate::{FieldSet, Fields, Line, LineScratch, Lines};
+    use fearless_simd::{Level, dispatch, f64x8, prelude::*};
     use rustfft::num_traits::Zero;
 
     /// Number of cells over which a frequency is spread, before the one that contains it.
@@ -97,6 +99,20 @@ pub mod inside {
     /// Returns sine and cosine of an angle in turns, as precise sums compute them.
     pub fn sincos(turns: f64) -> (f64, f64) {
         crate::precise::sincos(turns)
+    }
+
+    /// Returns √(x² + y²), as runs of toon seas compute it.
+    pub fn hypot_lanes(x: [f64; 8], y: [f64; 8]) -> [f64; 8] {
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            functions::hypot(simd, f64x8::load_array(simd, x), f64x8::load_array(simd, y)).to_array()
+        }))
+    }
+
+    /// Returns sines and cosines of angles in radians, as runs of toon seas compute them.
+    pub fn sincos_lanes(angles: [f64; 8]) -> [[f64; 8]; 2] {
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            functions::sincos(simd, f64x8::load_array(simd, angles)).map(|found| found.to_array())
+        }))
     }
 
     /// Returns e^−x, as precise sums compute it.

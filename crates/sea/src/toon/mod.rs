@@ -28,7 +28,7 @@
 //!
 //! # Results
 //! A frame depends only on the description and its time, however it was reached, bit for bit, on any number of
-//! threads. [`mod@reference`] does the same in f64 and plain loops.
+//! threads. [`mod@reference`] does the same in f64.
 
 mod basin;
 mod body;

@@ -12,6 +12,7 @@ mod line;
 mod precise;
 mod random;
 mod ripple;
+mod run;
 mod spectrum;
 mod spray;
 mod stability;

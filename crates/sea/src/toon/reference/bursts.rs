@@ -1,22 +1,21 @@
-//! What bursts do to the cells, in f64: every cell, every burst that reaches it.
+//! Bursts at one time, and the cells that they may change.
 
-use std::f64::consts::PI;
+use std::ops::Range;
 
+use super::functions::LANES;
 use crate::toon::spline::Spline;
-use crate::toon::{Burst, Combine, LITERAL_HZ, Shape, ToonSea};
+use crate::toon::{Basin, Burst, LITERAL_HZ, Shape, ToonSea};
 
 /// A burst at one time.
 pub(super) struct ActiveBurst<'a> {
-    burst: &'a Burst,
-    center: [f64; 2],
+    pub(super) burst: &'a Burst,
+    pub(super) center: [f64; 2],
     /// Cosine and sine of its heading.
-    heading: [f64; 2],
+    pub(super) heading: [f64; 2],
     /// Share of the height that the fade leaves.
-    left: f64,
+    pub(super) left: f64,
     /// Turns of its drift lines.
-    turns: f64,
-    /// Distance from its center within which it has any effect.
-    reach: f64,
+    pub(super) turns: f64,
 }
 
 impl<'a> ActiveBurst<'a> {
@@ -25,124 +24,96 @@ impl<'a> ActiveBurst<'a> {
         let passing = |(index, burst): (usize, &'a Burst)| {
             let spline = Spline(burst.path);
             let (lap, progress) = burst.progress(time);
-            let (rift, drift) = (sea.behavior.rift, sea.behavior.drift);
-            let (radii, _) = burst.profile(sea.behavior.shape);
-            let farthest = |[a, b]: [f64; 2]| a.max(b);
-            let raised = match sea.behavior.shape {
-                Shape::Intended => burst.peak * farthest(burst.influence),
-                Shape::Literal => f64::INFINITY,
-            };
-            let drawn = farthest([radii[0] * drift.reach[0], radii[1] * drift.reach[1]]);
+            let drift = sea.behavior.drift;
             Self {
                 burst,
                 center: spline.point(progress),
                 heading: spline.heading(progress),
                 left: burst.left(progress),
                 turns: sea.lengths.get(index).map_or(0.0, |lengths| drift.along(lap, progress, lengths)),
-                // Rounding must not cut off values that are nearly 0.
-                reach: (1.0 + 1e-9) * raised.max(drawn).max(rift.distance),
             }
         };
         sea.bursts.iter().enumerate().filter(|(_, burst)| burst.is_active(time)).map(passing).collect()
     }
 
-    /// Returns whether it may have an effect at a position.
-    fn reaches(&self, [x, z]: [f64; 2]) -> bool {
-        let (dx, dz) = (x - self.center[0], z - self.center[1]);
-        dx * dx + dz * dz <= self.reach * self.reach
+    /// Returns the axis to which its radii belong, as cosine and sine.
+    pub(super) fn axis(&self, oriented: bool) -> [f64; 2] {
+        if oriented { self.heading } else { [1.0, 0.0] }
     }
 
-    /// Returns a position relative to it, along its heading and across it if it is oriented.
-    fn local(&self, [x, z]: [f64; 2], oriented: bool) -> [f64; 2] {
-        let [cos, sin] = if oriented { self.heading } else { [1.0, 0.0] };
-        let (dx, dz) = (x - self.center[0], z - self.center[1]);
-        [dx * cos + dz * sin, dz * cos - dx * sin]
+    /// Returns where it may add to the force; `None` if everywhere.
+    pub(super) fn raised(&self, sea: &ToonSea) -> Option<Ellipse> {
+        let radii = self.burst.influence.map(|radius| radius * self.burst.peak);
+        let axis = self.axis(sea.behavior.oriented);
+        (sea.behavior.shape == Shape::Intended).then(|| Ellipse::around(self.center, axis, radii, &sea.basin))
     }
 
-    /// Returns its height at a position.
-    fn profile(&self, sea: &ToonSea, place: [f64; 2]) -> f64 {
-        let [along, across] = self.local(place, sea.behavior.oriented);
-        let Burst { influence, peak: p, height: h, .. } = *self.burst;
-        let distance = libm::hypot(along / influence[0], across / influence[1]);
-        self.left
-            * match sea.behavior.shape {
-                Shape::Intended => p * h / 2.0 * (libm::cos((PI * distance / p).min(PI)) + 1.0),
-                Shape::Literal => h * libm::cos((p * distance).min(PI) + 1.0),
-            }
+    /// Returns where it may add to the rift.
+    pub(super) fn torn(&self, sea: &ToonSea) -> Ellipse {
+        Ellipse::around(self.center, [1.0, 0.0], [sea.behavior.rift.distance; 2], &sea.basin)
+    }
+
+    /// Returns where it may add to the coordinates of drift lines.
+    pub(super) fn drawn(&self, sea: &ToonSea) -> Ellipse {
+        let (radii, _) = self.burst.profile(sea.behavior.shape);
+        let reach = sea.behavior.drift.reach;
+        Ellipse::around(self.center, self.heading, [radii[0] * reach[0], radii[1] * reach[1]], &sea.basin)
     }
 }
 
-/// The cells of a row, and the bursts that may reach them, in their order.
-pub(super) struct Row<'a> {
-    sea: &'a ToonSea,
-    bursts: Vec<&'a ActiveBurst<'a>>,
-    z: f64,
+/// An ellipse outside of which a burst adds exact zeros: slightly larger than its own.
+///
+/// With R the larger radius, rounding moves a point within 2R of the center by less than 1e-15·R in the frame of the
+/// burst. Radii that are larger by 1e-6·R cover this: of a point outside, a coordinate below 1e-9·R counts for less than
+/// a thousandth, and the other one is too large by 1e-6 of itself. Farther points are outside by either coordinate.
+#[derive(Clone, Copy)]
+pub(super) struct Ellipse {
+    center: [f64; 2],
+    /// Coefficients of x² and xz in its equation, and their determinant.
+    square: f64,
+    mixed: f64,
+    determinant: f64,
+    /// Half its size along z, with the slack.
+    tall: f64,
+    /// What rounding may take from the ends of a row, in meters.
+    slack: f64,
+    spacing: f64,
+    columns: usize,
 }
 
-impl<'a> Row<'a> {
-    pub(super) fn new(sea: &'a ToonSea, bursts: &'a [ActiveBurst<'a>], row: usize) -> Self {
-        let z = row as f64 * sea.basin.spacing;
-        let near = |burst: &&ActiveBurst<'_>| (z - burst.center[1]).abs() <= burst.reach;
-        Self { sea, bursts: bursts.iter().filter(near).collect(), z }
-    }
-
-    /// Returns the place of a cell, and the bursts that reach it.
-    fn reached(&self, column: usize) -> ([f64; 2], impl Iterator<Item = &ActiveBurst<'a>>) {
-        let place = [column as f64 * self.sea.basin.spacing, self.z];
-        (place, self.bursts.iter().copied().filter(move |burst| burst.reaches(place)))
-    }
-
-    /// Computes the force of a step.
-    pub(super) fn force(&self, out: &mut [f64]) {
-        for (column, out) in out.iter_mut().enumerate() {
-            let (place, bursts) = self.reached(column);
-            *out = self.sea.injection() * bursts.map(|burst| burst.profile(self.sea, place)).sum::<f64>();
+impl Ellipse {
+    fn around(center: [f64; 2], [cos, sin]: [f64; 2], radii: [f64; 2], basin: &Basin) -> Self {
+        let most = radii[0].max(radii[1]);
+        let [along, across] = radii.map(|radius| 1.0 / (radius + 2e-6 * most));
+        let square = cos * along * (cos * along) + sin * across * (sin * across);
+        let tall = libm::sqrt(square) / (along * across);
+        // Places of cells are rounded, too.
+        let farthest = |axis: usize, cells: usize| center[axis].abs() + cells as f64 * basin.spacing;
+        let slack = 1e-6 * most + 1e-12 * (farthest(0, basin.columns) + farthest(1, basin.rows));
+        Self {
+            center,
+            square,
+            mixed: cos * sin * (along * along - across * across),
+            determinant: along * across * (along * across),
+            tall: tall + slack,
+            slack,
+            spacing: basin.spacing,
+            columns: basin.columns,
         }
     }
 
-    /// Lets an interval, in seconds, pass for the rift.
-    pub(super) fn rift(&self, seconds: f64, values: &mut [f64]) {
-        let rift = self.sea.behavior.rift;
-        let [left, added] = decayed(rift.decay, seconds);
-        for (column, value) in values.iter_mut().enumerate() {
-            let ([x, z], bursts) = self.reached(column);
-            let inside = bursts.map(|burst| {
-                let [dx, dz] = [x - burst.center[0], z - burst.center[1]];
-                (rift.distance - libm::hypot(dx, dz)).max(0.0)
-            });
-            let near = match rift.combine {
-                Combine::Sum => inside.sum(),
-                Combine::Nearest => inside.fold(0.0, f64::max),
-            };
-            *value = *value * left + rift.gain * near * added;
+    /// Returns the cells of a row at z that may lie in it, and others beside them: from a multiple of [`LANES`].
+    pub(super) fn columns(&self, z: f64) -> Range<usize> {
+        let dz = z - self.center[1];
+        if dz.abs() > self.tall {
+            return 0..0;
         }
-    }
-
-    /// Lets an interval, in seconds, pass for the five fields of drift lines.
-    pub(super) fn drift(&self, seconds: f64, values: &mut [[f64; 5]]) {
-        let (drift, spacing) = (self.sea.behavior.drift, self.sea.basin.spacing);
-        let [left, added] = decayed(drift.decay, seconds);
-        for (column, values) in values.iter_mut().enumerate() {
-            let (place, bursts) = self.reached(column);
-            let mut sums = [0.0; 5];
-            for active in bursts {
-                let [a, l] = active.local(place, true);
-                let (radii, _) = active.burst.profile(self.sea.behavior.shape);
-                let q = libm::hypot(a / (radii[0] * drift.reach[0]), l / (radii[1] * drift.reach[1]));
-                let weight = active.left * (1.0 - q * q).max(0.0) * (1.0 - q * q).max(0.0);
-                let swept = drift.lag * libm::sqrt(l * l + drift.softness(spacing));
-                let angle = |meters: f64, turns: f64| libm::sincos(2.0 * PI * (meters * drift.frequency() + turns));
-                let (along_sin, along_cos) = angle(a - swept, active.turns);
-                let (across_sin, across_cos) = angle(active.burst.lane + l, 0.0);
-                for (sum, value) in sums.iter_mut().zip([1.0, along_cos, along_sin, across_cos, across_sin]) {
-                    *sum += weight * value;
-                }
-            }
-            let renewed = 1.0 + drift.renewal * seconds * LITERAL_HZ * sums[0];
-            for (value, sum) in values.iter_mut().zip(sums) {
-                *value = (*value * left + sum * added) / renewed;
-            }
-        }
+        let middle = self.center[0] - self.mixed / self.square * dz;
+        let half = libm::sqrt((self.square - self.determinant * dz * dz).max(0.0)) / self.square + self.slack;
+        // Numbers out of range become the nearest in range.
+        let first = ((middle - half) / self.spacing).ceil() as usize;
+        let end = ((middle + half) / self.spacing).floor() + 1.0;
+        first / LANES * LANES..(end as usize).min(self.columns)
     }
 }
 

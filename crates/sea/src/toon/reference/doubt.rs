@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::advance::Modes;
+use super::advance::{Modes, recurrence};
 use super::{ROUNDING, Run};
 use crate::toon::propagator::{Scales, scales};
 use crate::toon::{Boundary, ToonSea};
@@ -33,7 +33,7 @@ pub(super) fn norm(values: &[f64]) -> f64 {
     libm::sqrt(values.iter().map(|value| value * value).sum())
 }
 
-fn largest(values: &[f64]) -> f64 {
+pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
 }
 
@@ -45,24 +45,27 @@ fn force_roundings(sea: &ToonSea) -> f64 {
 /// Largest absolute values in the cells so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CellPeaks {
-    height: f64,
-    velocity: f64,
-    force: f64,
+    pub(super) height: f64,
+    pub(super) velocity: f64,
+    pub(super) force: f64,
     /// Difference between neighbors.
-    steepest: f64,
+    pub(super) steepest: f64,
 }
 
 impl CellPeaks {
-    pub(super) fn raise(&mut self, steepest: f64, force: &[f64], height: &[f64], velocity: &[f64]) {
-        self.steepest = self.steepest.max(steepest);
-        self.force = self.force.max(largest(force));
-        self.height = self.height.max(largest(height));
-        self.velocity = self.velocity.max(largest(velocity));
+    /// Returns the larger of each.
+    pub(super) fn joined(self, other: Self) -> Self {
+        Self {
+            height: self.height.max(other.height),
+            velocity: self.velocity.max(other.velocity),
+            force: self.force.max(other.force),
+            steepest: self.steepest.max(other.steepest),
+        }
     }
 
     /// Returns the bound on heights after a number of steps, and after the part of a step that follows.
     pub(super) fn doubt(&self, sea: &ToonSea, steps: u64, rest: Option<&Modes>) -> f64 {
-        let Some(mixing) = super::recurrence(&sea.motion, 1.0 / sea.motion.rate()) else { return f64::INFINITY };
+        let Some(mixing) = recurrence(&sea.motion, 1.0 / sea.motion.rate()) else { return f64::INFINITY };
         let Self { height, velocity, force, steepest } = *self;
         // ½Σ(neighbor − h) is off by 6 roundings of the largest difference; the rest is off by one rounding or two of
         // each of its terms.
@@ -70,14 +73,16 @@ impl CellPeaks {
         let moved = ROUNDING * (12.0 * steepest + 4.0 * velocity + 6.0 * lost + (2.0 + force_roundings(sea)) * force);
         let raised = ROUNDING * height;
         let gap = gaps(sea);
-        let energies = |mode: usize| {
+        let energies = |mode: usize, blocks: &mut Blocks| {
             let d = mixing.loss() + 2.0 * mixing.c1 * gap(mode);
             let row = rest.map_or([1.0, 0.0], |rest| [rest.transfers[mode][0], rest.transfers[mode][1]]);
-            energies([1.0 - d, mixing.c1, -d, mixing.c1], row, [[1.0, 0.0], [1.0, 1.0], [0.0; 2]], steps)
+            energies([1.0 - d, mixing.c1, -d, mixing.c1], row, [[1.0, 0.0], [1.0, 1.0], [0.0; 2]], steps, blocks);
         };
         let sums = Sums::new(sea, energies);
-        let is_level = sea.basin.boundary != Boundary::Fixed;
-        let level = if is_level { energies(0) } else { Vec::new() };
+        let mut level = Blocks::new();
+        if sea.basin.boundary != Boundary::Fixed {
+            energies(0, &mut level);
+        }
         let of = |kick: usize| {
             let single: f64 = level.iter().enumerate().map(|(block, e)| libm::sqrt(length(block) * e[kick])).sum();
             let others = sums.total.iter().enumerate().map(|(block, e)| {
@@ -116,21 +121,21 @@ impl ModePeaks {
     pub(super) fn doubt(&self, sea: &ToonSea, steps: u64, whole: &Modes, rest: Option<&Modes>) -> f64 {
         let seconds = 1.0 / sea.motion.rate();
         let gap = gaps(sea);
-        let energies = |mode: usize| {
+        let energies = |mode: usize, blocks: &mut Blocks| {
             let m = whole.transfers[mode];
             let row = rest.map_or([1.0, 0.0], |rest| [rest.transfers[mode][0], rest.transfers[mode][1]]);
-            energies([m[0], m[1], m[2], m[3]], row, [[1.0, 0.0], [0.0, 1.0], [m[4], m[5]]], steps)
+            energies([m[0], m[1], m[2], m[3]], row, [[1.0, 0.0], [0.0, 1.0], [m[4], m[5]]], steps, blocks);
         };
-        let off = |mode: usize| {
+        let off = |blocks: &mut Blocks, mode: usize| {
+            energies(mode, blocks);
             let response = |kick: usize| -> f64 {
-                let energies = energies(mode);
-                energies.iter().enumerate().map(|(block, e)| libm::sqrt(length(block) * e[kick])).sum()
+                blocks.iter().enumerate().map(|(block, e)| libm::sqrt(length(block) * e[kick])).sum()
             };
             let scales = scales(&sea.motion, sea.basin.spacing, gap(mode), seconds);
             let [a, b] = rounded(&scales, [self.a[mode], self.b[mode], self.force[mode]]);
             response(0) * a + response(1) * b
         };
-        let off: Vec<f64> = (0..self.a.len()).into_par_iter().map(off).collect();
+        let off: Vec<f64> = (0..self.a.len()).into_par_iter().map_init(Blocks::new, off).collect();
         let sums = Sums::new(sea, energies);
         let forced: f64 = sums.most.iter().enumerate().map(|(block, e)| libm::sqrt(length(block) * e[2])).sum();
         let force = (whole.basis.rounding() + force_roundings(sea) * ROUNDING) * self.force_norm;
@@ -172,13 +177,17 @@ fn length(block: usize) -> f64 {
     if block < 2 { 1.0 } else { libm::exp2((block - 1) as f64) }
 }
 
-/// Returns Σ (row·Mʲ·kick)² over the steps j of each block, by kick; the blocks cover at least the given steps.
-fn energies(m: [f64; 4], row: [f64; 2], kicks: [[f64; 2]; 3], steps: u64) -> Vec<[f64; 3]> {
+/// Energies by block and kick.
+type Blocks = Vec<[f64; 3]>;
+
+/// Finds Σ (row·Mʲ·kick)² over the steps j of each block, by kick; the blocks cover at least the given steps.
+fn energies(m: [f64; 4], row: [f64; 2], kicks: [[f64; 2]; 3], steps: u64, blocks: &mut Blocks) {
     // Quadratic forms p·a² + 2q·a·b + r·b².
     let [mut p, mut q, mut r] = [row[0] * row[0], row[0] * row[1], row[1] * row[1]];
     let [mut a, mut b, mut c, mut d] = m;
     let of = |[p, q, r]: [f64; 3]| kicks.map(|[x, y]| (p * x * x + 2.0 * q * x * y + r * y * y).max(0.0));
-    let (mut blocks, mut covered) = (Vec::new(), 1);
+    blocks.clear();
+    let mut covered = 1;
     if steps > 0 {
         blocks.push(of([p, q, r]));
     }
@@ -193,38 +202,42 @@ fn energies(m: [f64; 4], row: [f64; 2], kicks: [[f64; 2]; 3], steps: u64) -> Vec
         (a, b, c, d) = (a * a + b * c, b * (a + d), c * (a + d), c * b + d * d);
         covered *= 2;
     }
-    blocks
 }
 
 /// Energies of all modes: their sum, and the largest, by block and kick.
+#[derive(Default)]
 struct Sums {
-    total: Vec<[f64; 3]>,
-    most: Vec<[f64; 3]>,
+    total: Blocks,
+    most: Blocks,
 }
 
 impl Sums {
-    fn new(sea: &ToonSea, energies: impl Fn(usize) -> Vec<[f64; 3]> + Sync) -> Self {
+    fn new(sea: &ToonSea, energies: impl Fn(usize, &mut Blocks) + Sync) -> Self {
         let columns = sea.basin.columns;
-        let join = |mut one: Self, other: Self| {
-            one.total.resize(other.total.len().max(one.total.len()), [0.0; 3]);
-            one.most.resize(one.total.len(), [0.0; 3]);
-            for (block, (total, most)) in other.total.iter().zip(&other.most).enumerate() {
-                for kick in 0..3 {
-                    one.total[block][kick] += total[kick];
-                    one.most[block][kick] = one.most[block][kick].max(most[kick]);
-                }
-            }
-            one
-        };
-        let none = || Self { total: Vec::new(), most: Vec::new() };
-        let of = |mode: usize| {
-            let total = energies(mode);
-            Self { most: total.clone(), total }
-        };
         // Sums have one order, whatever the number of threads.
-        let row = |row: usize| (row * columns..(row + 1) * columns).map(of).fold(none(), join);
-        let rows: Vec<Self> = (0..sea.basin.rows).into_par_iter().map(row).collect();
-        rows.into_iter().fold(none(), join)
+        let row = |blocks: &mut Blocks, row: usize| {
+            let mut sums = Self::default();
+            for mode in row * columns..(row + 1) * columns {
+                energies(mode, blocks);
+                sums.join(blocks, blocks);
+            }
+            sums
+        };
+        let rows: Vec<Self> = (0..sea.basin.rows).into_par_iter().map_init(Blocks::new, row).collect();
+        let mut all = Self::default();
+        rows.iter().for_each(|row| all.join(&row.total, &row.most));
+        all
+    }
+
+    fn join(&mut self, total: &Blocks, most: &Blocks) {
+        self.total.resize(total.len().max(self.total.len()), [0.0; 3]);
+        self.most.resize(self.total.len(), [0.0; 3]);
+        for (block, (total, most)) in total.iter().zip(most).enumerate() {
+            for kick in 0..3 {
+                self.total[block][kick] += total[kick];
+                self.most[block][kick] = self.most[block][kick].max(most[kick]);
+            }
+        }
     }
 }
 
