@@ -271,6 +271,12 @@ impl SeaFrame {
         Sea::new(self.reference.iter().map(|(wave, _)| *wave).collect())
     }
 
+    /// Returns the waves in the order in which [`Self::evaluate`] adds them, each with its turns per meter along x and z
+    /// and its turns at the origin.
+    pub(crate) fn plain_waves(&self) -> impl Iterator<Item = (&Wave, [f64; 3])> {
+        self.reference.iter().map(|(wave, phase)| (wave, [phase.x, phase.z, phase.origin]))
+    }
+
     /// Returns the number of waves.
     pub fn len(&self) -> usize {
         self.reference.len()

@@ -134,6 +134,24 @@ impl FramedSea {
         RowFactors { left, factors, rows: rows.len() }
     }
 
+    /// Returns the factors of the first waves for rows whose squares are to hold derivatives of the displacement by the
+    /// rest point instead: ∂Δu/∂u, ∂Δu/∂v = ∂Δv/∂u, and ∂Δv/∂v.
+    pub(crate) fn strain_rows(&self, rows: &[(f64, f64)], left: usize) -> RowFactors {
+        let mut strains = self.rows(rows, left);
+        for factors in strains.factors.chunks_exact_mut(left.max(1)) {
+            for (wave, factors) in self.waves.iter().zip(factors) {
+                let [a, b] = wave.numbers;
+                let [along_sin, along_cos, .., across_sin, across_cos] = *factors;
+                // −h·sin θ becomes −h·k·cos θ, and −h·cos θ becomes h·k·sin θ.
+                let by = |number: f64, sin: f64, cos: f64| [number * cos, -number * sin];
+                let [[uu, uu_sin], [uv, uv_sin], [vv, vv_sin]] =
+                    [by(a, along_sin, along_cos), by(b, along_sin, along_cos), by(b, across_sin, across_cos)];
+                *factors = [uu, uu_sin, uv, uv_sin, vv, vv_sin];
+            }
+        }
+        strains
+    }
+
     /// Returns the factors of columns at offsets in meters from the middles that [`FramedSea::squares`] is given.
     pub fn columns(&self, offsets: &[f64]) -> ColumnFactors {
         let columns = offsets.len();

@@ -3,7 +3,7 @@
 use crate::actions::{Action, Pane};
 use crate::document::Session;
 use crate::editor::Editor;
-use crate::testing::{Window, act, ask, editor, unseen};
+use egui::{Context, Memory, RawInput, Rect, vec2};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -26,64 +26,95 @@ fn change(editor: &Editor, text: &str, revision: u64) -> Option<String> {
     done.or_else(|| (session.text() != text || session.revision() != revision).then(|| "the text".into()))
 }
 
-/// Performs an action, and draws what it shows: for the first time, and again when everything has its size. A change
-/// that the second time causes is found after the next action at the latest.
-fn show(window: &mut Window, action: Action) {
-    ask(window, action);
-    window.run_steps(2);
+/// A screen that shows an editor, without the tree of widgets by which other tests find them: only the text counts here.
+struct Screen<'c> {
+    context: &'c Context,
+    editor: Editor,
+}
+
+impl<'c> Screen<'c> {
+    /// Opens a document in an editor whose viewer shows nothing, so that nothing is evaluated, on a context that keeps
+    /// only its fonts from earlier documents.
+    fn open(context: &'c Context, session: Session) -> Self {
+        context.memory_mut(|memory| *memory = Memory::default());
+        let mut editor = Editor::new(context, session, None).unwrap();
+        editor.state.look.node = None;
+        // Opens all lists, records and menus.
+        context.memory_mut(|memory| memory.set_everything_is_visible(true));
+        let mut screen = Self { context, editor };
+        screen.draw();
+        screen
+    }
+
+    fn draw(&mut self) {
+        let screen_rect = Some(Rect::from_min_size(Default::default(), vec2(1280.0, 800.0)));
+        let input = RawInput { screen_rect, predicted_dt: 0.02, ..Default::default() };
+        let mut output = self.context.run_ui(input, |ui| self.editor.ui(ui));
+        // Nothing is painted.
+        output.textures_delta.clear();
+    }
+
+    /// Performs an action, and draws what it shows: for the first time, and again when everything has its size. A change
+    /// that the second time causes is found after the next action at the latest.
+    fn show(&mut self, action: Action) {
+        self.editor.act(action, self.context);
+        self.draw();
+        self.draw();
+    }
 }
 
 /// Selects every output and a node of each type of a document, and shows every panel; returns the changes made by that.
-fn look_at(session: Session) -> Vec<String> {
+fn look_at(context: &Context, session: Session) -> Vec<String> {
     let text = session.text().to_string();
-    let mut window = unseen(session);
-    // Opens all lists, records and menus.
-    window.ctx.memory_mut(|memory| memory.set_everything_is_visible(true));
-    let revision = editor(&window).state().session.revision();
-    let sheet = editor(&window).state().sheet().clone();
+    let mut screen = Screen::open(context, session);
+    let revision = screen.editor.state().session.revision();
+    let sheet = screen.editor.state().sheet().clone();
     let mut changes = Vec::new();
-    let mut check = |window: &mut Window, what: &str| {
-        if let Some(change) = change(editor(window), &text, revision) {
+    let mut check = |screen: &mut Screen<'_>, what: &str| {
+        if let Some(change) = change(&screen.editor, &text, revision) {
             changes.push(format!("{what}: {change}"));
-            act(window, Action::Undo);
+            screen.show(Action::Undo);
         }
     };
     for pane in Pane::ALL {
-        show(&mut window, Action::Panel(pane));
-        check(&mut window, pane.title());
+        screen.show(Action::Panel(pane));
+        check(&mut screen, pane.title());
     }
     for output in &sheet.outputs {
-        show(&mut window, Action::Output(Some(output.name.clone())));
-        check(&mut window, &output.name);
+        screen.show(Action::Output(Some(output.name.clone())));
+        check(&mut screen, &output.name);
     }
-    show(&mut window, Action::Panel(Pane::Properties));
+    screen.show(Action::Panel(Pane::Properties));
     let mut types = HashSet::new();
     for node in sheet.nodes.iter().filter(|node| types.insert(&node.ty)) {
-        show(&mut window, Action::Select([node.name.clone()].into()));
-        check(&mut window, &node.name);
+        screen.show(Action::Select([node.name.clone()].into()));
+        check(&mut screen, &node.name);
     }
-    show(&mut window, Action::Panel(Pane::Waves));
+    screen.show(Action::Panel(Pane::Waves));
     for node in sheet.nodes.iter().filter(|node| node.ty.ends_with("Sea")) {
-        show(&mut window, Action::Select([node.name.clone()].into()));
-        check(&mut window, &node.name);
+        screen.show(Action::Select([node.name.clone()].into()));
+        check(&mut screen, &node.name);
     }
-    window.step();
-    check(&mut window, "the end");
+    screen.draw();
+    check(&mut screen, "the end");
     changes
 }
 
 #[test]
 fn nothing_is_written_by_looking_at_nodes_of_every_type_in_every_document() {
     let files: Vec<PathBuf> = ["graphs", "tests/nodes", "tests/extremes"].into_iter().flat_map(documents).collect();
-    let look = |file: &PathBuf| {
+    let look = |context: &Context, file: &PathBuf| {
         let name = file.file_name().unwrap().to_string_lossy().into_owned();
-        let changes = look_at(Session::open(file).unwrap());
+        let changes = look_at(context, Session::open(file).unwrap());
         changes.into_iter().map(move |change| format!("{name}: {change}"))
     };
     // One thread per processor.
     let next = std::sync::atomic::AtomicUsize::new(0);
     let take = || files.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
-    let work = || std::iter::from_fn(&take).flat_map(&look).collect::<Vec<String>>();
+    let work = || {
+        let context = Context::default();
+        std::iter::from_fn(&take).flat_map(|file| look(&context, file)).collect::<Vec<String>>()
+    };
     let count = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let changes: Vec<String> = std::thread::scope(|scope| {
         let hands: Vec<_> = (0..count).map(|_| scope.spawn(work)).collect();

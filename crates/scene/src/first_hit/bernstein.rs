@@ -35,25 +35,31 @@ pub(super) const LEBESGUE: f64 = 2.4;
 /// Nodes are rounded, too, and by Markov's inequality, that moves a value by 2·8² units at most.
 const EVALUATION: f64 = 256.0 * f64::EPSILON;
 
+/// A matrix and its transpose.
+type Both = [Net; 2];
+
+fn both(matrix: Net) -> Both {
+    [matrix, std::array::from_fn(|i| std::array::from_fn(|j| matrix[j][i]))]
+}
+
 /// Returns the values of all Bernstein polynomials at each of the nodes.
-fn bases() -> &'static Net {
-    static BASES: OnceLock<Net> = OnceLock::new();
-    BASES.get_or_init(|| nodes::<SIDE>().map(|node| basis(0.5 + 0.5 * node)))
+fn bases() -> &'static Both {
+    static BASES: OnceLock<Both> = OnceLock::new();
+    BASES.get_or_init(|| both(nodes::<SIDE>().map(|node| basis(0.5 + 0.5 * node))))
 }
 
 /// Bounds how far a net's polynomial lies, anywhere in the unit square, from the one that has exactly these values at the
 /// Chebyshev points: the difference is a polynomial as well, whose values at these points are computed here.
 #[inline(always)]
 pub fn off(net: &Net, values: &Net) -> f64 {
-    let half = combined(bases(), net);
+    let there = on_both_sides(bases(), net);
     let (mut worst, mut largest, mut all) = (0.0_f64, 0.0_f64, 0.0);
-    for (row, (values, net)) in half.iter().zip(values.iter().zip(net)) {
-        for (basis, value) in bases().iter().zip(values) {
-            let there: f64 = row.iter().zip(basis).map(|(value, factor)| value * factor).sum();
-            worst = larger(worst, (there - value).abs());
+    for row in 0..SIDE {
+        for column in 0..SIDE {
+            worst = larger(worst, (there[row][column] - values[row][column]).abs());
+            largest = larger(largest, net[row][column].abs());
+            all += net[row][column];
         }
-        largest = net.iter().fold(largest, |largest, coefficient| larger(largest, coefficient.abs()));
-        all += net.iter().sum::<f64>();
     }
     if !all.is_finite() {
         return f64::INFINITY;
@@ -73,13 +79,17 @@ fn combined(matrix: &Net, net: &Net) -> Net {
     combined
 }
 
+/// Combines the rows of a net by the factors in each row of a matrix, and then its columns.
+#[inline(always)]
+fn on_both_sides([matrix, transpose]: &Both, net: &Net) -> Net {
+    combined(&combined(matrix, net), transpose)
+}
+
 /// Returns the coefficients of the polynomial that has these values at the Chebyshev points.
 #[inline(always)]
 pub fn interpolated(values: &Net) -> Net {
-    static MATRIX: OnceLock<Net> = OnceLock::new();
-    let matrix = MATRIX.get_or_init(|| inverse(*bases()));
-    let half = combined(matrix, values);
-    half.map(|row| std::array::from_fn(|index| (0..SIDE).map(|node| matrix[index][node] * row[node]).sum()))
+    static MATRIX: OnceLock<Both> = OnceLock::new();
+    on_both_sides(MATRIX.get_or_init(|| both(inverse(bases()[0]))), values)
 }
 
 /// Inverts a matrix by elimination with pivots.
@@ -128,9 +138,11 @@ fn bases_at(at: f64) -> ([f64; SIDE], [f64; DEGREE]) {
 
 /// Returns the values of some nets at a point of the unit square, and their derivatives by s and by t.
 #[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "loops over neighbors")]
 pub(super) fn evaluate<const N: usize>(nets: &[Net; N], [s, t]: [f64; 2]) -> [(f64, [f64; 2]); N] {
     let ((by_s, lower_s), (by_t, lower_t)) = (bases_at(s), bases_at(t));
-    nets.each_ref().map(|net| {
+    let mut found = [(0.0, [0.0; 2]); N];
+    for (net, (value, slopes)) in nets.iter().zip(&mut found) {
         let (mut across, mut along) = ([0.0; SIDE], [0.0; SIDE]);
         for (row, (factor, along)) in net.iter().zip(by_s.into_iter().zip(&mut along)) {
             for column in 0..SIDE {
@@ -138,12 +150,13 @@ pub(super) fn evaluate<const N: usize>(nets: &[Net; N], [s, t]: [f64; 2]) -> [(f
                 *along += by_t[column] * row[column];
             }
         }
-        let slope = |values: &[f64; SIDE], lower: &[f64; DEGREE]| {
-            (0..DEGREE).map(|i| DEGREE as f64 * (values[i + 1] - values[i]) * lower[i]).sum::<f64>()
-        };
-        let value = along.iter().zip(by_s).map(|(value, factor)| value * factor).sum();
-        (value, [slope(&along, &lower_s), slope(&across, &lower_t)])
-    })
+        *value = along.iter().zip(by_s).map(|(value, factor)| value * factor).sum();
+        for i in 0..DEGREE {
+            slopes[0] += DEGREE as f64 * (along[i + 1] - along[i]) * lower_s[i];
+            slopes[1] += DEGREE as f64 * (across[i + 1] - across[i]) * lower_t[i];
+        }
+    }
+    found
 }
 
 /// Divides a net into halves along s or along t: returns the lower one if `takes_low`, otherwise the upper one, and leaves

@@ -264,29 +264,31 @@ impl Cell {
         let offsets = nodes::<SIDE>();
         // Coefficients relative to a point within the cell are small, and so is their rounding.
         let center = points[SIDE * SIDE / 2];
-        let patch = std::array::from_fn(|axis| {
-            let values: Net = std::array::from_fn(|i| {
-                std::array::from_fn(|j| {
+        let mut patch = [[[0.0_f32; SIDE]; SIDE]; 3];
+        // Loops, because closures of arrays are functions of their own, without the instructions of this one.
+        for (axis, patch) in patch.iter_mut().enumerate() {
+            let mut values: Net = [[0.0; SIDE]; SIDE];
+            for (i, values) in values.iter_mut().enumerate() {
+                for (j, value) in values.iter_mut().enumerate() {
                     let resting = [half * offsets[i], 0.0, half * offsets[j]][axis];
-                    (points[SIDE * i + j][axis] - center[axis]) + resting
-                })
-            });
+                    *value = (points[SIDE * i + j][axis] - center[axis]) + resting;
+                }
+            }
             let net = interpolated(&values);
-            let mut largest = 0.0_f64;
-            let rounded = net.map(|row| {
-                row.map(|value| {
-                    largest = larger(largest, (value - f64::from(value as f32)).abs());
-                    value as f32
-                })
-            });
+            let (mut largest, mut size) = (0.0_f64, 0.0_f64);
+            for (rounded, row) in patch.iter_mut().zip(&net) {
+                for (rounded, value) in rounded.iter_mut().zip(row) {
+                    *rounded = *value as f32;
+                    largest = larger(largest, (value - f64::from(*rounded)).abs());
+                    size = larger(size, value.abs());
+                }
+            }
             // A patch moves by no more than its coefficients, and its derivatives by the degree times as much, or by
             // the square of the degree times its own distance (Markov's inequality).
             let (degree, off) = (DEGREE as f64, off(&net, &values));
-            let size = net.as_flattened().iter().fold(0.0_f64, |size, value| larger(size, value.abs()));
             remainder.off[axis] += largest + off + HALVED * size;
             remainder.turn += degree * largest + degree * degree * off;
-            rounded
-        });
+        }
         let [u, v] = middle;
         Self { middle, half, base: DVec3::new(u, 0.0, v) + DVec3::from(center), patch, remainder }
     }
@@ -316,16 +318,18 @@ impl Cell {
     #[inline(always)]
     pub(super) fn seen_along(&self, origin: DVec3, ways: [DVec3; 3]) -> [Net; 3] {
         let base = self.base - origin;
-        ways.map(|way| {
+        let [x, y, z] = &self.patch;
+        let mut nets = [[[0.0; SIDE]; SIDE]; 3];
+        for (net, way) in nets.iter_mut().zip(ways) {
             let start = base.dot(way);
-            let [x, y, z] = &self.patch;
-            std::array::from_fn(|i| {
-                std::array::from_fn(|j| {
-                    let [x, y, z] = [x[i][j], y[i][j], z[i][j]].map(f64::from);
-                    start + (x * way.x + y * way.y + z * way.z)
-                })
-            })
-        })
+            for (i, row) in net.iter_mut().enumerate() {
+                for (j, value) in row.iter_mut().enumerate() {
+                    let (x, y, z) = (f64::from(x[i][j]), f64::from(y[i][j]), f64::from(z[i][j]));
+                    *value = start + (x * way.x + y * way.y + z * way.z);
+                }
+            }
+        }
+        nets
     }
 
     /// Returns the rest point at a place in the unit square.

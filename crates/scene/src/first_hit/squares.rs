@@ -97,11 +97,17 @@ impl<'a> Squares<'a> {
 
 impl Displacements {
     /// Returns those at the points of a cell, row by row, by its place among the square's.
+    #[inline(always)]
     pub(super) fn of_cell(&self, [along, across]: [usize; 2]) -> [[f64; 3]; SIDE * SIDE] {
-        std::array::from_fn(|index| {
-            let (row, column) = (SIDE * along + index / SIDE, SIDE * across + index % SIDE);
-            [0, 1, 2].map(|axis| self.values[axis][row][column])
-        })
+        let mut points = [[0.0; 3]; SIDE * SIDE];
+        for (axis, values) in self.values.iter().enumerate() {
+            for (points, values) in points.chunks_exact_mut(SIDE).zip(&values[SIDE * along..]) {
+                for (point, value) in points.iter_mut().zip(&values[SIDE * across..]) {
+                    point[axis] = *value;
+                }
+            }
+        }
+        points
     }
 }
 

@@ -2,9 +2,8 @@
 //! waves.
 
 use super::Spray;
-use super::birth::{Birth, Droplet};
-use super::exact::water;
-use crate::Sea;
+use super::birth::{Birth, Droplet, Water};
+use crate::{Sea, SeaFrame};
 
 /// Returns the births of every step that matters at a time, over a sea that rests at world y = `level`.
 ///
@@ -33,4 +32,11 @@ pub fn drops(spray: &Spray, sea: &Sea, level: Option<f64>, time: f64) -> Vec<Dro
     let born = level.map(|level| births(spray, sea, level, time)).unwrap_or_default();
     let born = born.into_iter().chain(spray.thrown(time));
     born.filter_map(|birth| spray.droplet(&birth, level, time)).collect()
+}
+
+/// Returns the state of a sea that rests at world y = `level`.
+fn water(frame: &SeaFrame, [x, z]: [f64; 2], footprint: f64, level: f64) -> Water {
+    let sample = frame.evaluate([x, z], footprint);
+    let [dx, dy, dz] = sample.displacement;
+    Water { position: [x + dx, level + dy, z + dz], velocity: sample.velocity }
 }
