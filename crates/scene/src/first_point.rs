@@ -61,7 +61,7 @@ enum Solutions {
 ///
 /// The bounds account for rounding, and for everything except the curvature of the footprint: between two positions
 /// where its growth is computed, it is assumed to grow at a rate in between.
-pub fn first_point(
+pub(crate) fn first_point(
     sea: &SeaSurface,
     projector: &Projector,
     ray: &Ray,

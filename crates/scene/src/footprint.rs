@@ -24,7 +24,7 @@ pub fn footprint(projector: &Projector, rest: DVec3) -> f64 {
 
 /// Returns a lower bound of every [`footprint`], in meters, of the rest points at world y `level` in a range of
 /// distances ahead of the camera, in meters.
-pub fn least_footprint(projector: &Projector, level: f64, [from, to]: [f64; 2]) -> f64 {
+pub(crate) fn least_footprint(projector: &Projector, level: f64, [from, to]: [f64; 2]) -> f64 {
     let (offset, forward) = (level - projector.position.y, projector.forward);
     if projector.orthographic {
         return projector.pixel_size(1.0) / libm::sqrt(forward.y.abs().max(GRAZING));

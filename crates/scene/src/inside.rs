@@ -2,8 +2,6 @@
 //! compiled a second time for them. Nothing of it is part of the interface.
 
 pub use crate::first_hit::inside as first_hit;
-pub use crate::first_point::first_point;
-pub use crate::footprint::least_footprint;
 pub use crate::patches::point_of;
 
 use crate::bezier::stitch::Cut;
@@ -13,7 +11,7 @@ use crate::grid_ranges::{Range, Ranges};
 use crate::project::ScreenVertex;
 use crate::raster::NOTHING;
 use crate::shading::power;
-use crate::{ChannelSet, DVec3, GridSurface, HeightField, Mesh, Patches, Projector, Ray, SeaSurface, Visible};
+use crate::{ChannelSet, DVec3, GivenUp, GridSurface, HeightField, Mesh, Patches, Projector, Ray, SeaSurface, Visible};
 use trochoid_image::Window;
 use trochoid_sea::Sample;
 
@@ -114,6 +112,25 @@ impl GridRanges {
         let Range { low, high } = self.0.block(cell);
         [low, high]
     }
+}
+
+/// Returns the first point of a sea on a ray between two distances, found for this ray alone: its distance, and the rest
+/// point x, z.
+///
+/// # Errors
+/// The sea is too rough to search.
+pub fn first_point(
+    sea: &SeaSurface,
+    projector: &Projector,
+    ray: &Ray,
+    stretch: [f64; 2],
+) -> Result<Option<(f64, [f64; 2])>, GivenUp> {
+    crate::first_point::first_point(sea, projector, ray, stretch)
+}
+
+/// Returns a lower bound of every footprint at a level, over a range of distances ahead of the camera.
+pub fn least_footprint(projector: &Projector, level: f64, ahead: [f64; 2]) -> f64 {
+    crate::footprint::least_footprint(projector, level, ahead)
 }
 
 /// Returns how far a sea reaches above and below its level, in meters.

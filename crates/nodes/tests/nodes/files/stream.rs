@@ -101,12 +101,14 @@ fn same(case: &Case, what: &str) {
         let reference = |picture: &dyn Prepared| case.reference(picture, at).unwrap();
         assert_eq!(reference(&*stream), reference(&*decoded), "{what}: at {at:?}");
     });
-    // The blocks need not have included every row.
-    let nowhere = Window::sized(0, 0);
-    let all = stream.data_window(nowhere, &|_| nowhere);
-    for part in 0..8 {
-        let column = Window::new(all.x0, all.y0, all.x0 + 1, all.y1);
-        case.fill(&*stream, &Block::of(column, [0.5, f64::from(part) / 8.0]), None).unwrap();
+    // The blocks need not have included every row, of which there are three per sample at most.
+    if matches!(case.kind, Kind::Weights(_)) {
+        let nowhere = Window::sized(0, 0);
+        let all = stream.data_window(nowhere, &|_| nowhere);
+        for part in 0..4 {
+            let column = Window::new(all.x0, all.y0, all.x0 + 1, all.y1);
+            case.fill(&*stream, &Block::of(column, [0.5, f64::from(part) / 4.0]), None).unwrap();
+        }
     }
     assert_eq!(stream.repaired(), decoded.repaired(), "{what}");
     assert_eq!(stream.controls(), decoded.controls(), "{what}");
