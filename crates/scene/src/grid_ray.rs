@@ -104,22 +104,18 @@ fn along(heights: &[[f64; 4]; 4], from: [f64; 2], to: [f64; 2], [rise, fall]: [f
             }
         }
     }
-    let line = [0, 1].map(|axis| [from[axis], to[axis] - from[axis]]);
+    let [u_powers, v_powers] = [0, 1].map(|axis| powers_of([from[axis], to[axis] - from[axis]]));
     let mut sum = [0.0; DEGREE + 1];
-    let mut u_power = vec![1.0];
-    for by_v in powers {
+    for (by_v, u_power) in powers.iter().zip(&u_powers) {
         let mut inner = [0.0; 4];
-        let mut v_power = vec![1.0];
-        for factor in by_v {
-            v_power.iter().enumerate().for_each(|(index, value)| inner[index] += factor * value);
-            v_power = times(&v_power, line[1]);
+        for (factor, v_power) in by_v.iter().zip(&v_powers) {
+            inner.iter_mut().zip(v_power).for_each(|(inner, value)| *inner += factor * value);
         }
         for (i, a) in u_power.iter().enumerate() {
             for (j, b) in inner.iter().enumerate() {
                 sum[i + j] += a * b;
             }
         }
-        u_power = times(&u_power, line[0]);
     }
     // Powers to Bézier coefficients: b_k = Σ C(k, i)/C(6, i)·a_i.
     const CHOOSE: [f64; DEGREE + 1] = [1.0, 6.0, 15.0, 20.0, 15.0, 6.0, 1.0];
@@ -134,14 +130,17 @@ fn along(heights: &[[f64; 4]; 4], from: [f64; 2], to: [f64; 2], [rise, fall]: [f
     })
 }
 
-/// Multiplies a polynomial by a + b·t.
-fn times(polynomial: &[f64], [a, b]: [f64; 2]) -> Vec<f64> {
-    let mut product = vec![0.0; polynomial.len() + 1];
-    for (index, value) in polynomial.iter().enumerate() {
-        product[index] += a * value;
-        product[index + 1] += b * value;
+/// Returns the powers of a + b·t from 0 to 3, each by its coefficients.
+fn powers_of([a, b]: [f64; 2]) -> [[f64; 4]; 4] {
+    let mut powers = [[1.0, 0.0, 0.0, 0.0]; 4];
+    for power in 1..4 {
+        let below = powers[power - 1];
+        powers[power] = std::array::from_fn(|index| {
+            let raised = if index > 0 { b * below[index - 1] } else { 0.0 };
+            raised + a * below[index]
+        });
     }
-    product
+    powers
 }
 
 /// Returns the first root of a polynomial in Bézier form between two places.

@@ -152,15 +152,17 @@ impl<T: Number> GridSurface<T> {
         let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
         let (wx, _) = weights(u - i as f64);
         let (wz, _) = weights(v - j as f64);
+        let columns: [usize; 4] = std::array::from_fn(|m| (i + m).saturating_sub(1).min(self.columns - 1));
+        let rows: [usize; 4] = std::array::from_fn(|n| (j + n).saturating_sub(1).min(self.rows - 1) * self.columns);
         std::array::from_fn(|index| {
             let values = self.trails.values(index);
-            let blend = |(n, wz): (usize, f64)| {
-                let row = (j + n).saturating_sub(1).min(self.rows - 1) * self.columns;
-                let at = |m: usize| (i + m).saturating_sub(1).min(self.columns - 1);
-                let across = |(m, wx): (usize, f64)| wx * values[row + at(m)].into();
-                wz * wx.into_iter().enumerate().map(across).sum::<f64>()
+            if values.is_empty() {
+                return 0.0;
+            }
+            let blend = |(wz, row): (f64, usize)| {
+                wz * wx.into_iter().zip(columns).map(|(wx, column)| wx * values[row + column].into()).sum::<f64>()
             };
-            if values.is_empty() { 0.0 } else { wz.into_iter().enumerate().map(blend).sum() }
+            wz.into_iter().zip(rows).map(blend).sum()
         })
     }
 

@@ -110,6 +110,16 @@ struct PreparedDriftLines {
     lines: Lines,
 }
 
+impl PreparedDriftLines {
+    /// Returns the phase of a sample within its bounds, and whether these are clear.
+    fn near_phase(&self, bounding: &Bounding<'_>, sample: usize) -> (NearPhase, bool) {
+        let spans = self.phase.map(|channel| bounding.certain(&self.view, channel, sample));
+        let within = spans.map(Span::half);
+        let phase = NearPhase::new(spans.map(Span::middle), libm::hypot(within[0], within[1]));
+        (phase, spans.iter().all(|span| span.clear))
+    }
+}
+
 impl Prepared for PreparedDriftLines {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
@@ -142,22 +152,27 @@ impl Prepared for PreparedDriftLines {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let (around, mut pixels) = (Neighborhood::of(bounding.inputs, &self.view), bounding.block.pixels());
+        // Each phase, and whether it is clear, once it has been needed: for its own pixel, and for the four beside it.
+        let mut phases: Vec<Option<(NearPhase, bool)>> = vec![None; around.area()];
         bounding.bound_by(outputs, SoleOutput, 0, |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);
             bounding.where_covered(&self.view, here, || {
+                let [weight, height] =
+                    [Channel::DriftWeight, Channel::Height].map(|channel| bounding.certain(&self.view, channel, here));
+                if self.lines.hides(weight.high) {
+                    return Span::exactly(0.0);
+                }
                 let mut clear = true;
                 let mut phase = |x: i64, y: i64| {
-                    let spans = self.phase.map(|channel| bounding.certain(&self.view, channel, around.index(x, y)));
-                    clear &= spans.iter().all(|span| span.clear);
-                    let within = spans.map(Span::half);
-                    NearPhase { phase: spans.map(Span::middle), within: libm::hypot(within[0], within[1]) }
+                    let at = around.index(x, y);
+                    let (phase, is_clear) = *phases[at].get_or_insert_with(|| self.near_phase(bounding, at));
+                    clear &= is_clear;
+                    phase
                 };
                 let own = phase(x, y);
                 let beside = [[phase(x - 1, y), phase(x + 1, y)], [phase(x, y - 1), phase(x, y + 1)]];
                 let (density, told) = density_span(own, beside);
-                let [weight, height] =
-                    [Channel::DriftWeight, Channel::Height].map(|channel| bounding.certain(&self.view, channel, here));
                 let [weights, heights] = [weight, height].map(|span| [span.low, span.high]);
                 let ([low, high], smooth) =
                     self.lines.mask_span(&NearPlace { weight: weights, phase: own, height: heights, density });

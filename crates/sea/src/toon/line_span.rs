@@ -8,10 +8,11 @@ use super::trail::Drift;
 /// A phase that is known up to a distance.
 #[derive(Clone, Copy, Debug)]
 pub struct NearPhase {
-    /// Weight × (cos, sin).
-    pub phase: [f64; 2],
-    /// Largest distance of the true phase from it.
-    pub within: f64,
+    /// Its angle, and the largest error of it: π if the angle may be any.
+    angle: f64,
+    turn: f64,
+    /// Bounds on its length.
+    lengths: [f64; 2],
 }
 
 /// Known bounds at a position: each quantity lies between two numbers.
@@ -31,27 +32,19 @@ pub struct NearPlace {
 const LOST: f64 = 1e-15;
 
 impl NearPhase {
-    fn length(&self) -> f64 {
-        libm::hypot(self.phase[0], self.phase[1])
-    }
-
-    /// Returns the angle, and the largest error of it: π if the angle may be any.
-    fn angle(&self) -> (f64, f64) {
-        let sine = self.within / self.length();
-        let turn = if self.within == 0.0 {
+    /// Makes a phase from weight × (cos, sin), and the largest distance of the true phase from it.
+    pub fn new(phase: [f64; 2], within: f64) -> Self {
+        let length = libm::hypot(phase[0], phase[1]);
+        let sine = within / length;
+        let turn = if within == 0.0 {
             0.0
         } else if sine < 0.999_999 {
             libm::asin(sine)
         } else {
             PI
         };
-        (libm::atan2(self.phase[1], self.phase[0]), turn + LOST)
-    }
-
-    /// Returns bounds on its length.
-    fn lengths(&self) -> [f64; 2] {
-        let length = self.length();
-        [(length - self.within).max(0.0), length + self.within]
+        let lengths = [(length - within).max(0.0), length + within];
+        Self { angle: libm::atan2(phase[1], phase[0]), turn: turn + LOST, lengths }
     }
 }
 
@@ -62,7 +55,7 @@ impl NearPhase {
 /// use trochoid_sea::toon::{NearPhase, density_span, lines::density};
 ///
 /// let phase = |angle: f64| [angle.cos(), angle.sin()];
-/// let near = |angle: f64| NearPhase { phase: phase(angle), within: 1e-3 };
+/// let near = |angle: f64| NearPhase::new(phase(angle), 1e-3);
 /// let ([low, high], clear) = density_span(near(0.0), [[near(-0.2), near(0.2)]; 2]);
 /// let exact = density(phase(0.0), [[phase(-0.2), phase(0.2)]; 2]);
 /// assert!(clear && low < exact && exact < high && high - low < 0.02);
@@ -73,8 +66,8 @@ pub fn density_span(here: NearPhase, beside: [[NearPhase; 2]; 2]) -> ([f64; 2], 
         // Values from neighbors that certainly determine an angle, and from those that may.
         let (mut sure, mut low, mut high) = (None::<f64>, f64::INFINITY, 0.0_f64);
         for there in sides {
-            let ((a, own), (b, other)) = (here.angle(), there.angle());
-            let norms = [0, 1].map(|end| here.lengths()[end] * there.lengths()[end]).map(|norm| norm * norm);
+            let (NearPhase { angle: a, turn: own, .. }, NearPhase { angle: b, turn: other, .. }) = (here, there);
+            let norms = [0, 1].map(|end| here.lengths[end] * there.lengths[end]).map(|norm| norm * norm);
             let apart = (a - b).abs();
             let apart = apart.min(TAU - apart);
             let (least, most) = ((apart - own - other).max(0.0), apart + own + other);
@@ -109,7 +102,7 @@ impl Lines {
     /// let near = |number: f64| [number - 1e-4, number + 1e-4];
     /// let ([low, high], _) = lines.mask_span(&NearPlace {
     ///     weight: near(place.weight),
-    ///     phase: NearPhase { phase: place.phase, within: 1e-4 },
+    ///     phase: NearPhase::new(place.phase, 1e-4),
     ///     height: near(place.height),
     ///     density: near(place.density),
     /// });
@@ -124,7 +117,7 @@ impl Lines {
         let stale = STALE * self.fresh;
         let mut clear = place.weight[0] > stale || place.weight[1] <= stale;
         let count = f64::from(Drift::LINES);
-        let (angle, turn) = place.phase.angle();
+        let NearPhase { angle, turn, .. } = place.phase;
         let (at, by) = (angle / TAU * count + self.shift, turn / TAU * count + LOST * (count + self.shift.abs()));
         // Within half a line distance, the two lines that may cover a pixel are the same.
         let halves = [at - by, at + by].map(|end| (2.0 * end).floor());
@@ -153,9 +146,14 @@ impl Lines {
         ([(low - LOST).max(0.0), (high + LOST).min(1.0)], clear)
     }
 
+    /// Returns whether no line is shown under weights up to one.
+    pub fn hides(&self, weight: f64) -> bool {
+        weight <= STALE * self.fresh
+    }
+
     /// Returns bounds on the share of all widths that is left.
     fn shown_span(&self, place: &NearPlace) -> [f64; 2] {
-        let lengths = place.phase.lengths();
+        let lengths = place.phase.lengths;
         let spread = |weight: f64, length: f64, lost: f64| {
             let kept = length / weight;
             let lost = (1.0 - kept * kept + lost).max(0.0);
@@ -164,7 +162,7 @@ impl Lines {
         let weights = place.weight.map(|weight| weight.max(0.0));
         let spreads = [spread(weights[1], lengths[0], 4.0 * LOST), spread(weights[0], lengths[1], -4.0 * LOST)];
         let shown = |end: usize| {
-            if weights[end] <= STALE * self.fresh {
+            if self.hides(weights[end]) {
                 return 0.0;
             }
             let agreed = smooth(2.0 - spreads[end] / self.spread);

@@ -8,7 +8,7 @@
 //! > notice is preserved.
 
 use fearless_simd::{Simd, f64x8, mask64x8, prelude::*};
-use std::f64::consts::FRAC_2_PI;
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_4};
 
 use crate::precise::ROUNDER;
 
@@ -19,7 +19,7 @@ pub(super) const LANES: usize = 8;
 const HALF_PI_HIGH: f64 = f64::from_bits(0x3ff9_21fb_5440_0000);
 const HALF_PI_LOW: f64 = f64::from_bits(0x3dd0_b461_1a62_6331);
 /// Below π/4 by more than the thresholds of libm are off, for angles up to [`LARGE`].
-const NEARLY_AN_EIGHTH: f64 = 0.785_39;
+const NEARLY_AN_EIGHTH: f64 = FRAC_PI_4 - 1e-5;
 /// Share of an angle below which its rest may need a third part of π/2.
 const CANCELED: f64 = 1.0 / 32_768.0;
 /// Size from which angles are left to libm.
