@@ -159,7 +159,7 @@ fn same(found: &Reference, expected: &Reference, of: &str) {
 /// The same numbers as the plain loops, bit for bit but for the sign of a zero, however the time is reached.
 #[test]
 fn runs_have_the_numbers_of_the_plain_loops() {
-    let moving = (0..600_u64).into_par_iter().map(|case| {
+    let moving = (0..300_u64).into_par_iter().map(|case| {
         let (sea, time) = sea(case);
         let expected = frame(&sea, time, ALL);
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
@@ -183,7 +183,7 @@ fn runs_have_the_numbers_of_the_plain_loops() {
         [is_moving(&expected.height), is_moving(&expected.rift), is_moving(&expected.drift[2])]
     });
     let moving = moving.reduce(|| [0; 3], |a, b| std::array::from_fn(|field| a[field] + b[field]));
-    assert!(moving.iter().all(|&moving| moving > 200), "{moving:?}");
+    assert!(moving.iter().all(|&moving| moving > 100), "{moving:?}");
 }
 
 /// Rows that end within a vector, ends of bursts between cells, and many threads.
