@@ -1,5 +1,6 @@
 //! Working spaces, their primaries, and conversions between them.
 
+use std::sync::LazyLock;
 use trochoid_key::content_key;
 
 /// Color space in which a document's colors mix, and in which the guarantee holds.
@@ -103,6 +104,8 @@ const ACESCG_FROM_SRGB: [[f64; 3]; 3] = [
     [0.020_615_59, 0.109_569_77, 0.869_814_64],
 ];
 
+static SRGB_FROM_ACESCG: LazyLock<[[f64; 3]; 3]> = LazyLock::new(|| inverse(&ACESCG_FROM_SRGB));
+
 impl WorkingSpace {
     /// Every working space.
     pub const ALL: [Self; 3] = [Self::LinearSrgb, Self::AcesCg, Self::Srgb];
@@ -149,7 +152,7 @@ impl WorkingSpace {
     pub fn to_linear_srgb(self, color: [f64; 3]) -> [f64; 3] {
         match self {
             Self::LinearSrgb => color,
-            Self::AcesCg => multiply(&inverse(&ACESCG_FROM_SRGB), color),
+            Self::AcesCg => multiply(&SRGB_FROM_ACESCG, color),
             Self::Srgb => color.map(srgb_decode),
         }
     }

@@ -65,12 +65,11 @@ impl Spacing {
         // Crests are sharper than the sum of sinusoids by 1/(1 − compression).
         let compressions = sea.waves().iter().map(|wave| wave.compression() * wave.compression() / 2.0);
         let sharp = 1.0 / (1.0 - libm::sqrt(compressions.sum::<f64>()).min(0.75));
-        let mut bends: Vec<[f64; 3]> = (0..(octaves * PER_OCTAVE).ceil() as usize)
-            .map(|index| {
-                let footprint = first * libm::exp2(index as f64 / PER_OCTAVE);
-                [2, 3, 4].map(|n| sea.derivative_rms(n, footprint) * CREST * sharp)
-            })
-            .collect();
+        let footprints = (0..(octaves * PER_OCTAVE).ceil() as usize)
+            .map(|index| first * libm::exp2(index as f64 / PER_OCTAVE))
+            .collect::<Vec<f64>>();
+        let mut bends = sea.derivatives_rms([2, 3, 4], &footprints);
+        bends.iter_mut().flatten().for_each(|bend| *bend = *bend * CREST * sharp);
         bends.push([0.0; 3]);
         Self { bends, first, coarseness: 1.0 }
     }

@@ -37,12 +37,24 @@ impl Sea {
     /// this footprint in meters and over independent phases: n = 0 is the height, 1 the slope, 2 the curvature in
     /// 1/m.
     pub fn derivative_rms(&self, n: i32, footprint: f64) -> f64 {
-        let square = |wave: &Wave| {
+        self.derivatives_rms([n], &[footprint])[0][0]
+    }
+
+    /// Returns several [derivatives](Self::derivative_rms) under each of some footprints.
+    pub fn derivatives_rms<const N: usize>(&self, n: [i32; N], footprints: &[f64]) -> Vec<[f64; N]> {
+        let mut squares = vec![[0.0; N]; footprints.len()];
+        for wave in &self.waves {
             let k = wave.wave_number();
-            let value = wave.amplitude * libm::pow(k, f64::from(n)) * attenuation(k, footprint);
-            value * value / 2.0
-        };
-        libm::sqrt(self.waves.iter().map(square).sum())
+            let whole = n.map(|n| wave.amplitude * libm::pow(k, f64::from(n)));
+            for (squares, footprint) in squares.iter_mut().zip(footprints) {
+                let share = attenuation(k, *footprint);
+                for (square, whole) in squares.iter_mut().zip(whole) {
+                    let value = whole * share;
+                    *square += value * value / 2.0;
+                }
+            }
+        }
+        squares.into_iter().map(|squares| squares.map(libm::sqrt)).collect()
     }
 
     /// Returns the greatest height over the rest level that any phases could give: Σ|a| in meters.

@@ -194,7 +194,8 @@ fn bands(
     let (mut from, end) = (near - sea.drift, far + sea.drift);
     let kinks = footprints.kinks();
     let (mut bands, mut squares) = (Vec::new(), 0);
-    let mut half = (end - from) / 2.0;
+    // The largest that may be small enough, wherever the next kink is.
+    let mut largest = end - from;
     while from < end {
         if stop() {
             return Err(NoCells::Stopped);
@@ -204,7 +205,7 @@ fn bands(
         }
         let kink = kinks.iter().copied().find(|kink| *kink > from + LEAST * (1.0 + from.abs()));
         let limit = kink.map_or(end, |kink| kink.min(end)) - from;
-        half = (half * GROWTH).min(limit / 2.0);
+        let mut half = largest.min(limit / 2.0);
         let away = |half: f64| (from + half).abs() + half + sea.drift;
         let whole = |half: f64| remainder(waves, footprints, SQUARE, from + half, half, away(half));
         let cell = |half: f64, part: usize| {
@@ -232,6 +233,10 @@ fn bands(
             half *= by_cells.min(by_square).clamp(LEAST_SHRINKAGE, SHRINKAGE);
         };
         let to = if half >= limit / 2.0 { from + limit } else { from + 2.0 * half };
+        if half < largest.min(limit / 2.0) {
+            largest = half;
+        }
+        largest *= GROWTH;
         let middle = (from + to) / 2.0;
         if let Some([left, right]) = region.across([from - sea.drift, to + sea.drift]) {
             let (left, right) = (left - sea.drift, right + sea.drift);
