@@ -9,8 +9,7 @@ impl Function {
         let count = self.arguments();
         let arguments = &[a, b, c][..count];
         if arguments.iter().all(|argument| argument.is_exact()) {
-            let numbers: Vec<f64> = arguments.iter().map(|argument| argument.low).collect();
-            return Span::exactly(self.of(&numbers));
+            return Span::exactly(self.of(&[a.low, b.low, c.low][..count]));
         }
         if self == Self::If {
             return match (a.holds(0.0), a.is_exact()) {
@@ -100,12 +99,10 @@ impl Function {
             Self::Mix if ![a, b, c].iter().all(|span| span.is_bounded()) => Span::ANY,
             Self::Mix => {
                 // Linear in each argument, so the extremes lie in the corners.
-                let mut all = Vec::with_capacity(8);
-                for x in [a.low, a.high] {
-                    for y in [b.low, b.high] {
-                        all.extend([c.low, c.high].map(|t| self.of(&[x, y, t])));
-                    }
-                }
+                let all: [f64; 8] = std::array::from_fn(|corner| {
+                    let end = |span: Span, bit: usize| if corner >> bit & 1 == 0 { span.low } else { span.high };
+                    self.of(&[end(a, 0), end(b, 1), end(c, 2)])
+                });
                 // Beyond t = 0 and 1, products that are much larger than their sum are rounded.
                 let most = |span: Span| span.low.abs().max(span.high.abs());
                 Span::of(&all).wider(Span::ROUNDING * ((1.0 + most(c)) * most(a) + most(c) * most(b)))

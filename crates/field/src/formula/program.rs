@@ -88,17 +88,50 @@ impl Program {
         }
     }
 
-    /// Returns the spans of the result's components at one sample, from the spans of the inputs.
-    pub fn spans(&self, input: impl Fn(usize, usize) -> Span) -> Vec<Span> {
+    /// Returns a computation of spans, sample by sample.
+    pub fn spans(&self) -> ProgramSpans<'_> {
         let mut spans: Vec<Span> = Vec::with_capacity(self.steps.len());
-        for step in &self.steps {
-            spans.push(match step {
+        let mut varying = Vec::new();
+        for (place, step) in self.steps.iter().enumerate() {
+            let fixed = match step {
+                Step::Constant(bits) => Some(Span::exactly(f64::from_bits(*bits))),
+                Step::Input { .. } => None,
+                // Of arguments that no input changes: a result that depends on an input is among `varying`.
+                Step::Apply(function, arguments) => {
+                    let is_fixed = arguments.iter().all(|argument| varying.binary_search(argument).is_err());
+                    is_fixed.then(|| function.span(arguments.map(|argument| spans[argument])))
+                }
+            };
+            if fixed.is_none() {
+                varying.push(place);
+            }
+            spans.push(fixed.unwrap_or(Span::ANY));
+        }
+        ProgramSpans { program: self, varying, spans }
+    }
+}
+
+/// The spans of a program's steps, of which only those that depend on inputs are computed for each sample.
+#[derive(Clone, Debug)]
+pub struct ProgramSpans<'p> {
+    program: &'p Program,
+    /// Steps that depend on inputs, in order.
+    varying: Vec<usize>,
+    spans: Vec<Span>,
+}
+
+impl ProgramSpans<'_> {
+    /// Returns the spans of the result's components at one sample, from the spans of the inputs:
+    /// `input(input, component)`.
+    pub fn at(&mut self, input: impl Fn(usize, usize) -> Span) -> impl Iterator<Item = Span> {
+        for place in &self.varying {
+            self.spans[*place] = match &self.program.steps[*place] {
                 Step::Constant(bits) => Span::exactly(f64::from_bits(*bits)),
                 Step::Input { input: port, component } => input(*port, *component),
-                Step::Apply(function, arguments) => function.span(arguments.map(|argument| spans[argument])),
-            });
+                Step::Apply(function, arguments) => function.span(arguments.map(|argument| self.spans[argument])),
+            };
         }
-        self.results.iter().map(|place| spans[*place]).collect()
+        self.program.results.iter().map(|place| self.spans[*place])
     }
 }
 

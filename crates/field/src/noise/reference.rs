@@ -40,8 +40,9 @@ impl Noise {
             let place = [0, 1].map(along).map(|along| if along.is_finite() { along } else { 0.0 });
             let [first, second] = nearest(octave.seed, &place);
             for axis in 0..2 {
-                let away =
-                    |(distance, way): &(f64, Vec<f64>)| if *distance > 0.0 { -way[axis] / distance } else { 0.0 };
+                let away = |(distance, way): &(f64, [f64; MOST_AXES])| {
+                    if *distance > 0.0 { -way[axis] / distance } else { 0.0 }
+                };
                 slope[axis] += octave.weight * octave.frequency * (away(&second) - away(&first));
             }
         }
@@ -62,30 +63,38 @@ pub(super) fn place(noise: &Noise, octave: &Octave, point: impl Iterator<Item = 
     shifted.map(|along| if along.is_finite() { along } else { 0.0 }).collect()
 }
 
-/// Returns the hash of a cell.
-fn hash(seed: u32, cell: &[i64]) -> u32 {
-    cell.iter().fold(seed, |hash, along| extend(hash, *along))
+/// Most coordinates: three of space, and the evolution.
+pub(super) const MOST_AXES: usize = 4;
+
+/// Returns the hash of the cell that lies some steps from that of a place.
+fn hash(seed: u32, place: &[f64], step: impl Fn(usize) -> i64) -> u32 {
+    let cell = place.iter().enumerate().map(|(axis, along)| (along.floor() as i64).wrapping_add(step(axis)));
+    cell.fold(seed, extend)
 }
 
 /// Returns Σ over the corners of Π fade · gradient · offset, in [−1, 1], and its slope along each axis before clamping.
-pub(super) fn gradient_noise(seed: u32, place: &[f64]) -> (f64, Vec<f64>) {
+///
+/// # Panics
+/// If the place has more than [`MOST_AXES`] coordinates.
+pub(super) fn gradient_noise(seed: u32, place: &[f64]) -> (f64, [f64; MOST_AXES]) {
     let axes = place.len();
-    let fractions: Vec<f64> = place.iter().map(|along| along - along.floor()).collect();
-    let fades: Vec<f64> = fractions.iter().map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0)).collect();
-    let (mut sum, mut slopes) = (0.0, vec![0.0; axes]);
+    let (mut fractions, mut fades) = ([0.0; MOST_AXES], [0.0; MOST_AXES]);
+    for (axis, along) in place.iter().enumerate() {
+        let t = along - along.floor();
+        (fractions[axis], fades[axis]) = (t, t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
+    }
+    let (mut sum, mut slopes) = (0.0, [0.0; MOST_AXES]);
     for corner in 0..1usize << axes {
         let upper = |axis: usize| (corner >> axis) & 1;
-        let cell: Vec<i64> =
-            (0..axes).map(|axis| (place[axis].floor() as i64).wrapping_add(upper(axis) as i64)).collect();
-        let hash = hash(seed, &cell);
+        let hash = hash(seed, place, |axis| upper(axis) as i64);
         let share = |axis: usize| if upper(axis) == 1 { fades[axis] } else { 1.0 - fades[axis] };
         let (mut weight, mut dot) = (1.0, 0.0);
-        for (axis, t) in fractions.iter().enumerate() {
+        for (axis, t) in fractions[..axes].iter().enumerate() {
             weight *= share(axis);
             dot += f64::from(gradient(hash, axis)) * (t - upper(axis) as f64);
         }
         sum += weight * dot;
-        for (axis, (slope, t)) in slopes.iter_mut().zip(&fractions).enumerate() {
+        for (axis, (slope, t)) in slopes[..axes].iter_mut().zip(&fractions).enumerate() {
             let others: f64 = (0..axes).filter(|other| *other != axis).map(share).product();
             let fading = 30.0 * t * t * (t - 1.0) * (t - 1.0) * if upper(axis) == 1 { 1.0 } else { -1.0 };
             *slope += weight * f64::from(gradient(hash, axis)) + others * fading * dot;
@@ -103,22 +112,22 @@ pub(super) fn distances(seed: u32, place: &[f64]) -> [f64; 2] {
 
 /// Returns the distances to the two nearest feature points, nearest first, each at most 1, and the vectors to them: 0
 /// if none is nearer than 1.
-fn nearest(seed: u32, place: &[f64]) -> [(f64, Vec<f64>); 2] {
+fn nearest(seed: u32, place: &[f64]) -> [(f64, [f64; MOST_AXES]); 2] {
     let axes = place.len();
-    let mut found = Vec::new();
+    let mut found = [(1.0, [0.0; MOST_AXES]); 2];
     for index in 0..3usize.pow(axes as u32) {
         let step = |axis: usize| (index / 3usize.pow(axis as u32) % 3) as i64 - 1;
-        let cell: Vec<i64> = (0..axes).map(|axis| (place[axis].floor() as i64).wrapping_add(step(axis))).collect();
-        let hash = hash(seed, &cell);
-        let way: Vec<f64> = (0..axes)
-            .map(|axis| step(axis) as f64 + f64::from(feature(hash, axis)) - (place[axis] - place[axis].floor()))
-            .collect();
-        let distance = way.iter().map(|along| along * along).sum::<f64>().sqrt();
-        if distance < 1.0 {
-            found.push((distance, way));
+        let hash = hash(seed, place, step);
+        let mut way = [0.0; MOST_AXES];
+        for (axis, (way, along)) in way.iter_mut().zip(place).enumerate() {
+            *way = step(axis) as f64 + f64::from(feature(hash, axis)) - (along - along.floor());
+        }
+        let distance = way[..axes].iter().map(|along| along * along).sum::<f64>().sqrt();
+        if distance < found[0].0 {
+            found = [(distance, way), found[0]];
+        } else if distance < found[1].0 {
+            found[1] = (distance, way);
         }
     }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut found = found.into_iter();
-    [(); 2].map(|()| found.next().unwrap_or((1.0, vec![0.0; axes])))
+    found
 }

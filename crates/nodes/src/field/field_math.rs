@@ -180,18 +180,17 @@ impl Prepared for PreparedFieldMath {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let Some(Ok(program)) = self.program.get() else { return Ok(()) };
         let ports = self.node.inputs();
-        let of = |inputs: &Inputs<'_>, port: usize, component: usize, sample: usize| {
-            let connection = inputs.all(ports[port]).first()?;
-            Some(connection.planes.get(component).copied()??[sample])
-        };
+        let [values, bounds] = [bounding.inputs, bounding.bounds]
+            .map(|inputs| ports.map(|port| inputs.all(port).first().map_or(&[][..], |connection| &connection.planes)));
         let mut wanted: Vec<_> = (0..program.width()).map(|component| outputs.only(component)).collect();
+        let mut spans = program.spans();
         for sample in 0..bounding.block.window.area() {
-            let spans = program.spans(|port, component| {
-                let value = of(bounding.inputs, port, component, sample).map_or(0.0, f64::from);
-                let bound = of(bounding.bounds, port, component, sample).map_or(Bound::EXACT, Bound::decode);
-                Span::around(value, bound)
+            let spans = spans.at(|port, component| {
+                let of = |planes: &[Option<&[f32]>]| Some(planes.get(component).copied()??[sample]);
+                let bound = of(bounds[port]).map_or(Bound::EXACT, Bound::decode);
+                Span::around(of(values[port]).map_or(0.0, f64::from), bound)
             });
-            for (component, (span, wanted)) in spans.iter().zip(&mut wanted).enumerate() {
+            for (component, (span, wanted)) in spans.zip(&mut wanted).enumerate() {
                 let (Some(wanted), Some(filled)) = (wanted, bounding.filled[0][component]) else { continue };
                 let bound = if span.low.is_nan() && !span.is_any() {
                     Bound::of(literal_error(literal(self.node.nan)))
