@@ -8,7 +8,7 @@ use crate::files::OverwriteOptions;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use trochoid::accuracy::displayed_of;
-use trochoid::certificate::{Certificate, CertificateInputs, PrivateKey, certify, error_image, unit};
+use trochoid::certificate::{Certificate, CertificateInputs, CertifiedOutput, PrivateKey, certify, error_image, unit};
 use trochoid::{
     Buffers, Cache, Certified, Certifier, CheckedGraph, CompanionPattern, Distribution, EvalError, Fingerprints, Form,
     Frame, InputFiles, Monitor, OutputFile, Settings, companion_files, quoted_path, write_guarded,
@@ -95,7 +95,8 @@ pub(super) struct CertifyContext<'a> {
 }
 
 impl CertifyContext<'_> {
-    /// Certifies the files that were written for a frame, and writes their companions.
+    /// Certifies the files that were written for a frame, and writes their companions. Returns the bounds of samples,
+    /// and what certificates say of each output.
     pub(super) fn run(
         &self,
         frame: &Frame,
@@ -104,10 +105,10 @@ impl CertifyContext<'_> {
         cache: &mut Cache,
         fingerprints: &mut Fingerprints,
         monitor: &dyn Monitor,
-    ) -> Result<Vec<Certified>, Failure> {
+    ) -> Result<(Vec<Certified>, Vec<CertifiedOutput>), Failure> {
         let Self { graph, settings, key, over } = *self;
         if files.is_empty() {
-            return Ok(Vec::new());
+            return Ok((Vec::new(), Vec::new()));
         }
         let number = frame.number;
         let failed = |error: &dyn std::fmt::Display| Failure::new(FAILED, format!("frame {number}: {error}"));
@@ -123,18 +124,21 @@ impl CertifyContext<'_> {
                 })?
             }
         };
+        let mut described = Vec::new();
         for (file, companions) in files {
             if let Some(path) = &companions.error {
                 let metadata = fingerprints.metadata(graph, file, frame);
                 error_image(graph, file, &certified, &metadata, path)?;
             }
-            if let Some(path) = &companions.certificate {
-                let made = CertificateInputs { graph, file, frame: number, certified: &certified, settings };
-                let certificate = certify(&made, path).map_err(|error| failed(&error))?;
+            let made = CertificateInputs { graph, file, frame: number, certified: &certified, settings };
+            let path = companions.certificate.as_ref();
+            let certificate = certify(&made, path.unwrap_or(&file.path)).map_err(|error| failed(&error))?;
+            if let Some(path) = path {
                 write_guarded(path, certificate.sealed(key).as_bytes(), Form::Certificate, over.overwrite)?;
             }
+            described.extend(certificate.outputs);
         }
-        Ok(certified)
+        Ok((certified, described))
     }
 }
 

@@ -301,14 +301,14 @@ impl<'a> Job<'a> {
             }
         }
         let mut report = frame_report(self.graph, &frame, writing.elapsed().as_secs_f64());
-        let mut certified = Vec::new();
+        let (mut certified, mut proven) = (Vec::new(), Vec::new());
         if self.certifies() {
             let certifying_started = Instant::now();
             let kept: Vec<(&OutputFile, &Companions)> =
                 open.iter().zip(&companions).filter(|(file, _)| keeps(file)).collect();
             let (graph, settings, over) = (self.graph, &self.settings, self.args.files.over);
             let run = CertifyContext { graph, settings, key: self.key.as_ref(), over };
-            certified = run.run(&frame, &kept, &self.accuracy, cache, fingerprints, &certifying)?;
+            (certified, proven) = run.run(&frame, &kept, &self.accuracy, cache, fingerprints, &certifying)?;
             report["seconds"]["certify"] = json!(certifying_started.elapsed().as_secs_f64());
             for certified in &certified {
                 let name = &self.graph.outputs()[certified.output].name;
@@ -322,7 +322,7 @@ impl<'a> Job<'a> {
         let described: Vec<Value> = described.chain(up_to_date()).collect();
         report["files"] = json!(described);
         let files: Vec<(OutputFile, bool)> = open.iter().map(|file| (file.clone(), keeps(file))).collect();
-        let line = line::rendered(self.graph, &frame, &files, &certified, started.elapsed().as_secs_f64());
+        let line = line::rendered(self.graph, &frame, &files, &proven, started.elapsed().as_secs_f64());
         if self.accuracy.asked.is_some() || !self.accuracy.set.is_empty() {
             report["accuracy"] = self.accuracy.described(number, taken);
         }

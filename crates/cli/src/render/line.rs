@@ -2,7 +2,8 @@
 
 use crate::shell::printable;
 use trochoid::accuracy::displayed_of;
-use trochoid::{Certified, CheckedGraph, Frame, OutputFile, held};
+use trochoid::certificate::{BoundSummary, CertifiedOutput};
+use trochoid::{CheckedGraph, Frame, OutputFile, held};
 
 /// Formats the line of a rendered frame: `frame 12: beauty → out/storm.0012.exr  hull, 0 outside, 1.42 s`. If the frame
 /// is certified, the line has the errors of displayed values.
@@ -10,7 +11,7 @@ pub(super) fn rendered(
     graph: &CheckedGraph,
     frame: &Frame,
     files: &[(OutputFile, bool)],
-    certified: &[Certified],
+    certified: &[CertifiedOutput],
     seconds: f64,
 ) -> String {
     let places: Vec<String> = files.iter().map(|(file, written)| place(graph, file, *written)).collect();
@@ -35,42 +36,55 @@ pub(super) fn rendered(
     format!("frame {}: {}  {}\n", frame.number, places.join(", "), facts.join(", "))
 }
 
-/// Formats the certified errors of all outputs together: `display error ≤ 3.1e-7, or 0.31 where ambiguous, 0.80 %
-/// ambiguous`. They are those of displayed values; of fields, which are not displayed, only if nothing else is certified.
-fn certainty(graph: &CheckedGraph, certified: &[Certified]) -> Option<String> {
-    let shown = |certified: &&Certified| displayed_of(certified.kind, 0.0, graph.space()).is_some();
-    let displayed: Vec<&Certified> = certified.iter().filter(shown).collect();
+/// Formats the certified errors of the pixels of all outputs together: `display error ≤ 9.6e-2 (7.8e-3 for 99.9 %), or
+/// 0.92 where ambiguous, 1.41 % of the pixels ambiguous`. They are those of displayed values; of fields, which are not
+/// displayed, only if nothing else is certified.
+fn certainty(graph: &CheckedGraph, certified: &[CertifiedOutput]) -> Option<String> {
+    let is_displayed = |output: &&CertifiedOutput| {
+        let spec = graph.outputs().iter().find(|spec| spec.name == output.name);
+        spec.is_some_and(|spec| displayed_of(spec.kind, 0.0, graph.space()).is_some())
+    };
+    let displayed: Vec<&CertifiedOutput> = certified.iter().filter(is_displayed).collect();
     let (of, what) = if displayed.is_empty() {
         (certified.iter().collect(), "error of fields")
     } else {
         (displayed, "display error")
     };
-    let total = |samples: &dyn Fn(&Certified) -> u64| of.iter().map(|certified| samples(certified)).sum::<u64>();
-    let [clear, unclear] = [total(&|certified| certified.clear.total()), total(&|certified| certified.unclear.total())];
-    let share = 100.0 * unclear as f64 / (clear + unclear).max(1) as f64;
+    let pixels = graph.format().window().area() as u64 * of.len() as u64;
+    let unclear: u64 = of.iter().map(|output| output.error.ambiguous.pixels).sum();
+    let share = 100.0 * unclear as f64 / pixels.max(1) as f64;
     let share = if unclear == 0 {
         "nothing ambiguous".into()
-    } else if clear == 0 {
+    } else if unclear == pixels {
         "all ambiguous".into()
     } else if share < 0.01 {
-        "less than 0.01 % ambiguous".into()
+        "less than 0.01 % of the pixels ambiguous".into()
     } else {
-        format!("{share:.2} % ambiguous")
+        format!("{share:.2} % of the pixels ambiguous")
     };
-    let largest = |samples: &dyn Fn(&Certified) -> f64| {
-        let error = |certified: &&Certified| {
-            let error = samples(certified);
-            displayed_of(certified.kind, error, graph.space()).unwrap_or(error)
-        };
-        of.iter().map(error).fold(0.0, f64::max)
+    // Of all pixels, and of those that are not ambiguous.
+    let summaries = |output: &&CertifiedOutput| match &output.error.display {
+        Some(display) => vec![[display.all, display.clear]],
+        None => output.error.channels.iter().map(|channels| [channels.all, channels.clear]).collect(),
     };
-    let (max, most) = (largest(&|certified| certified.clear.max()), largest(&|certified| certified.unclear.max()));
-    let error = match (clear, unclear) {
-        (0, _) => "no error certified".into(),
-        _ if max.is_infinite() => "no error certified".into(),
-        (_, 0) => format!("{what} ≤ {max:.1e}"),
-        _ if most.is_infinite() => format!("{what} ≤ {max:.1e}, or unknown where ambiguous"),
-        _ => format!("{what} ≤ {max:.1e}, or {most:.1e} where ambiguous"),
+    let summaries: Vec<[BoundSummary; 2]> = of.iter().flat_map(summaries).collect();
+    let largest = |which: usize| {
+        let each = summaries.iter().map(|summaries| &summaries[which]);
+        let is_known = each.clone().all(|summary| summary.unbounded == 0);
+        is_known.then(|| each.filter_map(|summary| Some(summary.max?.bound)).fold(0.0, f64::max))
+    };
+    let usual = summaries.iter().filter_map(|[_, clear]| Some(clear.p999?.bound)).fold(0.0, f64::max);
+    let error = match (largest(1), largest(0)) {
+        _ if unclear == pixels => "no error certified".into(),
+        (None, _) => "no error certified".into(),
+        (Some(max), all) => {
+            let clear = format!("{what} ≤ {max:.1e} ({usual:.1e} for 99.9 %)");
+            match all {
+                _ if unclear == 0 => clear,
+                Some(all) => format!("{clear}, or {all:.1e} where ambiguous"),
+                None => format!("{clear}, or unknown where ambiguous"),
+            }
+        }
     };
     (!certified.is_empty()).then(|| format!("{error}, {share}"))
 }
