@@ -1,16 +1,16 @@
 //! Sums of waves in f64 over squares of points in the axes of a frame, whose rows lie under one footprint each.
 
 use crate::frame::SeaFrame;
-use crate::precise::{MOST, ROUNDER, exp_neg, sincos};
-use fearless_simd::{Level, Simd, dispatch};
-use std::f64::consts::TAU;
+use crate::kernel64::{LANES, halved, sincos};
+use fearless_simd::{Level, Simd, dispatch, f64x8, prelude::*};
+use std::f64::consts::{LOG2_E, TAU};
 
 /// Number of points that are summed side by side in registers, and of waves that are added one after another to them: their
 /// factors fit in the nearest cache.
 const BLOCK: usize = 8;
 const TOGETHER: usize = 64;
 /// Most squares that are summed together.
-const SQUARES: usize = 8;
+const SQUARES: usize = LANES;
 /// Rounding errors of a phase, relative to the turns of its parts: each is a product of rounded factors, and they are
 /// added twice, once in the world's axes and once in the frame's.
 const TURN_ROUNDING: f64 = 16.0 * f64::EPSILON;
@@ -128,7 +128,7 @@ impl FramedSea {
             let waves = &self.waves[..left];
             dispatch!(self.level, simd => simd.vectorize(
                 #[inline(always)]
-                || row(waves, *u, filter, factors)
+                || row(simd, waves, *u, filter * LOG2_E, factors)
             ));
         }
         RowFactors { left, factors, rows: rows.len() }
@@ -160,9 +160,12 @@ impl FramedSea {
             #[inline(always)]
             || {
                 for (wave, factors) in self.waves.iter().zip(factors.chunks_exact_mut(columns.max(1))) {
-                    for (factor, offset) in factors.iter_mut().zip(offsets) {
-                        let (sin, cos) = sincos(reduced(wave.turns[1] * offset));
-                        *factor = [cos, sin];
+                    for (factors, offsets) in factors.chunks_mut(LANES).zip(offsets.chunks(LANES)) {
+                        let offsets = lanes(simd, offsets.iter().copied());
+                        let [sin, cos] = sincos(simd, offsets * (2.0 * wave.turns[1]));
+                        for (lane, factor) in factors.iter_mut().enumerate() {
+                            *factor = [cos[lane], sin[lane]];
+                        }
                     }
                 }
             }
@@ -187,7 +190,7 @@ impl FramedSea {
                 || {
                     for first in (0..rows.left).step_by(TOGETHER) {
                         let waves = first..(first + TOGETHER).min(rows.left);
-                        turn(&self.waves[waves.clone()], columns, first, middles, width, &mut phases);
+                        turn(simd, &self.waves[waves.clone()], columns, first, middles, width, &mut phases);
                         add(rows, waves, width, &phases, &mut sums);
                     }
                 }
@@ -203,28 +206,37 @@ impl FramedSea {
     }
 }
 
-/// Returns turns reduced to −½…½, for |turns| < 2⁵¹, without a function call, which would not be vectorized.
+/// Returns up to eight numbers, and 0 in the lanes that are left.
 #[inline(always)]
-fn reduced(turns: f64) -> f64 {
-    turns - ((turns + ROUNDER) - ROUNDER)
+fn lanes<S: Simd>(simd: S, numbers: impl Iterator<Item = f64>) -> f64x8<S> {
+    let mut lanes = [0.0; LANES];
+    for (lane, number) in lanes.iter_mut().zip(numbers) {
+        *lane = number;
+    }
+    f64x8::load_array(simd, lanes)
 }
 
-/// Computes the factors of one row.
+/// Computes the factors of one row, whose filter is f²/8 · log₂ e.
 #[inline(always)]
-fn row(waves: &[FramedWave], u: f64, filter: f64, factors: &mut [[f64; 6]]) {
-    for (wave, factors) in waves.iter().zip(factors) {
-        let turns = wave.turns[0] * u + wave.origin;
-        let (sin, cos) = sincos(reduced(turns));
-        let share = exp_neg((wave.number * wave.number * filter).min(MOST));
+fn row<S: Simd>(simd: S, waves: &[FramedWave], u: f64, filter: f64, factors: &mut [[f64; 6]]) {
+    for (waves, factors) in waves.chunks(LANES).zip(factors.chunks_mut(LANES)) {
+        let turns = lanes(simd, waves.iter().map(|wave| wave.turns[0]));
+        let origin = lanes(simd, waves.iter().map(|wave| wave.origin));
+        let number = lanes(simd, waves.iter().map(|wave| wave.number));
+        let [sin, cos] = sincos(simd, (turns * u + origin) * 2.0);
+        let share = halved(simd, number * number * filter);
         let (sin, cos) = (sin * share, cos * share);
-        let [along, up, across] = wave.amplitudes;
-        *factors = [-along * sin, -along * cos, up * cos, -up * sin, -across * sin, -across * cos];
+        for (lane, (wave, factors)) in waves.iter().zip(factors).enumerate() {
+            let (sin, cos, [along, up, across]) = (sin[lane], cos[lane], wave.amplitudes);
+            *factors = [-along * sin, -along * cos, up * cos, -up * sin, -across * sin, -across * cos];
+        }
     }
 }
 
 /// Computes cos, then sin, of the phases of some waves along all columns of some squares, wave by wave.
 #[inline(always)]
-fn turn(
+fn turn<S: Simd>(
+    simd: S,
     waves: &[FramedWave],
     columns: &ColumnFactors,
     first: usize,
@@ -232,13 +244,9 @@ fn turn(
     width: usize,
     phases: &mut [f64],
 ) {
-    let mut at = [0.0; SQUARES];
-    at[..middles.len()].copy_from_slice(middles);
+    let at = lanes(simd, middles.iter().copied());
     for (index, wave) in waves.iter().enumerate() {
-        let (mut sines, mut cosines) = ([0.0; SQUARES], [0.0; SQUARES]);
-        for square in 0..SQUARES {
-            (sines[square], cosines[square]) = sincos(reduced(wave.turns[1] * at[square]));
-        }
+        let [sines, cosines] = sincos(simd, at * (2.0 * wave.turns[1]));
         let own = &columns.factors[(first + index) * columns.columns..][..columns.columns];
         let (cos, sin) = phases[2 * index * width..][..2 * width].split_at_mut(width);
         for square in 0..middles.len() {
