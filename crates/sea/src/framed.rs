@@ -4,10 +4,11 @@ use crate::frame::SeaFrame;
 use crate::kernel64::{LANES, halved, sincos};
 use fearless_simd::{Level, Simd, dispatch, f64x8, prelude::*};
 use std::f64::consts::{LOG2_E, TAU};
+use std::ops::Range;
 
 /// Number of points that are summed side by side in registers, and of waves that are added one after another to them: their
 /// factors fit in the nearest cache.
-const BLOCK: usize = 8;
+const BLOCK: usize = LANES;
 const TOGETHER: usize = 64;
 /// Most squares that are summed together.
 const SQUARES: usize = LANES;
@@ -72,17 +73,27 @@ impl FramedWave {
 pub struct RowFactors {
     /// Number of waves.
     left: usize,
-    /// By row and wave: factors of cos and sin of the column's phase for each component.
-    factors: Vec<[f64; 6]>,
+    /// By row, then for each component the factors of cos and of sin of the column's phase, wave by wave.
+    factors: Vec<f64>,
     rows: usize,
 }
 
 /// Factors of waves for columns at offsets from a middle.
 #[derive(Clone, Debug)]
 pub struct ColumnFactors {
-    /// By wave and column: cos and sin of the phase.
-    factors: Vec<[f64; 2]>,
+    /// By wave: cos, then sin, of the phases of all columns, and of some more up to the width.
+    factors: Vec<f64>,
     columns: usize,
+    width: usize,
+}
+
+impl RowFactors {
+    /// Returns the factors of some waves for a row.
+    #[inline(always)]
+    fn of(&self, row: usize, waves: &Range<usize>) -> [&[f64]; 6] {
+        let parts: [usize; 6] = std::array::from_fn(|part| (6 * row + part) * self.left);
+        parts.map(|start| &self.factors[start + waves.start..start + waves.end])
+    }
 }
 
 impl FramedSea {
@@ -122,8 +133,8 @@ impl FramedSea {
 
     /// Returns the factors of the first waves for rows, given their u and footprint in meters.
     pub fn rows(&self, rows: &[(f64, f64)], left: usize) -> RowFactors {
-        let mut factors = vec![[0.0; 6]; rows.len() * left];
-        for ((u, footprint), factors) in rows.iter().zip(factors.chunks_exact_mut(left.max(1))) {
+        let mut factors = vec![0.0; rows.len() * 6 * left];
+        for ((u, footprint), factors) in rows.iter().zip(factors.chunks_exact_mut((6 * left).max(1))) {
             let filter = footprint * footprint / 8.0;
             let waves = &self.waves[..left];
             dispatch!(self.level, simd => simd.vectorize(
@@ -138,39 +149,45 @@ impl FramedSea {
     /// rest point instead: ∂Δu/∂u, ∂Δu/∂v = ∂Δv/∂u, and ∂Δv/∂v.
     pub(crate) fn strain_rows(&self, rows: &[(f64, f64)], left: usize) -> RowFactors {
         let mut strains = self.rows(rows, left);
-        for factors in strains.factors.chunks_exact_mut(left.max(1)) {
-            for (wave, factors) in self.waves.iter().zip(factors) {
+        for factors in strains.factors.chunks_exact_mut((6 * left).max(1)) {
+            for (index, wave) in self.waves[..left].iter().enumerate() {
                 let [a, b] = wave.numbers;
-                let [along_sin, along_cos, .., across_sin, across_cos] = *factors;
+                let [along_sin, along_cos, .., across_sin, across_cos]: [f64; 6] =
+                    std::array::from_fn(|part| factors[part * left + index]);
                 // −h·sin θ becomes −h·k·cos θ, and −h·cos θ becomes h·k·sin θ.
                 let by = |number: f64, sin: f64, cos: f64| [number * cos, -number * sin];
                 let [[uu, uu_sin], [uv, uv_sin], [vv, vv_sin]] =
                     [by(a, along_sin, along_cos), by(b, along_sin, along_cos), by(b, across_sin, across_cos)];
-                *factors = [uu, uu_sin, uv, uv_sin, vv, vv_sin];
+                for (part, factor) in [uu, uu_sin, uv, uv_sin, vv, vv_sin].into_iter().enumerate() {
+                    factors[part * left + index] = factor;
+                }
             }
         }
         strains
     }
 
-    /// Returns the factors of columns at offsets in meters from the middles that [`FramedSea::squares`] is given.
+    /// Returns the factors of columns at offsets in meters from the middles that [`FramedSea::squares`] is given, or to
+    /// both sides of the one that [`FramedSea::mirrored`] is given.
     pub fn columns(&self, offsets: &[f64]) -> ColumnFactors {
         let columns = offsets.len();
-        let mut factors = vec![[0.0; 2]; self.waves.len() * columns];
+        let width = columns.next_multiple_of(BLOCK);
+        let mut factors = vec![0.0; self.waves.len() * 2 * width];
         dispatch!(self.level, simd => simd.vectorize(
             #[inline(always)]
             || {
-                for (wave, factors) in self.waves.iter().zip(factors.chunks_exact_mut(columns.max(1))) {
-                    for (factors, offsets) in factors.chunks_mut(LANES).zip(offsets.chunks(LANES)) {
+                for (wave, factors) in self.waves.iter().zip(factors.chunks_exact_mut((2 * width).max(1))) {
+                    let (cosines, sines) = factors.split_at_mut(width);
+                    let blocks = cosines.chunks_exact_mut(BLOCK).zip(sines.chunks_exact_mut(BLOCK));
+                    for ((cosines, sines), offsets) in blocks.zip(offsets.chunks(BLOCK)) {
                         let offsets = lanes(simd, offsets.iter().copied());
                         let [sin, cos] = sincos(simd, offsets * (2.0 * wave.turns[1]));
-                        for (lane, factor) in factors.iter_mut().enumerate() {
-                            *factor = [cos[lane], sin[lane]];
-                        }
+                        cosines.copy_from_slice(&cos.to_array());
+                        sines.copy_from_slice(&sin.to_array());
                     }
                 }
             }
         ));
-        ColumnFactors { factors, columns }
+        ColumnFactors { factors, columns, width }
     }
 
     /// Writes the displacements along u, up and along v at the points of squares, square by square and row by row: the
@@ -204,6 +221,47 @@ impl FramedSea {
             }
         }
     }
+
+    /// Does the same for one square whose columns stand at both sides of its middle: first those before it, the
+    /// farthest first, then those behind it, the nearest first.
+    ///
+    /// Mirrored phases have the same cosine and opposite sines, so that this takes half the products.
+    ///
+    /// # Panics
+    /// `out` does not have one entry for each point.
+    pub fn mirrored(&self, rows: &RowFactors, columns: &ColumnFactors, middle: f64, out: &mut [[f64; 3]]) {
+        let (side, width) = (columns.columns, columns.width);
+        assert_eq!(out.len(), rows.rows * 2 * side, "one entry for each point");
+        // For each row and component the even part, then the odd part.
+        let mut sums = vec![0.0; rows.rows * 6 * width];
+        dispatch!(self.level, simd => simd.vectorize(
+            #[inline(always)]
+            || {
+                for first in (0..rows.left).step_by(TOGETHER) {
+                    let waves = first..(first + TOGETHER).min(rows.left);
+                    let [mut cosines, mut sines] = [[0.0; TOGETHER]; 2];
+                    let blocks = cosines.chunks_exact_mut(LANES).zip(sines.chunks_exact_mut(LANES));
+                    for ((cosines, sines), waves) in blocks.zip(self.waves[waves.clone()].chunks(LANES)) {
+                        let turns = lanes(simd, waves.iter().map(|wave| 2.0 * wave.turns[1]));
+                        let [sin, cos] = sincos(simd, turns * middle);
+                        cosines.copy_from_slice(&cos.to_array());
+                        sines.copy_from_slice(&sin.to_array());
+                    }
+                    for (row, sums) in sums.chunks_exact_mut((6 * width).max(1)).enumerate() {
+                        let turned = turned(&rows.of(row, &waves), &cosines, &sines);
+                        add_mirrored(simd, &turned, columns, &waves, sums);
+                    }
+                }
+            }
+        ));
+        for (sums, out) in sums.chunks_exact((6 * width).max(1)).zip(out.chunks_exact_mut((2 * side).max(1))) {
+            for column in 0..side {
+                let parts = [0, 1, 2].map(|axis| [0, 1].map(|part| sums[(2 * axis + part) * width + column]));
+                out[side - 1 - column] = parts.map(|[even, odd]| even - odd);
+                out[side + column] = parts.map(|[even, odd]| even + odd);
+            }
+        }
+    }
 }
 
 /// Returns up to eight numbers, and 0 in the lanes that are left.
@@ -218,17 +276,78 @@ fn lanes<S: Simd>(simd: S, numbers: impl Iterator<Item = f64>) -> f64x8<S> {
 
 /// Computes the factors of one row, whose filter is f²/8 · log₂ e.
 #[inline(always)]
-fn row<S: Simd>(simd: S, waves: &[FramedWave], u: f64, filter: f64, factors: &mut [[f64; 6]]) {
-    for (waves, factors) in waves.chunks(LANES).zip(factors.chunks_mut(LANES)) {
+fn row<S: Simd>(simd: S, waves: &[FramedWave], u: f64, filter: f64, factors: &mut [f64]) {
+    let left = waves.len();
+    for (block, waves) in waves.chunks(LANES).enumerate() {
         let turns = lanes(simd, waves.iter().map(|wave| wave.turns[0]));
         let origin = lanes(simd, waves.iter().map(|wave| wave.origin));
         let number = lanes(simd, waves.iter().map(|wave| wave.number));
+        let along = lanes(simd, waves.iter().map(|wave| wave.amplitudes[0]));
+        let up = lanes(simd, waves.iter().map(|wave| wave.amplitudes[1]));
+        let across = lanes(simd, waves.iter().map(|wave| wave.amplitudes[2]));
         let [sin, cos] = sincos(simd, (turns * u + origin) * 2.0);
         let share = halved(simd, number * number * filter);
         let (sin, cos) = (sin * share, cos * share);
-        for (lane, (wave, factors)) in waves.iter().zip(factors).enumerate() {
-            let (sin, cos, [along, up, across]) = (sin[lane], cos[lane], wave.amplitudes);
-            *factors = [-along * sin, -along * cos, up * cos, -up * sin, -across * sin, -across * cos];
+        let parts = [
+            along * sin * -1.0,
+            along * cos * -1.0,
+            up * cos,
+            up * sin * -1.0,
+            across * sin * -1.0,
+            across * cos * -1.0,
+        ];
+        for (part, values) in parts.into_iter().enumerate() {
+            factors[part * left + LANES * block..][..waves.len()].copy_from_slice(&values.to_array()[..waves.len()]);
+        }
+    }
+}
+
+/// Turns a row's factors of some waves by the phases of a middle, given their cosines and sines.
+#[inline(always)]
+fn turned(factors: &[&[f64]; 6], cosines: &[f64; TOGETHER], sines: &[f64; TOGETHER]) -> [[f64; TOGETHER]; 6] {
+    let mut turned = [[0.0; TOGETHER]; 6];
+    for axis in 0..3 {
+        let (even, odd) = (factors[2 * axis], factors[2 * axis + 1]);
+        let (evens, odds) = turned[2 * axis..].split_at_mut(1);
+        let phases = cosines.iter().zip(sines);
+        for ((((to_even, to_odd), even), odd), (cos, sin)) in
+            evens[0].iter_mut().zip(&mut odds[0]).zip(even).zip(odd).zip(phases)
+        {
+            *to_even = even * cos + odd * sin;
+            *to_odd = odd * cos - even * sin;
+        }
+    }
+    turned
+}
+
+/// Adds some waves at the columns of one row: the parts that are the same at both sides of the middle, and those that
+/// are opposite.
+#[inline(always)]
+fn add_mirrored<S: Simd>(
+    simd: S,
+    turned: &[[f64; TOGETHER]; 6],
+    columns: &ColumnFactors,
+    waves: &Range<usize>,
+    sums: &mut [f64],
+) {
+    let width = columns.width;
+    let own = &columns.factors[2 * width * waves.start..2 * width * waves.end];
+    for start in (0..width).step_by(BLOCK) {
+        let at = |part: usize| part * width + start..part * width + start + BLOCK;
+        let mut total: [f64x8<S>; 6] = [f64x8::splat(simd, 0.0); 6];
+        for (part, total) in total.iter_mut().enumerate() {
+            *total = f64x8::from_slice(simd, &sums[at(part)]);
+        }
+        for (index, factors) in own.chunks_exact(2 * width).enumerate().take(TOGETHER) {
+            let cos = f64x8::from_slice(simd, &factors[at(0)]);
+            let sin = f64x8::from_slice(simd, &factors[at(1)]);
+            for axis in 0..3 {
+                total[2 * axis] += cos * turned[2 * axis][index];
+                total[2 * axis + 1] += sin * turned[2 * axis + 1][index];
+            }
+        }
+        for (part, total) in total.iter().enumerate() {
+            total.store_slice(&mut sums[at(part)]);
         }
     }
 }
@@ -247,13 +366,15 @@ fn turn<S: Simd>(
     let at = lanes(simd, middles.iter().copied());
     for (index, wave) in waves.iter().enumerate() {
         let [sines, cosines] = sincos(simd, at * (2.0 * wave.turns[1]));
-        let own = &columns.factors[(first + index) * columns.columns..][..columns.columns];
+        let own = &columns.factors[2 * (first + index) * columns.width..][..2 * columns.width];
+        let (own_cos, own_sin) = own.split_at(columns.width);
         let (cos, sin) = phases[2 * index * width..][..2 * width].split_at_mut(width);
         for square in 0..middles.len() {
-            let start = square * columns.columns;
-            for (column, [c, s]) in own.iter().enumerate() {
-                cos[start + column] = c * cosines[square] - s * sines[square];
-                sin[start + column] = s * cosines[square] + c * sines[square];
+            let columns = square * columns.columns..(square + 1) * columns.columns;
+            let places = cos[columns.clone()].iter_mut().zip(&mut sin[columns]);
+            for ((cos, sin), (c, s)) in places.zip(own_cos.iter().zip(own_sin)) {
+                *cos = c * cosines[square] - s * sines[square];
+                *sin = s * cosines[square] + c * sines[square];
             }
         }
     }
@@ -261,20 +382,21 @@ fn turn<S: Simd>(
 
 /// Adds some waves at all points.
 #[inline(always)]
-fn add(rows: &RowFactors, waves: std::ops::Range<usize>, width: usize, phases: &[f64], sums: &mut [f64]) {
+fn add(rows: &RowFactors, waves: Range<usize>, width: usize, phases: &[f64], sums: &mut [f64]) {
     for row in 0..rows.rows {
-        let factors = &rows.factors[row * rows.left..][waves.clone()];
+        let factors = rows.of(row, &waves);
         for start in (0..width).step_by(BLOCK) {
             let mut total = [[0.0; BLOCK]; 3];
             for (axis, total) in total.iter_mut().enumerate() {
                 total.copy_from_slice(&sums[(3 * row + axis) * width + start..][..BLOCK]);
             }
-            for (index, factors) in factors.iter().enumerate() {
+            for index in 0..waves.len() {
                 let cos = &phases[2 * index * width + start..][..BLOCK];
                 let sin = &phases[(2 * index + 1) * width + start..][..BLOCK];
                 for axis in 0..3 {
                     for lane in 0..BLOCK {
-                        total[axis][lane] += factors[2 * axis] * cos[lane] + factors[2 * axis + 1] * sin[lane];
+                        total[axis][lane] +=
+                            factors[2 * axis][index] * cos[lane] + factors[2 * axis + 1][index] * sin[lane];
                     }
                 }
             }

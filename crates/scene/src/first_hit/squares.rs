@@ -1,6 +1,6 @@
 //! Points of a sea within squares of many cells, from fewer sums than the cells' own.
 //!
-//! A polynomial of high degree needs fewer points for its area than many of a low degree do: with 33 points a side, a
+//! A polynomial of high degree needs fewer points for its area than many of a low degree do: with 32 points a side, a
 //! square holds 6 cells a side of 9 points each, which are its values. What the square's polynomial is off, the cells
 //! are off in addition.
 
@@ -13,11 +13,11 @@ use trochoid_sea::{ColumnFactors, FramedSea, RowFactors};
 
 /// Number of cells along each side of a square.
 pub const PARTS: usize = 6;
-/// Number of points along each side of a square.
-pub const POINTS: usize = 33;
+/// Number of points along each side of a square, even: they stand to both sides of its middle.
+pub const POINTS: usize = 32;
 /// Lebesgue constant of interpolation in as many Chebyshev points: 2/π·ln n + 1.
 pub(super) const LEBESGUE: f64 = 3.3;
-/// Rounding error of values between the points, relative to the largest one: both sums of 33 products, and the factors.
+/// Rounding error of values between the points, relative to the largest one: both sums of 32 products, and the factors.
 ///
 /// A factor is a quotient of a term and a sum of terms, each of which is rounded thrice, and the places are rounded; by
 /// Markov's inequality, that moves a value by 2·32² units at most.
@@ -72,13 +72,18 @@ impl<'a> Squares<'a> {
     pub(super) fn new(waves: &'a FramedSea, footprints: &Footprints, middle: f64, half: f64, left: usize) -> Self {
         let offsets = nodes::<POINTS>().map(|node| half * node);
         let places = offsets.map(|offset| (middle + offset, libm::sqrt(footprints.square(middle + offset))));
-        Self { waves, rows: waves.rows(&places, left), columns: waves.columns(&offsets), level: Level::new() }
+        Self {
+            waves,
+            rows: waves.rows(&places, left),
+            columns: waves.columns(&offsets[POINTS / 2..]),
+            level: Level::new(),
+        }
     }
 
     /// Returns the displacements in the square around a place across the heading.
     pub(super) fn displacements(&self, middle: f64) -> Displacements {
         let mut points = vec![[0.0; 3]; POINTS * POINTS];
-        self.waves.squares(&self.rows, &self.columns, &[middle], &mut points);
+        self.waves.mirrored(&self.rows, &self.columns, middle, &mut points);
         let mut values = vec![[[0.0; FINE]; FINE]; 3];
         let mut rounding = Remainder::default();
         for axis in 0..3 {
