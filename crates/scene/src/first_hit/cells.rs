@@ -314,22 +314,17 @@ impl Cell {
         way.abs().dot(DVec3::from(self.remainder.off))
     }
 
-    /// Returns the components along some directions, relative to an origin.
+    /// Returns the component along a direction, relative to an origin.
     #[inline(always)]
-    pub(super) fn seen_along(&self, origin: DVec3, ways: [DVec3; 3]) -> [Net; 3] {
-        let base = self.base - origin;
+    pub(super) fn seen_along(&self, origin: DVec3, way: DVec3) -> Net {
+        let start = (self.base - origin).dot(way);
         let [x, y, z] = &self.patch;
-        let mut nets = [[[0.0; SIDE]; SIDE]; 3];
-        for (net, way) in nets.iter_mut().zip(ways) {
-            let start = base.dot(way);
-            for (i, row) in net.iter_mut().enumerate() {
-                for (j, value) in row.iter_mut().enumerate() {
-                    let (x, y, z) = (f64::from(x[i][j]), f64::from(y[i][j]), f64::from(z[i][j]));
-                    *value = start + (x * way.x + y * way.y + z * way.z);
-                }
-            }
+        let (x, y, z) = (x.as_flattened(), y.as_flattened(), z.as_flattened());
+        let mut net = [[0.0; SIDE]; SIDE];
+        for (value, ((x, y), z)) in net.as_flattened_mut().iter_mut().zip(x.iter().zip(y).zip(z)) {
+            *value = start + (f64::from(*x) * way.x + f64::from(*y) * way.y + f64::from(*z) * way.z);
         }
-        nets
+        net
     }
 
     /// Returns the rest point at a place in the unit square.

@@ -130,7 +130,8 @@ impl Cells {
 
     /// Returns, for each axis, the coordinate of the cell's patch at a place and its derivatives.
     pub fn patch(&self, cell: usize, at: [f64; 2]) -> [(f64, [f64; 2]); 3] {
-        bernstein::evaluate(&self.0.cells[cell].seen_along(DVec3::ZERO, [DVec3::X, DVec3::Y, DVec3::Z]), at)
+        let components = [DVec3::X, DVec3::Y, DVec3::Z].map(|way| self.0.cells[cell].seen_along(DVec3::ZERO, way));
+        bernstein::evaluate(&components, at)
     }
 
     /// Returns how far the patch of a cell may be from the sea along each axis, and its derivatives by −1…1 from those

@@ -159,12 +159,17 @@ impl Search<'_> {
     /// Looks at a cell that lies within some other ones.
     #[inline(always)]
     fn cell(&mut self, cell: &Cell, level: u32) {
-        let [p, q] = self.aside;
-        let [p, q, along] = cell.seen_along(self.origin, [p, q, self.direction]);
         let slacks = self.aside.map(|way| cell.slack(way));
-        if [(&p, slacks[0]), (&q, slacks[1])].into_iter().any(|(net, slack)| misses(range(net), slack)) {
+        // Most cells lie above or below the ray.
+        let q = cell.seen_along(self.origin, self.aside[1]);
+        if misses(range(&q), slacks[1]) {
             return;
         }
+        let p = cell.seen_along(self.origin, self.aside[0]);
+        if misses(range(&p), slacks[0]) {
+            return;
+        }
+        let along = cell.seen_along(self.origin, self.direction);
         let [near, far] = range(&along);
         let [by_s, by_t] = Derivatives::means(&along);
         let seen = SeenCell {
@@ -179,25 +184,30 @@ impl Search<'_> {
             grows: [by_s >= 0.0, by_t >= 0.0],
         };
         let others = self.open.len();
-        self.open.push(Part { aside: [p, q], start: [0.0; 2], size: [1.0; 2], halvings: HALVINGS });
-        while self.open.len() > others
-            && let Some(mut part) = self.open.pop()
-        {
+        let mut part = Part { aside: [p, q], start: [0.0; 2], size: [1.0; 2], halvings: HALVINGS };
+        loop {
             if self.parts == 0 {
                 self.leave(&seen, &part);
-                continue;
-            }
-            self.parts -= 1;
-            match self.solutions(&seen, &part) {
-                Solutions::None => {}
-                Solutions::One(guess) => self.one(&seen, &part, guess),
-                Solutions::Several { along_s } => {
-                    // The nearer half is looked at first.
-                    let nearer = part.halve(along_s, seen.grows[usize::from(!along_s)]);
-                    self.open.extend([part, nearer]);
+            } else {
+                self.parts -= 1;
+                match self.solutions(&seen, &part) {
+                    Solutions::None => {}
+                    Solutions::One(guess) => self.one(&seen, &part, guess),
+                    Solutions::Several { along_s } => {
+                        // The nearer half is looked at first.
+                        let nearer = part.halve(along_s, seen.grows[usize::from(!along_s)]);
+                        self.open.push(part);
+                        part = nearer;
+                        continue;
+                    }
+                    Solutions::Indistinct => self.again(&seen, &part),
                 }
-                Solutions::Indistinct => self.again(&seen, &part),
             }
+            if self.open.len() == others {
+                return;
+            }
+            let Some(next) = self.open.pop() else { return };
+            part = next;
         }
     }
 
