@@ -22,11 +22,12 @@ pub(super) struct Remainder {
 
 /// Sizes ρ of the ellipses around a cell within which waves are bounded.
 const ELLIPSES: [f64; 15] = [1.3, 1.7, 2.2, 3.0, 4.0, 5.5, 7.5, 10.0, 14.0, 20.0, 30.0, 50.0, 90.0, 200.0, 1000.0];
-/// ln of 4z·ρ⁻ⁿ, and the same with the factor for derivatives, for each ellipse; z = 1/(1 − 1/ρ), n nodes.
+/// What an ellipse of size ρ makes of a function of size 1 within it; z = 1/(1 − 1/ρ), n nodes.
 struct Ellipse {
     /// Largest distance from the middle, and from the real numbers, relative to half a side.
     reach: f64,
     aside: f64,
+    /// ln of 4z·ρ⁻ⁿ, and the factor for derivatives.
     value: f64,
     slope: f64,
 }
@@ -104,7 +105,7 @@ pub(super) fn remainder(
     let ellipses = ELLIPSES.map(|rho| {
         let z = 1.0 / (1.0 - 1.0 / rho);
         let value = libm::log(4.0 * z) - count * libm::log(rho);
-        let slope = value + libm::log(count * count * (1.0 + 2.0 * z / count + 2.0 * z * z / (count * count)));
+        let slope = count * count * (1.0 + 2.0 * z / count + 2.0 * z * z / (count * count));
         Ellipse { reach: (rho + 1.0 / rho) / 2.0, aside: (rho - 1.0 / rho) / 2.0, value, slope }
     });
     let reaches = ellipses.each_ref().map(|ellipse| growth.at(ellipse.reach * half) - 1.0);
@@ -113,6 +114,8 @@ pub(super) fn remainder(
     let steep = lebesgue * (count - 1.0) * (count - 1.0);
     let added = sea.rounding();
     let mut remainder = Remainder::default();
+    // The best ellipse hardly changes from wave to wave.
+    let mut best = [ELLIPSES.len() - 1; 2];
     for (index, wave) in sea.waves().iter().enumerate() {
         let b = wave.number * wave.number * square / 8.0;
         let most = b * whole - b;
@@ -120,11 +123,11 @@ pub(super) fn remainder(
         let size = libm::sqrt(along * along + up * up + across * across);
         let ku = wave.numbers[0].abs() * half;
         let kv = wave.numbers[1].abs() * half;
-        let (off, turn) = if most < -lost {
+        let (off, turn, left) = if most < -lost {
             // The polynomial may contain the wave or not: this bounds it, and what interpolation makes of it.
             let left = libm::exp(most);
             let growth = 2.0 * b * linear * (1.0 + whole);
-            (left * (1.0 + lebesgue * lebesgue), left * (lebesgue * steep + ku + kv + growth))
+            (left * (1.0 + lebesgue * lebesgue), left * (lebesgue * steep + ku + kv + growth), left)
         } else {
             remainder.waves = index + 1;
             let x = libm::hypot(ku, b * linear);
@@ -132,14 +135,14 @@ pub(super) fn remainder(
                 let together = x * ellipse.reach + b * (reaches[index] - linear * ellipse.reach).max(0.0);
                 together.min(ku * ellipse.aside + b * reaches[index].max(0.0))
             };
-            let [u, u_slope] = least(&ellipses, along);
-            let [v, v_slope] = least(&ellipses, |_, ellipse| kv * ellipse.aside);
+            let [u, u_slope] = least(&ellipses, &mut best[0], along);
+            let [v, v_slope] = least(&ellipses, &mut best[1], |_, ellipse| kv * ellipse.aside);
             let big = libm::exp(b * whole);
             let share = libm::exp(-b);
             let turn = (u_slope + steep * v * big).max(v_slope * big + steep * u);
-            (share * (u + lebesgue * v * big), share * turn)
+            // A wave of size 0 that may grow without limit (0·∞) counts as whole.
+            (share * (u + lebesgue * v * big), share * turn, (share * big).min(1.0))
         };
-        let left = libm::exp(most.min(0.0));
         let turned = left * (ku + kv + (2.0 * b * whole).min(1.0)).min(2.0);
         let rounding = left * (added + wave.phase_error(away)) * lebesgue * lebesgue;
         for (axis, amplitude) in [along, up, across].into_iter().enumerate() {
@@ -156,12 +159,22 @@ pub(super) fn remainder(
     remainder
 }
 
-/// Returns the least bound of the values over all ellipses, and that of the slopes.
-fn least(ellipses: &[Ellipse], exponent: impl Fn(usize, &Ellipse) -> f64) -> [f64; 2] {
-    let mut best = [f64::INFINITY; 2];
-    for (index, ellipse) in ellipses.iter().enumerate() {
-        let exponent = exponent(index, ellipse);
-        best = [best[0].min(exponent + ellipse.value), best[1].min(exponent + ellipse.slope)];
+/// Returns the bound of the values by an ellipse, given the exponent of what the function grows to within it, and that of
+/// the slopes. From the one that was best before, it looks for the best one: the exponent falls with ρ, and then rises.
+fn least(ellipses: &[Ellipse], best: &mut usize, exponent: impl Fn(usize, &Ellipse) -> f64) -> [f64; 2] {
+    let at = |index: usize| {
+        let exponent = exponent(index, &ellipses[index]) + ellipses[index].value;
+        if exponent.is_nan() { f64::INFINITY } else { exponent }
+    };
+    let (start, mut least) = (*best, at(*best));
+    while *best > 0 && at(*best - 1) <= least {
+        *best -= 1;
+        least = at(*best);
     }
-    best.map(libm::exp)
+    while *best >= start && *best + 1 < ellipses.len() && at(*best + 1) < least {
+        *best += 1;
+        least = at(*best);
+    }
+    let value = libm::exp(least);
+    [value, value * ellipses[*best].slope]
 }
