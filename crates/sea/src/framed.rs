@@ -255,10 +255,12 @@ impl FramedSea {
             }
         ));
         for (sums, out) in sums.chunks_exact((6 * width).max(1)).zip(out.chunks_exact_mut((2 * side).max(1))) {
-            for column in 0..side {
-                let parts = [0, 1, 2].map(|axis| [0, 1].map(|part| sums[(2 * axis + part) * width + column]));
-                out[side - 1 - column] = parts.map(|[even, odd]| even - odd);
-                out[side + column] = parts.map(|[even, odd]| even + odd);
+            let (before, behind) = out.split_at_mut(side);
+            for (column, (before, behind)) in before.iter_mut().rev().zip(behind).enumerate() {
+                for axis in 0..3 {
+                    let (even, odd) = (sums[2 * axis * width + column], sums[(2 * axis + 1) * width + column]);
+                    (before[axis], behind[axis]) = (even - odd, even + odd);
+                }
             }
         }
     }

@@ -7,8 +7,8 @@ use crate::wave::Wave;
 use fearless_simd::{Level, Simd, dispatch, f64x8, prelude::*};
 use std::f64::consts::LOG2_E;
 
-/// Exponent from which a wave is not added: 1e-17 of it is left.
-const CUT: f64 = 40.0;
+/// Exponent from which a wave is not added: 2e-15 of it is left.
+const CUT: f64 = 34.0;
 
 /// Factors of eight waves, or fewer and waves of height 0, side by side.
 #[derive(Clone, Debug)]

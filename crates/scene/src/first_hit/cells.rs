@@ -133,8 +133,10 @@ impl SeaCells {
             }
             Ok(cells)
         };
-        let cells: Result<Vec<Vec<Cell>>, NoCells> = bands.par_iter().map(of_band).collect();
-        let cells: Vec<Cell> = cells?.into_iter().flatten().collect();
+        let of_bands: Result<Vec<Vec<Cell>>, NoCells> = bands.par_iter().map(of_band).collect();
+        let of_bands = of_bands?;
+        let mut cells = Vec::with_capacity(of_bands.iter().map(Vec::len).sum());
+        cells.extend(of_bands.into_iter().flatten());
         let tree = Tree::new(&cells.iter().map(Cell::bounds).collect::<Vec<_>>()).ok_or(NoCells::Unseen)?;
         Ok(Self { axes, region, footprints, waves, cells, tree, level })
     }
