@@ -3,7 +3,7 @@
 use super::bernstein::{DEGREE, Net, SIDE, interpolated, larger, nodes, off};
 use super::footprints::Footprints;
 use super::region::{Axes, Region};
-use super::remainder::{CELL, Remainder, SQUARE, remainder};
+use super::remainder::{CELL, Remainder, SQUARE, remainder, spread};
 use super::search::HALVINGS;
 use super::squares::{PARTS, POINTS, Squares};
 use crate::boxes::Tree;
@@ -167,10 +167,8 @@ fn seen(waves: &FramedSea, footprints: &Footprints, region: &Region, band: &Band
     let mut points = vec![[0.0; 3]; LOOKS * LOOKS * middles.len()];
     waves.squares(&rows, &waves.columns(&offsets), &middles, &mut points);
     let away = band.middle.abs() + band.half;
-    let reaches = places.map(|(along, _)| {
-        let Remainder { spread, rounding, .. } = remainder(waves, footprints, CELL, along, half, away);
-        DVec3::new(half, 0.0, half) + DVec3::from(spread) + DVec3::from(rounding)
-    });
+    let reaches = places
+        .map(|(along, _)| DVec3::new(half, 0.0, half) + DVec3::from(spread(waves, footprints, along, half, away)));
     let may_be_seen = |(across, points): (&f64, &[[f64; 3]])| {
         points.iter().enumerate().any(|(index, point)| {
             let (row, column) = (index / LOOKS, index % LOOKS);
@@ -217,8 +215,8 @@ fn bands(
         let (whole, cells) = loop {
             let square = whole(half);
             // The nearest cells have the smallest footprints, or the last ones for a camera that looks away.
-            let sizes = [0, PARTS - 1].map(|part| {
-                let (own, middle) = cell(half, part);
+            let ends = [cell(half, 0), cell(half, PARTS - 1)];
+            let sizes = ends.map(|(own, middle)| {
                 let all = own.with(&square);
                 let enough = fine * libm::sqrt(footprints.square(middle));
                 let limits = all.rounding.map(|rounding| enough.max(ROUNDED * rounding));
@@ -226,7 +224,12 @@ fn bands(
             });
             let [own, all] = [0, 1].map(|which| sizes[0][which].max(sizes[1][which]));
             if all <= 1.0 || half <= LEAST * (1.0 + from.abs()) {
-                break (square, std::array::from_fn(|part| cell(half, part).0.with(&square)));
+                let cells = std::array::from_fn(|part| match part {
+                    0 => ends[0].0,
+                    part if part == PARTS - 1 => ends[1].0,
+                    part => cell(half, part).0,
+                });
+                break (square, cells.map(|cell| cell.with(&square)));
             }
             // Remainders grow about as these powers of the size.
             let by_cells = libm::pow(own / OWN, -1.0 / SIDE as f64);

@@ -30,7 +30,10 @@ pub fn range_by_all_instructions(net: &Net) -> [f64; 2] {
 /// Interpolates the values at a square's points at those of its cells.
 pub fn between(own: &[[f64; POINTS]; POINTS]) -> Box<[[f64; FINE]; FINE]> {
     let mut values = Box::new([[0.0; FINE]; FINE]);
-    squares::between(own, &mut values);
+    dispatch!(Level::new(), simd => simd.vectorize(
+        #[inline(always)]
+        || squares::between(simd, own, &mut values)
+    ));
     values
 }
 

@@ -14,8 +14,6 @@ pub(super) struct Remainder {
     pub(super) rounding: [f64; 3],
     /// Of the derivatives by either side of the cell, −1…1, in any direction.
     pub(super) turn: f64,
-    /// How far displacements in the cell may be from the one in its middle, along u, up, and along v, in meters.
-    pub(super) spread: [f64; 3],
     /// Number of waves, by falling wavelength, that the polynomial must contain.
     pub(super) waves: usize,
 }
@@ -143,11 +141,13 @@ pub(super) fn remainder(
             // A wave of size 0 that may grow without limit (0·∞) counts as whole.
             (share * (u + lebesgue * v * big), share * turn, (share * big).min(1.0))
         };
-        let turned = left * (ku + kv + (2.0 * b * whole).min(1.0)).min(2.0);
+        // Shorter waves do not leave anything either.
+        if left == 0.0 && whole <= 1.0 {
+            break;
+        }
         let rounding = left * (added + wave.phase_error(away)) * lebesgue * lebesgue;
         for (axis, amplitude) in [along, up, across].into_iter().enumerate() {
             remainder.off[axis] += amplitude * off;
-            remainder.spread[axis] += amplitude * turned;
             remainder.rounding[axis] += amplitude * rounding;
         }
         remainder.turn += size * (turn + rounding * steep);
@@ -157,6 +157,26 @@ pub(super) fn remainder(
         *off += *rounding;
     }
     remainder
+}
+
+/// Bounds how far displacements in the square of half side `half` around `middle` ahead of the camera may be from a sum in
+/// its middle, along u, up, and along v, in meters.
+pub(super) fn spread(sea: &FramedSea, footprints: &Footprints, middle: f64, half: f64, away: f64) -> [f64; 3] {
+    let (square, whole) = (footprints.square(middle), footprints.growth(middle).at(half) - 1.0);
+    let mut spread = [PLACE * away; 3];
+    for wave in sea.waves() {
+        let b = wave.number * wave.number * square / 8.0;
+        let left = libm::exp((b * whole - b).min(0.0));
+        if left == 0.0 && whole <= 1.0 {
+            break;
+        }
+        let turned = ((wave.numbers[0].abs() + wave.numbers[1].abs()) * half + (2.0 * b * whole).min(1.0)).min(2.0);
+        let rounding = sea.rounding() + wave.phase_error(away);
+        for (spread, amplitude) in spread.iter_mut().zip(wave.amplitudes) {
+            *spread += amplitude.abs() * left * (turned + rounding);
+        }
+    }
+    spread
 }
 
 /// Returns the bound of the values by an ellipse, given the exponent of what the function grows to within it, and that of
