@@ -245,6 +245,10 @@ pub(crate) fn newton(
 const STEPPED: f64 = 1e-10;
 const TURNED: f64 = 1e-4;
 
+/// Most steps of [`stepped`] after which its last one may be good enough: the second mostly is, at the cost of two sums
+/// where Newton's method takes three or four.
+const STEPS_AT_ONCE: usize = 2;
+
 /// Does the same from a rest point whose point nearly lies on the ray, mostly with a single sum. Also returns how far the
 /// distance, the derivatives and the roughness may be from those of the sea's point on the ray.
 pub(crate) fn stepped(
@@ -252,34 +256,43 @@ pub(crate) fn stepped(
     projector: &Projector,
     ray: &Ray,
     aside: [DVec3; 2],
-    rest: [f64; 2],
+    start: [f64; 2],
 ) -> Option<(f64, [f64; 2], SeaPoint, f64)> {
-    let here = sea.carried(projector, rest);
-    let offset = here.point - ray.origin;
-    let [p, q] = aside.map(|way| offset.dot(way));
-    let [[a, b], [c, d]] = across(aside, here.by);
-    let area = a * d - b * c;
-    let [x, z] = [-(d * p - b * q) / area, -(a * q - c * p) / area];
-    let moved = libm::hypot(x, z);
-    let distance = (offset + here.by[0] * x + here.by[1] * z).dot(ray.direction);
-    // Derivatives change by this per meter at most, in any direction and for all phases, and footprints with them.
-    let limits = sea.limits().at(here.footprint * NEARBY);
-    let bend = 2.0 * limits[2] * (1.0 + 2.0 * here.growth.abs()) * (1.0 + 2.0 * here.growth.abs());
-    let size = here.by[0].length() + here.by[1].length();
-    // What one step leaves moves the point once more along the surface.
-    let left = bend * moved * moved * (1.0 + size * size / area.abs());
-    let normal = DVec3::from(here.precise.sample.normal()).length();
-    let turned = 2.0 * bend * moved * size * (1.0 + 1.0 / normal);
-    let rougher = limits[1] * limits[1] * here.growth.abs() * moved / here.footprint;
-    // The only point within twice the step, by Newton and Kantorovich's theorem; false for NaN.
-    let is_close = 4.0 * bend * moved * size <= area.abs()
-        && moved <= (1.0 - NEARBY) * here.footprint
-        && left <= STEPPED * (1.0 + distance.abs())
-        && turned <= TURNED;
-    if is_close {
-        return Some((distance, [rest[0] + x, rest[1] + z], here, left + turned + rougher));
+    let mut rest = start;
+    for _ in 0..STEPS_AT_ONCE {
+        let here = sea.carried(projector, rest);
+        let offset = here.point - ray.origin;
+        let [p, q] = aside.map(|way| offset.dot(way));
+        let [[a, b], [c, d]] = across(aside, here.by);
+        let area = a * d - b * c;
+        let [x, z] = [-(d * p - b * q) / area, -(a * q - c * p) / area];
+        let moved = libm::hypot(x, z);
+        let distance = (offset + here.by[0] * x + here.by[1] * z).dot(ray.direction);
+        // Derivatives change by this per meter at most, in any direction and for all phases, and footprints with them.
+        let limits = sea.limits().at(here.footprint * NEARBY);
+        let bend = 2.0 * limits[2] * (1.0 + 2.0 * here.growth.abs()) * (1.0 + 2.0 * here.growth.abs());
+        let size = here.by[0].length() + here.by[1].length();
+        // What one step leaves moves the point once more along the surface.
+        let left = bend * moved * moved * (1.0 + size * size / area.abs());
+        let normal = DVec3::from(here.precise.sample.normal()).length();
+        let turned = 2.0 * bend * moved * size * (1.0 + 1.0 / normal);
+        let rougher = limits[1] * limits[1] * here.growth.abs() * moved / here.footprint;
+        // False for NaN.
+        let is_near = moved <= (1.0 - NEARBY) * here.footprint;
+        // The only point within twice the step, by Newton and Kantorovich's theorem.
+        let is_close = is_near
+            && 4.0 * bend * moved * size <= area.abs()
+            && left <= STEPPED * (1.0 + distance.abs())
+            && turned <= TURNED;
+        rest = [rest[0] + x, rest[1] + z];
+        if is_close {
+            return Some((distance, rest, here, left + turned + rougher));
+        }
+        if !is_near {
+            break;
+        }
     }
-    newton(sea, projector, ray, aside, rest).map(|(distance, rest, point)| (distance, rest, point, 0.0))
+    newton(sea, projector, ray, aside, start).map(|(distance, rest, point)| (distance, rest, point, 0.0))
 }
 
 /// Footprints of a rectangle.

@@ -1,16 +1,17 @@
 //! Sums of waves in f64 over squares of points in the axes of a frame, whose rows lie under one footprint each.
 
 use crate::frame::SeaFrame;
-use crate::precise::{MOST, ROUNDER, exp_neg, sincos};
-use fearless_simd::{Level, Simd, dispatch};
-use std::f64::consts::TAU;
+use crate::kernel64::{LANES, halved, sincos};
+use fearless_simd::{Level, Simd, dispatch, f64x8, prelude::*};
+use std::f64::consts::{LOG2_E, TAU};
+use std::ops::Range;
 
 /// Number of points that are summed side by side in registers, and of waves that are added one after another to them: their
 /// factors fit in the nearest cache.
-const BLOCK: usize = 8;
+const BLOCK: usize = LANES;
 const TOGETHER: usize = 64;
 /// Most squares that are summed together.
-const SQUARES: usize = 8;
+const SQUARES: usize = LANES;
 /// Rounding errors of a phase, relative to the turns of its parts: each is a product of rounded factors, and they are
 /// added twice, once in the world's axes and once in the frame's.
 const TURN_ROUNDING: f64 = 16.0 * f64::EPSILON;
@@ -72,17 +73,27 @@ impl FramedWave {
 pub struct RowFactors {
     /// Number of waves.
     left: usize,
-    /// By row and wave: factors of cos and sin of the column's phase for each component.
-    factors: Vec<[f64; 6]>,
+    /// By row, then for each component the factors of cos and of sin of the column's phase, wave by wave.
+    factors: Vec<f64>,
     rows: usize,
 }
 
 /// Factors of waves for columns at offsets from a middle.
 #[derive(Clone, Debug)]
 pub struct ColumnFactors {
-    /// By wave and column: cos and sin of the phase.
-    factors: Vec<[f64; 2]>,
+    /// By wave: cos, then sin, of the phases of all columns, and of some more up to the width.
+    factors: Vec<f64>,
     columns: usize,
+    width: usize,
+}
+
+impl RowFactors {
+    /// Returns the factors of some waves for a row.
+    #[inline(always)]
+    fn of(&self, row: usize, waves: &Range<usize>) -> [&[f64]; 6] {
+        let parts: [usize; 6] = std::array::from_fn(|part| (6 * row + part) * self.left);
+        parts.map(|start| &self.factors[start + waves.start..start + waves.end])
+    }
 }
 
 impl FramedSea {
@@ -122,13 +133,13 @@ impl FramedSea {
 
     /// Returns the factors of the first waves for rows, given their u and footprint in meters.
     pub fn rows(&self, rows: &[(f64, f64)], left: usize) -> RowFactors {
-        let mut factors = vec![[0.0; 6]; rows.len() * left];
-        for ((u, footprint), factors) in rows.iter().zip(factors.chunks_exact_mut(left.max(1))) {
+        let mut factors = vec![0.0; rows.len() * 6 * left];
+        for ((u, footprint), factors) in rows.iter().zip(factors.chunks_exact_mut((6 * left).max(1))) {
             let filter = footprint * footprint / 8.0;
             let waves = &self.waves[..left];
             dispatch!(self.level, simd => simd.vectorize(
                 #[inline(always)]
-                || row(waves, *u, filter, factors)
+                || row(simd, waves, *u, filter * LOG2_E, factors)
             ));
         }
         RowFactors { left, factors, rows: rows.len() }
@@ -138,36 +149,45 @@ impl FramedSea {
     /// rest point instead: ∂Δu/∂u, ∂Δu/∂v = ∂Δv/∂u, and ∂Δv/∂v.
     pub(crate) fn strain_rows(&self, rows: &[(f64, f64)], left: usize) -> RowFactors {
         let mut strains = self.rows(rows, left);
-        for factors in strains.factors.chunks_exact_mut(left.max(1)) {
-            for (wave, factors) in self.waves.iter().zip(factors) {
+        for factors in strains.factors.chunks_exact_mut((6 * left).max(1)) {
+            for (index, wave) in self.waves[..left].iter().enumerate() {
                 let [a, b] = wave.numbers;
-                let [along_sin, along_cos, .., across_sin, across_cos] = *factors;
+                let [along_sin, along_cos, .., across_sin, across_cos]: [f64; 6] =
+                    std::array::from_fn(|part| factors[part * left + index]);
                 // −h·sin θ becomes −h·k·cos θ, and −h·cos θ becomes h·k·sin θ.
                 let by = |number: f64, sin: f64, cos: f64| [number * cos, -number * sin];
                 let [[uu, uu_sin], [uv, uv_sin], [vv, vv_sin]] =
                     [by(a, along_sin, along_cos), by(b, along_sin, along_cos), by(b, across_sin, across_cos)];
-                *factors = [uu, uu_sin, uv, uv_sin, vv, vv_sin];
+                for (part, factor) in [uu, uu_sin, uv, uv_sin, vv, vv_sin].into_iter().enumerate() {
+                    factors[part * left + index] = factor;
+                }
             }
         }
         strains
     }
 
-    /// Returns the factors of columns at offsets in meters from the middles that [`FramedSea::squares`] is given.
+    /// Returns the factors of columns at offsets in meters from the middles that [`FramedSea::squares`] is given, or to
+    /// both sides of the one that [`FramedSea::mirrored`] is given.
     pub fn columns(&self, offsets: &[f64]) -> ColumnFactors {
         let columns = offsets.len();
-        let mut factors = vec![[0.0; 2]; self.waves.len() * columns];
+        let width = columns.next_multiple_of(BLOCK);
+        let mut factors = vec![0.0; self.waves.len() * 2 * width];
         dispatch!(self.level, simd => simd.vectorize(
             #[inline(always)]
             || {
-                for (wave, factors) in self.waves.iter().zip(factors.chunks_exact_mut(columns.max(1))) {
-                    for (factor, offset) in factors.iter_mut().zip(offsets) {
-                        let (sin, cos) = sincos(reduced(wave.turns[1] * offset));
-                        *factor = [cos, sin];
+                for (wave, factors) in self.waves.iter().zip(factors.chunks_exact_mut((2 * width).max(1))) {
+                    let (cosines, sines) = factors.split_at_mut(width);
+                    let blocks = cosines.chunks_exact_mut(BLOCK).zip(sines.chunks_exact_mut(BLOCK));
+                    for ((cosines, sines), offsets) in blocks.zip(offsets.chunks(BLOCK)) {
+                        let offsets = lanes(simd, offsets.iter().copied());
+                        let [sin, cos] = sincos(simd, offsets * (2.0 * wave.turns[1]));
+                        cosines.copy_from_slice(&cos.to_array());
+                        sines.copy_from_slice(&sin.to_array());
                     }
                 }
             }
         ));
-        ColumnFactors { factors, columns }
+        ColumnFactors { factors, columns, width }
     }
 
     /// Writes the displacements along u, up and along v at the points of squares, square by square and row by row: the
@@ -187,7 +207,7 @@ impl FramedSea {
                 || {
                     for first in (0..rows.left).step_by(TOGETHER) {
                         let waves = first..(first + TOGETHER).min(rows.left);
-                        turn(&self.waves[waves.clone()], columns, first, middles, width, &mut phases);
+                        turn(simd, &self.waves[waves.clone()], columns, first, middles, width, &mut phases);
                         add(rows, waves, width, &phases, &mut sums);
                     }
                 }
@@ -201,30 +221,143 @@ impl FramedSea {
             }
         }
     }
+
+    /// Does the same for one square whose columns stand at both sides of its middle: first those before it, the
+    /// farthest first, then those behind it, the nearest first.
+    ///
+    /// Mirrored phases have the same cosine and opposite sines, so that this takes half the products.
+    ///
+    /// # Panics
+    /// `out` does not have one entry for each point.
+    pub fn mirrored(&self, rows: &RowFactors, columns: &ColumnFactors, middle: f64, out: &mut [[f64; 3]]) {
+        let (side, width) = (columns.columns, columns.width);
+        assert_eq!(out.len(), rows.rows * 2 * side, "one entry for each point");
+        // For each row and component the even part, then the odd part.
+        let mut sums = vec![0.0; rows.rows * 6 * width];
+        dispatch!(self.level, simd => simd.vectorize(
+            #[inline(always)]
+            || {
+                for first in (0..rows.left).step_by(TOGETHER) {
+                    let waves = first..(first + TOGETHER).min(rows.left);
+                    let [mut cosines, mut sines] = [[0.0; TOGETHER]; 2];
+                    let blocks = cosines.chunks_exact_mut(LANES).zip(sines.chunks_exact_mut(LANES));
+                    for ((cosines, sines), waves) in blocks.zip(self.waves[waves.clone()].chunks(LANES)) {
+                        let turns = lanes(simd, waves.iter().map(|wave| 2.0 * wave.turns[1]));
+                        let [sin, cos] = sincos(simd, turns * middle);
+                        cosines.copy_from_slice(&cos.to_array());
+                        sines.copy_from_slice(&sin.to_array());
+                    }
+                    for (row, sums) in sums.chunks_exact_mut((6 * width).max(1)).enumerate() {
+                        let turned = turned(&rows.of(row, &waves), &cosines, &sines);
+                        add_mirrored(simd, &turned, columns, &waves, sums);
+                    }
+                }
+            }
+        ));
+        for (sums, out) in sums.chunks_exact((6 * width).max(1)).zip(out.chunks_exact_mut((2 * side).max(1))) {
+            let (before, behind) = out.split_at_mut(side);
+            for (column, (before, behind)) in before.iter_mut().rev().zip(behind).enumerate() {
+                for axis in 0..3 {
+                    let (even, odd) = (sums[2 * axis * width + column], sums[(2 * axis + 1) * width + column]);
+                    (before[axis], behind[axis]) = (even - odd, even + odd);
+                }
+            }
+        }
+    }
 }
 
-/// Returns turns reduced to −½…½, for |turns| < 2⁵¹, without a function call, which would not be vectorized.
+/// Returns up to eight numbers, and 0 in the lanes that are left.
 #[inline(always)]
-fn reduced(turns: f64) -> f64 {
-    turns - ((turns + ROUNDER) - ROUNDER)
+fn lanes<S: Simd>(simd: S, numbers: impl Iterator<Item = f64>) -> f64x8<S> {
+    let mut lanes = [0.0; LANES];
+    for (lane, number) in lanes.iter_mut().zip(numbers) {
+        *lane = number;
+    }
+    f64x8::load_array(simd, lanes)
 }
 
-/// Computes the factors of one row.
+/// Computes the factors of one row, whose filter is f²/8 · log₂ e.
 #[inline(always)]
-fn row(waves: &[FramedWave], u: f64, filter: f64, factors: &mut [[f64; 6]]) {
-    for (wave, factors) in waves.iter().zip(factors) {
-        let turns = wave.turns[0] * u + wave.origin;
-        let (sin, cos) = sincos(reduced(turns));
-        let share = exp_neg((wave.number * wave.number * filter).min(MOST));
+fn row<S: Simd>(simd: S, waves: &[FramedWave], u: f64, filter: f64, factors: &mut [f64]) {
+    let left = waves.len();
+    for (block, waves) in waves.chunks(LANES).enumerate() {
+        let turns = lanes(simd, waves.iter().map(|wave| wave.turns[0]));
+        let origin = lanes(simd, waves.iter().map(|wave| wave.origin));
+        let number = lanes(simd, waves.iter().map(|wave| wave.number));
+        let along = lanes(simd, waves.iter().map(|wave| wave.amplitudes[0]));
+        let up = lanes(simd, waves.iter().map(|wave| wave.amplitudes[1]));
+        let across = lanes(simd, waves.iter().map(|wave| wave.amplitudes[2]));
+        let [sin, cos] = sincos(simd, (turns * u + origin) * 2.0);
+        let share = halved(simd, number * number * filter);
         let (sin, cos) = (sin * share, cos * share);
-        let [along, up, across] = wave.amplitudes;
-        *factors = [-along * sin, -along * cos, up * cos, -up * sin, -across * sin, -across * cos];
+        let parts = [
+            along * sin * -1.0,
+            along * cos * -1.0,
+            up * cos,
+            up * sin * -1.0,
+            across * sin * -1.0,
+            across * cos * -1.0,
+        ];
+        for (part, values) in parts.into_iter().enumerate() {
+            factors[part * left + LANES * block..][..waves.len()].copy_from_slice(&values.to_array()[..waves.len()]);
+        }
+    }
+}
+
+/// Turns a row's factors of some waves by the phases of a middle, given their cosines and sines.
+#[inline(always)]
+fn turned(factors: &[&[f64]; 6], cosines: &[f64; TOGETHER], sines: &[f64; TOGETHER]) -> [[f64; TOGETHER]; 6] {
+    let mut turned = [[0.0; TOGETHER]; 6];
+    for axis in 0..3 {
+        let (even, odd) = (factors[2 * axis], factors[2 * axis + 1]);
+        let (evens, odds) = turned[2 * axis..].split_at_mut(1);
+        let phases = cosines.iter().zip(sines);
+        for ((((to_even, to_odd), even), odd), (cos, sin)) in
+            evens[0].iter_mut().zip(&mut odds[0]).zip(even).zip(odd).zip(phases)
+        {
+            *to_even = even * cos + odd * sin;
+            *to_odd = odd * cos - even * sin;
+        }
+    }
+    turned
+}
+
+/// Adds some waves at the columns of one row: the parts that are the same at both sides of the middle, and those that
+/// are opposite.
+#[inline(always)]
+fn add_mirrored<S: Simd>(
+    simd: S,
+    turned: &[[f64; TOGETHER]; 6],
+    columns: &ColumnFactors,
+    waves: &Range<usize>,
+    sums: &mut [f64],
+) {
+    let width = columns.width;
+    let own = &columns.factors[2 * width * waves.start..2 * width * waves.end];
+    for start in (0..width).step_by(BLOCK) {
+        let at = |part: usize| part * width + start..part * width + start + BLOCK;
+        let mut total: [f64x8<S>; 6] = [f64x8::splat(simd, 0.0); 6];
+        for (part, total) in total.iter_mut().enumerate() {
+            *total = f64x8::from_slice(simd, &sums[at(part)]);
+        }
+        for (index, factors) in own.chunks_exact(2 * width).enumerate().take(TOGETHER) {
+            let cos = f64x8::from_slice(simd, &factors[at(0)]);
+            let sin = f64x8::from_slice(simd, &factors[at(1)]);
+            for axis in 0..3 {
+                total[2 * axis] += cos * turned[2 * axis][index];
+                total[2 * axis + 1] += sin * turned[2 * axis + 1][index];
+            }
+        }
+        for (part, total) in total.iter().enumerate() {
+            total.store_slice(&mut sums[at(part)]);
+        }
     }
 }
 
 /// Computes cos, then sin, of the phases of some waves along all columns of some squares, wave by wave.
 #[inline(always)]
-fn turn(
+fn turn<S: Simd>(
+    simd: S,
     waves: &[FramedWave],
     columns: &ColumnFactors,
     first: usize,
@@ -232,20 +365,18 @@ fn turn(
     width: usize,
     phases: &mut [f64],
 ) {
-    let mut at = [0.0; SQUARES];
-    at[..middles.len()].copy_from_slice(middles);
+    let at = lanes(simd, middles.iter().copied());
     for (index, wave) in waves.iter().enumerate() {
-        let (mut sines, mut cosines) = ([0.0; SQUARES], [0.0; SQUARES]);
-        for square in 0..SQUARES {
-            (sines[square], cosines[square]) = sincos(reduced(wave.turns[1] * at[square]));
-        }
-        let own = &columns.factors[(first + index) * columns.columns..][..columns.columns];
+        let [sines, cosines] = sincos(simd, at * (2.0 * wave.turns[1]));
+        let own = &columns.factors[2 * (first + index) * columns.width..][..2 * columns.width];
+        let (own_cos, own_sin) = own.split_at(columns.width);
         let (cos, sin) = phases[2 * index * width..][..2 * width].split_at_mut(width);
         for square in 0..middles.len() {
-            let start = square * columns.columns;
-            for (column, [c, s]) in own.iter().enumerate() {
-                cos[start + column] = c * cosines[square] - s * sines[square];
-                sin[start + column] = s * cosines[square] + c * sines[square];
+            let columns = square * columns.columns..(square + 1) * columns.columns;
+            let places = cos[columns.clone()].iter_mut().zip(&mut sin[columns]);
+            for ((cos, sin), (c, s)) in places.zip(own_cos.iter().zip(own_sin)) {
+                *cos = c * cosines[square] - s * sines[square];
+                *sin = s * cosines[square] + c * sines[square];
             }
         }
     }
@@ -253,20 +384,21 @@ fn turn(
 
 /// Adds some waves at all points.
 #[inline(always)]
-fn add(rows: &RowFactors, waves: std::ops::Range<usize>, width: usize, phases: &[f64], sums: &mut [f64]) {
+fn add(rows: &RowFactors, waves: Range<usize>, width: usize, phases: &[f64], sums: &mut [f64]) {
     for row in 0..rows.rows {
-        let factors = &rows.factors[row * rows.left..][waves.clone()];
+        let factors = rows.of(row, &waves);
         for start in (0..width).step_by(BLOCK) {
             let mut total = [[0.0; BLOCK]; 3];
             for (axis, total) in total.iter_mut().enumerate() {
                 total.copy_from_slice(&sums[(3 * row + axis) * width + start..][..BLOCK]);
             }
-            for (index, factors) in factors.iter().enumerate() {
+            for index in 0..waves.len() {
                 let cos = &phases[2 * index * width + start..][..BLOCK];
                 let sin = &phases[(2 * index + 1) * width + start..][..BLOCK];
                 for axis in 0..3 {
                     for lane in 0..BLOCK {
-                        total[axis][lane] += factors[2 * axis] * cos[lane] + factors[2 * axis + 1] * sin[lane];
+                        total[axis][lane] +=
+                            factors[2 * axis][index] * cos[lane] + factors[2 * axis + 1][index] * sin[lane];
                     }
                 }
             }

@@ -41,6 +41,7 @@ mod grid;
 mod grid_plan;
 mod group;
 mod kernel;
+mod kernel64;
 mod lanes;
 mod line;
 mod method;
@@ -96,9 +97,11 @@ pub mod inside {
         crate::spray::flight::fly(position, velocity, wind, drag, time)
     }
 
-    /// Returns sine and cosine of an angle in turns, as precise sums compute them.
-    pub fn sincos(turns: f64) -> (f64, f64) {
-        crate::precise::sincos(turns)
+    /// Returns sines and cosines of angles in half turns, as precise sums compute them.
+    pub fn sincos_half_turns(angles: [f64; 8]) -> [[f64; 8]; 2] {
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            crate::kernel64::sincos(simd, f64x8::load_array(simd, angles)).map(|found| found.to_array())
+        }))
     }
 
     /// Returns √(x² + y²), as runs of toon seas compute it.
@@ -115,9 +118,11 @@ pub mod inside {
         }))
     }
 
-    /// Returns e^−x, as precise sums compute it.
-    pub fn exp_neg(x: f64) -> f64 {
-        crate::precise::exp_neg(x)
+    /// Returns powers 2^−n, as precise sums compute them.
+    pub fn halved(halvings: [f64; 8]) -> [f64; 8] {
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            crate::kernel64::halved(simd, f64x8::load_array(simd, halvings)).to_array()
+        }))
     }
 
     /// Spreads a frequency for lines of `count` points: returns the number of cells of the grid, the first cell, and

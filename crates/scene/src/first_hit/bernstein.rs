@@ -235,14 +235,15 @@ fn cut(mut line: [f64; SIDE], [from, to]: [f64; 2]) -> [f64; SIDE] {
 /// AVX-512, so that rays passed through parts of the sea.
 #[inline(always)]
 pub fn range(net: &Net) -> [f64; 2] {
-    let (mut low, mut high) = (net[0], net[0]);
-    for row in &net[1..] {
-        for column in 0..SIDE {
-            low[column] = smaller(low[column], row[column]);
-            high[column] = larger(high[column], row[column]);
+    let (blocks, rest) = net.as_flattened().as_chunks::<8>();
+    let (mut low, mut high) = (blocks[0], blocks[0]);
+    for block in &blocks[1..] {
+        for lane in 0..8 {
+            low[lane] = smaller(low[lane], block[lane]);
+            high[lane] = larger(high[lane], block[lane]);
         }
     }
-    [low.into_iter().fold(low[0], smaller), high.into_iter().fold(high[0], larger)]
+    [low.into_iter().fold(rest[0], smaller), high.into_iter().fold(rest[0], larger)]
 }
 
 /// Returns the larger of two numbers, in one instruction; infinite coefficients, which make NaN, do not occur.

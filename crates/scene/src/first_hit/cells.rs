@@ -3,7 +3,7 @@
 use super::bernstein::{DEGREE, Net, SIDE, interpolated, larger, nodes, off};
 use super::footprints::Footprints;
 use super::region::{Axes, Region};
-use super::remainder::{CELL, Remainder, SQUARE, remainder};
+use super::remainder::{CELL, Remainder, SQUARE, remainder, spread};
 use super::search::HALVINGS;
 use super::squares::{PARTS, POINTS, Squares};
 use crate::boxes::Tree;
@@ -133,8 +133,10 @@ impl SeaCells {
             }
             Ok(cells)
         };
-        let cells: Result<Vec<Vec<Cell>>, NoCells> = bands.par_iter().map(of_band).collect();
-        let cells: Vec<Cell> = cells?.into_iter().flatten().collect();
+        let of_bands: Result<Vec<Vec<Cell>>, NoCells> = bands.par_iter().map(of_band).collect();
+        let of_bands = of_bands?;
+        let mut cells = Vec::with_capacity(of_bands.iter().map(Vec::len).sum());
+        cells.extend(of_bands.into_iter().flatten());
         let tree = Tree::new(&cells.iter().map(Cell::bounds).collect::<Vec<_>>()).ok_or(NoCells::Unseen)?;
         Ok(Self { axes, region, footprints, waves, cells, tree, level })
     }
@@ -165,10 +167,8 @@ fn seen(waves: &FramedSea, footprints: &Footprints, region: &Region, band: &Band
     let mut points = vec![[0.0; 3]; LOOKS * LOOKS * middles.len()];
     waves.squares(&rows, &waves.columns(&offsets), &middles, &mut points);
     let away = band.middle.abs() + band.half;
-    let reaches = places.map(|(along, _)| {
-        let Remainder { spread, rounding, .. } = remainder(waves, footprints, CELL, along, half, away);
-        DVec3::new(half, 0.0, half) + DVec3::from(spread) + DVec3::from(rounding)
-    });
+    let reaches = places
+        .map(|(along, _)| DVec3::new(half, 0.0, half) + DVec3::from(spread(waves, footprints, along, half, away)));
     let may_be_seen = |(across, points): (&f64, &[[f64; 3]])| {
         points.iter().enumerate().any(|(index, point)| {
             let (row, column) = (index / LOOKS, index % LOOKS);
@@ -216,8 +216,8 @@ fn bands(
         let (whole, cells) = loop {
             let square = whole(half);
             // The nearest cells have the smallest footprints, or the last ones for a camera that looks away.
-            let sizes = [0, PARTS - 1].map(|part| {
-                let (own, middle) = cell(half, part);
+            let ends = [cell(half, 0), cell(half, PARTS - 1)];
+            let sizes = ends.map(|(own, middle)| {
                 let all = own.with(&square);
                 let enough = fine * libm::sqrt(footprints.square(middle));
                 let limits = all.rounding.map(|rounding| enough.max(ROUNDED * rounding));
@@ -225,7 +225,12 @@ fn bands(
             });
             let [own, all] = [0, 1].map(|which| sizes[0][which].max(sizes[1][which]));
             if all <= 1.0 || half <= LEAST * (1.0 + from.abs()) {
-                break (square, std::array::from_fn(|part| cell(half, part).0.with(&square)));
+                let cells = std::array::from_fn(|part| match part {
+                    0 => ends[0].0,
+                    part if part == PARTS - 1 => ends[1].0,
+                    part => cell(half, part).0,
+                });
+                break (square, cells.map(|cell| cell.with(&square)));
             }
             // Remainders grow about as these powers of the size.
             let by_cells = libm::pow(own / OWN, -1.0 / SIDE as f64);
@@ -319,22 +324,17 @@ impl Cell {
         way.abs().dot(DVec3::from(self.remainder.off))
     }
 
-    /// Returns the components along some directions, relative to an origin.
+    /// Returns the component along a direction, relative to an origin.
     #[inline(always)]
-    pub(super) fn seen_along(&self, origin: DVec3, ways: [DVec3; 3]) -> [Net; 3] {
-        let base = self.base - origin;
+    pub(super) fn seen_along(&self, origin: DVec3, way: DVec3) -> Net {
+        let start = (self.base - origin).dot(way);
         let [x, y, z] = &self.patch;
-        let mut nets = [[[0.0; SIDE]; SIDE]; 3];
-        for (net, way) in nets.iter_mut().zip(ways) {
-            let start = base.dot(way);
-            for (i, row) in net.iter_mut().enumerate() {
-                for (j, value) in row.iter_mut().enumerate() {
-                    let (x, y, z) = (f64::from(x[i][j]), f64::from(y[i][j]), f64::from(z[i][j]));
-                    *value = start + (x * way.x + y * way.y + z * way.z);
-                }
-            }
+        let (x, y, z) = (x.as_flattened(), y.as_flattened(), z.as_flattened());
+        let mut net = [[0.0; SIDE]; SIDE];
+        for (value, ((x, y), z)) in net.as_flattened_mut().iter_mut().zip(x.iter().zip(y).zip(z)) {
+            *value = start + (f64::from(*x) * way.x + f64::from(*y) * way.y + f64::from(*z) * way.z);
         }
-        nets
+        net
     }
 
     /// Returns the rest point at a place in the unit square.

@@ -26,13 +26,15 @@ impl Derivatives {
     /// the derivatives by s and by t.
     #[inline(always)]
     pub(super) fn changes(p: &Net, q: &Net, mean: &DMat2, inverse: &DMat2) -> [DVec2; 2] {
-        let (mut by_s, mut by_t) = ([[0.0_f64; SIDE]; 2], [[0.0_f64; DEGREE]; 2]);
+        let (mut by_s, mut by_t) = ([[0.0_f64; DEGREE]; 2], [[0.0_f64; DEGREE]; 2]);
         let [a, b, c, d] = [inverse.x_axis.x, inverse.y_axis.x, inverse.x_axis.y, inverse.y_axis.y];
         let degree = DEGREE as f64;
-        for i in 0..DEGREE {
-            for j in 0..SIDE {
-                let x = degree * (p[i + 1][j] - p[i][j]) - mean.x_axis.x;
-                let y = degree * (q[i + 1][j] - q[i][j]) - mean.x_axis.y;
+        // Row after row, so that the differences of neighbors along s fill whole vectors.
+        let ((p_low, p_high), (q_low, q_high)) = (neighbors(p), neighbors(q));
+        for ((p_low, p_high), (q_low, q_high)) in p_low.iter().zip(p_high).zip(q_low.iter().zip(q_high)) {
+            for j in 0..DEGREE {
+                let x = degree * (p_high[j] - p_low[j]) - mean.x_axis.x;
+                let y = degree * (q_high[j] - q_low[j]) - mean.x_axis.y;
                 by_s[0][j] = larger(by_s[0][j], (a * x + b * y).abs());
                 by_s[1][j] = larger(by_s[1][j], (c * x + d * y).abs());
             }
@@ -60,6 +62,13 @@ impl Derivatives {
         }
         rows.iter().zip(WEIGHTS).map(|(value, weight)| value * weight).sum::<f64>() / 65536.0
     }
+}
+
+/// Returns all coefficients that have a neighbor along s, and these neighbors, eight by eight.
+#[inline(always)]
+fn neighbors(net: &Net) -> (&[[f64; DEGREE]], &[[f64; DEGREE]]) {
+    let all = net.as_flattened();
+    (all[..SIDE * DEGREE].as_chunks().0, all[SIDE..].as_chunks().0)
 }
 
 #[inline(always)]

@@ -30,7 +30,10 @@ pub fn range_by_all_instructions(net: &Net) -> [f64; 2] {
 /// Interpolates the values at a square's points at those of its cells.
 pub fn between(own: &[[f64; POINTS]; POINTS]) -> Box<[[f64; FINE]; FINE]> {
     let mut values = Box::new([[0.0; FINE]; FINE]);
-    squares::between(own, &mut values);
+    dispatch!(Level::new(), simd => simd.vectorize(
+        #[inline(always)]
+        || squares::between(simd, own, &mut values)
+    ));
     values
 }
 
@@ -130,7 +133,8 @@ impl Cells {
 
     /// Returns, for each axis, the coordinate of the cell's patch at a place and its derivatives.
     pub fn patch(&self, cell: usize, at: [f64; 2]) -> [(f64, [f64; 2]); 3] {
-        bernstein::evaluate(&self.0.cells[cell].seen_along(DVec3::ZERO, [DVec3::X, DVec3::Y, DVec3::Z]), at)
+        let components = [DVec3::X, DVec3::Y, DVec3::Z].map(|way| self.0.cells[cell].seen_along(DVec3::ZERO, way));
+        bernstein::evaluate(&components, at)
     }
 
     /// Returns how far the patch of a cell may be from the sea along each axis, and its derivatives by −1…1 from those

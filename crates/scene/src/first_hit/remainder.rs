@@ -14,19 +14,18 @@ pub(super) struct Remainder {
     pub(super) rounding: [f64; 3],
     /// Of the derivatives by either side of the cell, −1…1, in any direction.
     pub(super) turn: f64,
-    /// How far displacements in the cell may be from the one in its middle, along u, up, and along v, in meters.
-    pub(super) spread: [f64; 3],
     /// Number of waves, by falling wavelength, that the polynomial must contain.
     pub(super) waves: usize,
 }
 
 /// Sizes ρ of the ellipses around a cell within which waves are bounded.
 const ELLIPSES: [f64; 15] = [1.3, 1.7, 2.2, 3.0, 4.0, 5.5, 7.5, 10.0, 14.0, 20.0, 30.0, 50.0, 90.0, 200.0, 1000.0];
-/// ln of 4z·ρ⁻ⁿ, and the same with the factor for derivatives, for each ellipse; z = 1/(1 − 1/ρ), n nodes.
+/// What an ellipse of size ρ makes of a function of size 1 within it; z = 1/(1 − 1/ρ), n nodes.
 struct Ellipse {
     /// Largest distance from the middle, and from the real numbers, relative to half a side.
     reach: f64,
     aside: f64,
+    /// ln of 4z·ρ⁻ⁿ, and the factor for derivatives.
     value: f64,
     slope: f64,
 }
@@ -104,7 +103,7 @@ pub(super) fn remainder(
     let ellipses = ELLIPSES.map(|rho| {
         let z = 1.0 / (1.0 - 1.0 / rho);
         let value = libm::log(4.0 * z) - count * libm::log(rho);
-        let slope = value + libm::log(count * count * (1.0 + 2.0 * z / count + 2.0 * z * z / (count * count)));
+        let slope = count * count * (1.0 + 2.0 * z / count + 2.0 * z * z / (count * count));
         Ellipse { reach: (rho + 1.0 / rho) / 2.0, aside: (rho - 1.0 / rho) / 2.0, value, slope }
     });
     let reaches = ellipses.each_ref().map(|ellipse| growth.at(ellipse.reach * half) - 1.0);
@@ -113,6 +112,8 @@ pub(super) fn remainder(
     let steep = lebesgue * (count - 1.0) * (count - 1.0);
     let added = sea.rounding();
     let mut remainder = Remainder::default();
+    // The best ellipse hardly changes from wave to wave.
+    let mut best = [ELLIPSES.len() - 1; 2];
     for (index, wave) in sea.waves().iter().enumerate() {
         let b = wave.number * wave.number * square / 8.0;
         let most = b * whole - b;
@@ -120,11 +121,11 @@ pub(super) fn remainder(
         let size = libm::sqrt(along * along + up * up + across * across);
         let ku = wave.numbers[0].abs() * half;
         let kv = wave.numbers[1].abs() * half;
-        let (off, turn) = if most < -lost {
+        let (off, turn, left) = if most < -lost {
             // The polynomial may contain the wave or not: this bounds it, and what interpolation makes of it.
             let left = libm::exp(most);
             let growth = 2.0 * b * linear * (1.0 + whole);
-            (left * (1.0 + lebesgue * lebesgue), left * (lebesgue * steep + ku + kv + growth))
+            (left * (1.0 + lebesgue * lebesgue), left * (lebesgue * steep + ku + kv + growth), left)
         } else {
             remainder.waves = index + 1;
             let x = libm::hypot(ku, b * linear);
@@ -132,19 +133,21 @@ pub(super) fn remainder(
                 let together = x * ellipse.reach + b * (reaches[index] - linear * ellipse.reach).max(0.0);
                 together.min(ku * ellipse.aside + b * reaches[index].max(0.0))
             };
-            let [u, u_slope] = least(&ellipses, along);
-            let [v, v_slope] = least(&ellipses, |_, ellipse| kv * ellipse.aside);
+            let [u, u_slope] = least(&ellipses, &mut best[0], along);
+            let [v, v_slope] = least(&ellipses, &mut best[1], |_, ellipse| kv * ellipse.aside);
             let big = libm::exp(b * whole);
             let share = libm::exp(-b);
             let turn = (u_slope + steep * v * big).max(v_slope * big + steep * u);
-            (share * (u + lebesgue * v * big), share * turn)
+            // A wave of size 0 that may grow without limit (0·∞) counts as whole.
+            (share * (u + lebesgue * v * big), share * turn, (share * big).min(1.0))
         };
-        let left = libm::exp(most.min(0.0));
-        let turned = left * (ku + kv + (2.0 * b * whole).min(1.0)).min(2.0);
+        // Shorter waves do not leave anything either.
+        if left == 0.0 && whole <= 1.0 {
+            break;
+        }
         let rounding = left * (added + wave.phase_error(away)) * lebesgue * lebesgue;
         for (axis, amplitude) in [along, up, across].into_iter().enumerate() {
             remainder.off[axis] += amplitude * off;
-            remainder.spread[axis] += amplitude * turned;
             remainder.rounding[axis] += amplitude * rounding;
         }
         remainder.turn += size * (turn + rounding * steep);
@@ -156,12 +159,42 @@ pub(super) fn remainder(
     remainder
 }
 
-/// Returns the least bound of the values over all ellipses, and that of the slopes.
-fn least(ellipses: &[Ellipse], exponent: impl Fn(usize, &Ellipse) -> f64) -> [f64; 2] {
-    let mut best = [f64::INFINITY; 2];
-    for (index, ellipse) in ellipses.iter().enumerate() {
-        let exponent = exponent(index, ellipse);
-        best = [best[0].min(exponent + ellipse.value), best[1].min(exponent + ellipse.slope)];
+/// Bounds how far displacements in the square of half side `half` around `middle` ahead of the camera may be from a sum in
+/// its middle, along u, up, and along v, in meters.
+pub(super) fn spread(sea: &FramedSea, footprints: &Footprints, middle: f64, half: f64, away: f64) -> [f64; 3] {
+    let (square, whole) = (footprints.square(middle), footprints.growth(middle).at(half) - 1.0);
+    let mut spread = [PLACE * away; 3];
+    for wave in sea.waves() {
+        let b = wave.number * wave.number * square / 8.0;
+        let left = libm::exp((b * whole - b).min(0.0));
+        if left == 0.0 && whole <= 1.0 {
+            break;
+        }
+        let turned = ((wave.numbers[0].abs() + wave.numbers[1].abs()) * half + (2.0 * b * whole).min(1.0)).min(2.0);
+        let rounding = sea.rounding() + wave.phase_error(away);
+        for (spread, amplitude) in spread.iter_mut().zip(wave.amplitudes) {
+            *spread += amplitude.abs() * left * (turned + rounding);
+        }
     }
-    best.map(libm::exp)
+    spread
+}
+
+/// Returns the bound of the values by an ellipse, given the exponent of what the function grows to within it, and that of
+/// the slopes. From the one that was best before, it looks for the best one: the exponent falls with ρ, and then rises.
+fn least(ellipses: &[Ellipse], best: &mut usize, exponent: impl Fn(usize, &Ellipse) -> f64) -> [f64; 2] {
+    let at = |index: usize| {
+        let exponent = exponent(index, &ellipses[index]) + ellipses[index].value;
+        if exponent.is_nan() { f64::INFINITY } else { exponent }
+    };
+    let (start, mut least) = (*best, at(*best));
+    while *best > 0 && at(*best - 1) <= least {
+        *best -= 1;
+        least = at(*best);
+    }
+    while *best >= start && *best + 1 < ellipses.len() && at(*best + 1) < least {
+        *best += 1;
+        least = at(*best);
+    }
+    let value = libm::exp(least);
+    [value, value * ellipses[*best].slope]
 }

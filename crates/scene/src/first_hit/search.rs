@@ -159,12 +159,17 @@ impl Search<'_> {
     /// Looks at a cell that lies within some other ones.
     #[inline(always)]
     fn cell(&mut self, cell: &Cell, level: u32) {
-        let [p, q] = self.aside;
-        let [p, q, along] = cell.seen_along(self.origin, [p, q, self.direction]);
         let slacks = self.aside.map(|way| cell.slack(way));
-        if [(&p, slacks[0]), (&q, slacks[1])].into_iter().any(|(net, slack)| misses(range(net), slack)) {
+        // Most cells lie above or below the ray.
+        let q = cell.seen_along(self.origin, self.aside[1]);
+        if misses(range(&q), slacks[1]) {
             return;
         }
+        let p = cell.seen_along(self.origin, self.aside[0]);
+        if misses(range(&p), slacks[0]) {
+            return;
+        }
+        let along = cell.seen_along(self.origin, self.direction);
         let [near, far] = range(&along);
         let [by_s, by_t] = Derivatives::means(&along);
         let seen = SeenCell {
@@ -179,25 +184,30 @@ impl Search<'_> {
             grows: [by_s >= 0.0, by_t >= 0.0],
         };
         let others = self.open.len();
-        self.open.push(Part { aside: [p, q], start: [0.0; 2], size: [1.0; 2], halvings: HALVINGS });
-        while self.open.len() > others
-            && let Some(mut part) = self.open.pop()
-        {
+        let mut part = Part { aside: [p, q], start: [0.0; 2], size: [1.0; 2], halvings: HALVINGS };
+        loop {
             if self.parts == 0 {
                 self.leave(&seen, &part);
-                continue;
-            }
-            self.parts -= 1;
-            match self.solutions(&seen, &part) {
-                Solutions::None => {}
-                Solutions::One(guess) => self.one(&seen, &part, guess),
-                Solutions::Several { along_s } => {
-                    // The nearer half is looked at first.
-                    let nearer = part.halve(along_s, seen.grows[usize::from(!along_s)]);
-                    self.open.extend([part, nearer]);
+            } else {
+                self.parts -= 1;
+                match self.solutions(&seen, &part) {
+                    Solutions::None => {}
+                    Solutions::One(guess) => self.one(&seen, &part, guess),
+                    Solutions::Several { along_s } => {
+                        // The nearer half is looked at first.
+                        let nearer = part.halve(along_s, seen.grows[usize::from(!along_s)]);
+                        self.open.push(part);
+                        part = nearer;
+                        continue;
+                    }
+                    Solutions::Indistinct => self.again(&seen, &part),
                 }
-                Solutions::Indistinct => self.again(&seen, &part),
             }
+            if self.open.len() == others {
+                return;
+            }
+            let Some(next) = self.open.pop() else { return };
+            part = next;
         }
     }
 
@@ -292,6 +302,11 @@ impl Search<'_> {
                 break;
             }
         }
+        // On the part's border, the patch mostly tells that its point lies in another part.
+        let is_on_border = start.min_element() <= 0.0 || start.max_element() >= 1.0;
+        if is_on_border && Self::settle(seen, part, start).is_none() {
+            return;
+        }
         let axes = &self.cells.axes;
         let rest = cell.rest(part.whole(start));
         let from = axes.rest(rest);
@@ -336,30 +351,37 @@ impl Search<'_> {
             }
             beyond = Some(local);
         }
-        let [p, q] = &part.aside;
-        let inverse = Derivatives::mean(p, q).inverse();
-        let norm = inverse.x_axis.abs() + inverse.y_axis.abs();
-        let off = (norm * seen.slack).max_element();
-        let mut near = beyond.unwrap_or(start).clamp(DVec2::ZERO, DVec2::ONE);
-        for _ in 0..STEPS {
-            let [(p, _), (q, _)] = evaluate(&part.aside, near.to_array());
-            let step = inverse * DVec2::new(p, q);
-            let to = (near - step).clamp(DVec2::ZERO, DVec2::ONE);
-            let delta = (to - near).abs().max_element();
-            if step.abs().max_element() > 3.0 * (delta + off) + off {
-                return;
-            }
-            if delta <= SAME {
-                break;
-            }
-            near = to;
-        }
+        let Some((near, off)) = Self::settle(seen, part, beyond.unwrap_or(start)) else { return };
         // If the part has a point, it is within twice the errors of this place, too close to the part's border to tell. It
         // may be the one that Newton's method has found just beyond, which then counts.
         let is_known = beyond.is_some_and(|local| (local - near).abs().max_element() <= 4.0 * (off + SAME));
         if !is_known {
             self.again(seen, part);
         }
+    }
+
+    /// Returns the fixed point of x ↦ clamp(G(x)) in a part, and how far G may be off; `None` if no point of the ray lies
+    /// in the part.
+    fn settle(seen: &SeenCell<'_>, part: &Part, start: DVec2) -> Option<(DVec2, f64)> {
+        let [p, q] = &part.aside;
+        let inverse = Derivatives::mean(p, q).inverse();
+        let norm = inverse.x_axis.abs() + inverse.y_axis.abs();
+        let off = (norm * seen.slack).max_element();
+        let mut near = start.clamp(DVec2::ZERO, DVec2::ONE);
+        for _ in 0..STEPS {
+            let [(p, _), (q, _)] = evaluate(&part.aside, near.to_array());
+            let step = inverse * DVec2::new(p, q);
+            let to = (near - step).clamp(DVec2::ZERO, DVec2::ONE);
+            let delta = (to - near).abs().max_element();
+            if step.abs().max_element() > 3.0 * (delta + off) + off {
+                return None;
+            }
+            if delta <= SAME {
+                break;
+            }
+            near = to;
+        }
+        Some((near, off))
     }
 
     /// Takes a point of the ray if it is the first one known. If it is too close to that to tell, both remain unknown.

@@ -2,7 +2,7 @@
 
 use super::birth::Water;
 use crate::SeaFrame;
-use crate::precise::ROUNDER;
+use crate::kernel64::ROUNDER;
 use crate::toon::reference::functions::sincos;
 use crate::wave::attenuation;
 use fearless_simd::{Level, Simd, dispatch, f64x8, prelude::*};

@@ -5,6 +5,7 @@ mod drift;
 mod evaluation;
 mod flight;
 mod folding;
+mod framed;
 mod grids;
 mod group;
 mod keys;

@@ -10,7 +10,7 @@
 use fearless_simd::{Simd, f64x8, mask64x8, prelude::*};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_4};
 
-use crate::precise::ROUNDER;
+use crate::kernel64::ROUNDER;
 
 /// Number of lanes.
 pub(super) const LANES: usize = 8;
