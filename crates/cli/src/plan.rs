@@ -160,7 +160,7 @@ impl Target<'_> {
 
     fn missed(&self, missed: &MissedTolerance) -> Failure {
         let within = |parts: &i32| accuracy::allowed(0.5_f64.powi(*parts), self.graph.space()) >= missed.certified;
-        let remedy = match (0..60).rev().find(within) {
+        let remedy = match (1..60).rev().find(within) {
             Some(parts) => format!("ask for {} or more, or for \"reference\"", Tolerance::Error(0.5_f64.powi(parts))),
             None => "render with --error to see where it is so; ask for \"reference\"".into(),
         };

@@ -118,7 +118,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     // Without pixels, the seed decides nothing.
     let again = if found.outputs.is_empty() { String::new() } else { format!(" (seed {seed:016x})") };
     let [certificate, image] = [&args.certificate, &args.image].map(|path| path.display());
-    let last = Failure::new(MISSED, format!("{certificate}: does not hold for {image}{again}"));
+    let last = format!(
+        "{certificate}: does not hold for {image}{again}\n  remedy: give the picture that was certified, or certify this \
+         one: render its document with --certificate"
+    );
+    let last = Failure::new(MISSED, last);
     Failure::all(failures.chain([last]))
 }
 

@@ -87,7 +87,14 @@ pub fn output_files(
         let lower = template.to_lowercase();
         let is_png = lower.ends_with(".png");
         if !lower.ends_with(".exr") && !is_png {
-            let found = format!("\"{written}\" has an extension that cannot be written");
+            let name = written.rsplit(['/', std::path::MAIN_SEPARATOR]).next().unwrap_or_default();
+            let found = if pattern.is_some() && Path::new(written).is_dir() {
+                format!("\"{written}\" is a folder, not a file")
+            } else if name.contains('.') {
+                format!("\"{written}\" has an extension that cannot be written")
+            } else {
+                format!("\"{written}\" has no extension, which names the format")
+            };
             faults.add(&place, found, "let the name end with .exr or .png");
         }
         if is_png && !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {

@@ -208,16 +208,16 @@ pub(super) fn image(
 /// stored the file.
 fn metadata(found: &mut Verification, certificate: &Certificate, image: &StoredImage, at: &dyn Fn(&str) -> String) {
     let expected = [
-        ("version", certificate.trochoid.clone()),
-        ("document", certificate.document.hash.clone()),
-        ("frame", certificate.frame.to_string()),
-        ("workingSpace", certificate.format.working_space.clone()),
-        ("fingerprint", certificate.fingerprint.clone()),
+        ("version", "the version that rendered it", certificate.trochoid.clone()),
+        ("document", "the document that it was rendered from", certificate.document.hash.clone()),
+        ("frame", "its frame", certificate.frame.to_string()),
+        ("workingSpace", "its working space", certificate.format.working_space.clone()),
+        ("fingerprint", "all that it was rendered from", certificate.fingerprint.clone()),
     ];
-    for (name, expected) in expected {
+    for (name, meaning, expected) in expected {
         let key = format!("trochoid:{name}");
         if let Some((_, said)) = image.metadata.iter().find(|(known, _)| *known == key) {
-            found.same(at(&format!("metadata {key}")), said, &expected);
+            found.same(at(&format!("metadata {key}, {meaning}")), said, &expected);
         }
     }
 }
