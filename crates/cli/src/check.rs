@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use trochoid::{
     Access, CheckedGraph, Diagnostic, Guarantee, LeftOut, LoadError, Loaded, MemoryAccount, MemoryConsumer, NodeId,
-    OutputError, Pictures, Plan, Settings, Severity, guarantee, in_bytes,
+    OutputError, Pictures, Plan, Settings, Severity, UNNAMED_FILE, guarantee, in_bytes,
 };
 
 /// Options of `trochoid check`.
@@ -269,8 +269,9 @@ fn to_text(loaded: &Loaded, findings: &PlanFindings, with_left_out: bool) -> Str
         let holds = guarantee(output).map_or("no color, no guarantee", Guarantee::name);
         let required = output.require.map_or(String::new(), |require| format!(" (required: {})", require.name()));
         let kind = output.kind.to_string();
-        let file = output.file.as_ref().map_or(String::new(), |file| format!(" → {}", printable(file)));
-        let _ = writeln!(text, "  {:width$}  {kind}: {holds}{required}{file}", output.name);
+        let unnamed = || UNNAMED_FILE.replace("{output}", &output.name);
+        let file = printable(&output.file.clone().unwrap_or_else(unnamed));
+        let _ = writeln!(text, "  {:width$}  {kind}: {holds}{required} → {file}", output.name);
     }
     let frame = findings.frame;
     let left_out: Vec<(&str, &LeftOut)> = named(graph, &findings.left_out).filter(|_| with_left_out).collect();

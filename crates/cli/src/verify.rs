@@ -92,8 +92,13 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     interrupt::watch()?;
     let mut progress = Progress::new(1, args.quiet);
     // The frame for the progress bar; `verify` reports a certificate that cannot be read.
-    if let Ok(Ok(certificate)) = Certificate::read(&args.certificate) {
-        progress.begin(0, certificate.frame);
+    match Certificate::read(&args.certificate) {
+        Ok(Ok(certificate)) => progress.begin(0, certificate.frame),
+        Err(_) if matches!(Certificate::read(&args.image), Ok(Ok(_))) => {
+            let found = format!("{}: found a certificate; expected an image in second place", args.image.display());
+            return Err(Failure::usage(found, "give the certificate first, then the image"));
+        }
+        _ => (),
     }
     let request = Request {
         certificate: &args.certificate,

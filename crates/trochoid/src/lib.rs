@@ -93,7 +93,7 @@ pub use machine::memory_share;
 #[cfg(feature = "io")]
 pub use marks::{Form, GENERATOR, TABLE, is_ours, mark, marks};
 #[cfg(feature = "io")]
-pub use naming::{CompanionPattern, companion_files, output_files};
+pub use naming::{CompanionPattern, UNNAMED_FILE, companion_files, output_files};
 #[cfg(feature = "io")]
 pub use output::write_output;
 #[cfg(feature = "io")]

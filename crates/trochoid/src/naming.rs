@@ -49,10 +49,13 @@ impl Faults {
     }
 }
 
+/// Pattern of the file of an output that names none.
+pub const UNNAMED_FILE: &str = "{output}.####.exr";
+
 /// Names the files of some outputs at a frame.
 ///
 /// `pattern` is relative to the current folder and may contain `{output}` and `####` or `%04d`. Without a pattern, each
-/// output's own `file` is used, relative to the document, or else `{output}.####.exr`. Outputs that lead to the same
+/// output's own `file` is used, relative to the document, or else [`UNNAMED_FILE`]. Outputs that lead to the same
 /// file, even by different links and names, share it as layers.
 ///
 /// # Errors
@@ -81,7 +84,7 @@ pub fn output_files(
         let spec = &graph.outputs()[index];
         let place = given.clone().unwrap_or_else(|| place_of(graph, spec, "file"));
         let own = spec.file.as_deref();
-        let written = pattern.or(own).unwrap_or("{output}.####.exr");
+        let written = pattern.or(own).unwrap_or(UNNAMED_FILE);
         let template = written.replace("{output}", &escape_frame(&spec.name));
         faults.of_pattern(&place, written, &template, several_frames);
         let lower = template.to_lowercase();

@@ -53,7 +53,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE")]
     pub(super) report: Option<PathBuf>,
     /// Certify each image: write what it was made from, its error bounds against the f64 references, and its hashes as
-    /// JSON, for `trochoid verify` to check
+    /// JSON, for `trochoid verify` to check; for a sea this takes many times as long as rendering
     #[arg(long, value_name = "FILE")]
     pub(super) certificate: Option<String>,
     /// Sign the certificates with this Ed25519 private key, PEM as `openssl genpkey -algorithm ed25519` writes it

@@ -134,6 +134,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let graph = &loaded.graph;
     let frame = args.frame.unwrap_or(graph.frames().0);
     let mut faults = Vec::new();
+    if args.out.exists() && !args.out.is_dir() {
+        let found = format!("--out {}: found a file; expected a folder, for the three files of a report", args.out.display());
+        return Err(Failure::usage(found, "give a folder, which need not exist yet"));
+    }
     let output = choose(graph, args.output.as_ref(), &mut faults);
     let files = ["report.json", "report.csv", "report.html"].map(|name| args.out.join(name));
     let inputs = files::inputs(graph, &args.graph, &args.set, &[]);

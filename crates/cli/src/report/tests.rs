@@ -195,7 +195,7 @@ fn faults_are_told_before_anything_is_measured() {
     };
     fails(Args { output: Some("beuaty".into()), ..arguments(folder.path()) }, &["beuaty", "beauty"]);
     let occupied = Args { out: folder.path().join("sea, \"calm\".json"), ..arguments(folder.path()) };
-    fails(occupied, &["is not a folder"]);
+    fails(occupied, &["found a file", "expected a folder"]);
 }
 
 /// A ladder of three settings with figures made up for the test.
