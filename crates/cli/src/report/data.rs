@@ -198,6 +198,13 @@ impl<'a> Report<'a> {
             differing => format!(", and {} of the {} where settings differ", thousands(at.apart), thousands(differing)),
         };
         let mut all = vec![format!("{drawn}{apart}.")];
+        if at.given_up > 0 {
+            all.push(format!(
+                "Of {} of them no error is measured: there, a surface is so rough that it takes too long to find what a \
+                 reference's ray meets.",
+                thousands(at.given_up)
+            ));
+        }
         if !ladder.is_whole && at.picture < at.total {
             // Of as many pixels, none exceeds the largest of all that were looked at.
             let figures = ladder.rungs.iter().find_map(|rung| rung.certified.as_ref());

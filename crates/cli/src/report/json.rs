@@ -161,6 +161,7 @@ pub(super) fn to_json(report: &Report<'_>) -> Value {
             "looked_at": at.all,
             "total": at.total,
             "differing": at.differing,
+            "without_reference": at.given_up,
         },
         "confidence": 0.95,
         "summary": report.summary(),

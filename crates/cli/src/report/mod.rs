@@ -3,8 +3,9 @@
 //! `report.json` has `trochoid`, the version; `scene`, `output`, `frame`, `format`, `space`, the working space; `unit`,
 //! the unit of errors; `threads`; `seed`; `whole`, whether the bounds of all pixels are known; `within_seconds`, the limit
 //! of time, if there was one; `pixels`, with `picture` (drawn in as many equal parts of the picture), `apart` (drawn where
-//! settings differ), `looked_at` (all of them, each once), `total`, and `differing` (pixels of the picture where settings
-//! differ); `confidence`, of all intervals; `summary`, sentences; `missing`, what did not fit into the time, with
+//! settings differ), `looked_at` (all of them, each once), `total`, `differing` (pixels of the picture where settings
+//! differ), and `without_reference` (those looked at whose references are given up, so that their errors are not
+//! measured); `confidence`, of all intervals; `summary`, sentences; `missing`, what did not fit into the time, with
 //! `settings`, a list of assignments, `rungs_without_bounds`, `references`, `rungs_without_certify_seconds`, `passes`;
 //! `left_to_whole`, a sentence; `unseen`, a list of `{view, nodes}`; `rungs`, a list of settings, each with the columns of
 //! `report.csv`, with `set`, with `passes`, a list of `{node, type, drop}`, and with `broken`, a list of `{pixel, bound,

@@ -200,7 +200,7 @@ fn faults_are_told_before_anything_is_measured() {
 
 /// A ladder of three settings with figures made up for the test.
 fn made_up() -> Ladder {
-    let looked_at = LookedAt { picture: 64, apart: 32, all: 98, total: 230_400, differing: 104_000 };
+    let looked_at = LookedAt { picture: 64, apart: 32, all: 98, total: 230_400, differing: 104_000, given_up: 2 };
     let at =
         |display: f64, pixel: [i64; 2]| Some(ErrorAt { size: ErrorSize { display, working: 2.0 * display }, pixel });
     let figures = |size: f64| {

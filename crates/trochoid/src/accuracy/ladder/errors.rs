@@ -90,14 +90,17 @@ pub(super) struct Known {
 
 impl ErrorFigures {
     /// Makes figures of pixels: the draws in the picture and those where settings differ, by index into all pixels that
-    /// were looked at.
-    pub(super) fn new(known: &[Known], picture: &[usize], apart: &[usize], [all, all_apart]: [bool; 2]) -> Self {
+    /// were looked at. Pixels of which nothing is known are left out.
+    pub(super) fn new(known: &[Option<Known>], picture: &[usize], apart: &[usize], [all, all_apart]: [bool; 2]) -> Self {
         let sample = |draws: &[usize], is_whole| {
-            ErrorSample::new(draws.iter().map(|index| known[*index].size.display).collect(), is_whole)
+            let sizes = draws.iter().filter_map(|index| Some(known[*index].as_ref()?.size.display));
+            let sizes: Vec<f64> = sizes.collect();
+            let is_whole = is_whole && sizes.len() == draws.len();
+            ErrorSample::new(sizes, is_whole)
         };
         let largest = |of: &dyn Fn(&&Known) -> bool| {
             // Of equal ones, the first.
-            let most = known.iter().filter(of).rev().max_by(|a, b| a.size.display.total_cmp(&b.size.display));
+            let most = known.iter().flatten().filter(of).rev().max_by(|a, b| a.size.display.total_cmp(&b.size.display));
             most.map(|known| ErrorAt { size: known.size, pixel: known.pixel })
         };
         Self {
@@ -145,8 +148,8 @@ mod tests {
 
     use super::*;
 
-    fn known(x: i64, display: f64, is_clear: bool) -> Known {
-        Known { pixel: [x, 0], size: ErrorSize { display, working: 2.0 * display }, is_clear }
+    fn known(x: i64, display: f64, is_clear: bool) -> Option<Known> {
+        Some(Known { pixel: [x, 0], size: ErrorSize { display, working: 2.0 * display }, is_clear })
     }
 
     #[test]
@@ -162,6 +165,13 @@ mod tests {
         assert!(above.value == 2.0 / 3.0 && above.low < 0.2 && above.high > 0.9, "{above:?}");
         assert_eq!(figures.picture.above(0.2).map(|above| above.value), Some(0.0));
         assert!((figures.picture.rms().unwrap() - (0.09_f64 / 3.0).sqrt()).abs() < 1e-12);
+        // What is unknown counts nowhere, and then not all is known.
+        let some = [all[0], None, all[2], all[3]];
+        let figures = ErrorFigures::new(&some, &[0, 1, 2], &[1], [true; 2]);
+        assert_eq!((figures.picture.count(), figures.apart.count()), (2, 0));
+        assert_eq!(figures.max.map(|at| at.pixel), Some([2, 0]));
+        let above = figures.picture.above(0.1).unwrap();
+        assert!(above.low < above.value && above.value < above.high, "{above:?}");
         assert_eq!((ErrorSample::default().rms(), ErrorSample::default().above(0.0)), (None, None));
     }
 

@@ -6,7 +6,7 @@ use super::request::{Effort, LadderRequest};
 use super::strata::Strata;
 use super::{Request, TargetError};
 use std::collections::HashMap;
-use trochoid_engine::{Buffers, Cache, CertifiedPixels, Certifier, EvalError, ReferenceError, ReferenceFrame};
+use trochoid_engine::{Buffers, Cache, CertifiedPixels, Certifier, EvalError, ReferenceError, ReferenceFrame, ReferencePixel};
 use trochoid_graph::{CheckedGraph, NodeId};
 use trochoid_image::Window;
 
@@ -31,6 +31,9 @@ pub(super) struct SettingsBounds {
     pub(super) unbounded: Vec<(NodeId, &'static str)>,
 }
 
+/// Reference of a pixel, by channel; `None` if it is given up, because it takes more effort than is reasonable.
+pub(super) type PixelReference = Option<Vec<f64>>;
+
 /// Pixels, each once, with what is known of them.
 #[derive(Debug, Default)]
 pub(super) struct Looked {
@@ -43,7 +46,7 @@ pub(super) struct Looked {
     /// By settings; `None` where the time was too short.
     pub(super) bounds: Vec<Option<SettingsBounds>>,
     /// By pixel, then by channel; `None` if the time was too short.
-    pub(super) references: Option<Vec<Vec<f64>>>,
+    pub(super) references: Option<Vec<PixelReference>>,
     /// Seconds that preparing takes before the first bound; `None` if there is none.
     pub(super) preparing: Option<f64>,
 }
@@ -61,7 +64,7 @@ pub(super) struct Looking<'a> {
 /// New pixels, and what was found of them.
 struct Round {
     bounds: Vec<Option<SettingsBounds>>,
-    references: Option<Vec<Vec<f64>>>,
+    references: Option<Vec<PixelReference>>,
 }
 
 impl Looking<'_> {
@@ -145,16 +148,17 @@ impl Looking<'_> {
     }
 
     /// Evaluates the references of some pixels; `None` if the time is too short.
-    fn references(&self, places: &[[i64; 2]], cache: &mut Cache) -> Result<Option<Vec<Vec<f64>>>, TargetError> {
+    fn references(&self, places: &[[i64; 2]], cache: &mut Cache) -> Result<Option<Vec<PixelReference>>, TargetError> {
         let Request { outputs, frame, .. } = self.asked.request;
         let deadline = self.budget.until(Phase::Pixels);
         let found = match ReferenceFrame::beside_bounds(self.document, outputs, frame, cache, &deadline) {
-            Ok(reference) => reference.pixels(places, &deadline),
+            Ok(reference) => reference.pixels_in_reach(places, &deadline),
             Err(ReferenceError::Plan(error)) => return Err(error.into()),
             Err(ReferenceError::Eval(error)) => Err(error),
         };
         let found = in_time(found, &deadline)?;
-        Ok(found.map(|pixels| pixels.into_iter().map(|mut outputs| outputs.swap_remove(0).value).collect()))
+        let value = |mut outputs: Vec<Option<ReferencePixel>>| outputs.swap_remove(0).map(|pixel| pixel.value);
+        Ok(found.map(|pixels| pixels.into_iter().map(value).collect()))
     }
 }
 
@@ -176,6 +180,11 @@ impl Round {
 type Draws = [(Vec<usize>, bool); 2];
 
 impl Looked {
+    /// Returns the number of pixels whose references are given up.
+    pub(super) fn given_up(&self) -> usize {
+        self.references.iter().flatten().filter(|reference| reference.is_none()).count()
+    }
+
     /// Returns pixels that were not looked at yet, and all draws, by index in all pixels with the new ones.
     fn drawn(&self, strata: &[Strata; 2], apart: &Apart, window: Window) -> (Vec<usize>, Draws) {
         let [picture, differing] = strata;
@@ -240,7 +249,7 @@ mod tests {
             let (new, [picture, differing]) = looked.drawn(&strata(count, 40), &apart, window);
             let nothing = PixelBounds { errors: vec![0.5], is_clear: true };
             let bounds = vec![Some(SettingsBounds { pixels: vec![nothing; new.len()], unbounded: Vec::new() })];
-            let references = Some(vec![vec![0.0]; new.len()]);
+            let references = Some(vec![Some(vec![0.0]); new.len()]);
             looked.add(new, [picture, differing], Round { bounds, references });
             assert_eq!((looked.picture.0.len(), looked.apart.0.len()), (1 << count, 1 << count));
             let known: std::collections::HashSet<usize> = looked.pixels.iter().copied().collect();

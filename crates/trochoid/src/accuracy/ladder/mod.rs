@@ -89,6 +89,9 @@ pub struct LookedAt {
     pub total: usize,
     /// Pixels of the picture where settings differ.
     pub differing: usize,
+    /// Pixels that were looked at whose references are given up, because they take more effort than is reasonable: their
+    /// errors are not measured.
+    pub given_up: usize,
 }
 
 /// A view, and nodes of which it shows nothing.
@@ -247,6 +250,7 @@ fn climb_by(
             all: looked.pixels.len(),
             total: window.area(),
             differing: apart.pixels.len(),
+            given_up: looked.given_up(),
         },
         attempts,
         savings,

@@ -2,7 +2,7 @@
 
 use super::apart::values;
 use super::errors::{ErrorFigures, ErrorSize, Known, distance, size_of_bound, size_of_error};
-use super::looked::{Looked, PixelBounds};
+use super::looked::{Looked, PixelBounds, PixelReference};
 use super::statistics::Estimate;
 use super::turns::{Rendered, Times};
 use super::{PassError, apart::place};
@@ -21,7 +21,7 @@ pub struct Rung {
     pub is_method: bool,
     /// Bounds of errors; `None` if the time was too short.
     pub certified: Option<ErrorFigures>,
-    /// Errors; `None` if the time was too short.
+    /// Errors, except of pixels whose references are given up; `None` if the time was too short.
     pub measured: Option<ErrorFigures>,
     /// Largest bound that tolerances are held against, in units of the working space, if it is known: of all pixels that
     /// are not ambiguous and were looked at; of the whole picture, of all samples that are not.
@@ -104,7 +104,7 @@ impl Judgement<'_> {
         let bounded = bounds.map(|bounds| self.bounded(&picture, bounds));
         let errors = self.looked.references.as_ref().map(|references| self.errors(&picture, bounds, references));
         let draws = [&self.looked.picture, &self.looked.apart];
-        let figures = |known: &Vec<Known>| {
+        let figures = |known: &Vec<Option<Known>>| {
             let [picture, apart] = draws;
             ErrorFigures::new(known, &picture.0, &apart.0, [picture.1, apart.1])
         };
@@ -118,12 +118,12 @@ impl Judgement<'_> {
         };
         let share = |has: &dyn Fn(&Known) -> bool| match (&everywhere, &bounded) {
             (Some(known), _) => {
-                let count = known.iter().filter(|known| has(known)).count();
+                let count = known.iter().flatten().filter(|known| has(known)).count();
                 Some(Estimate::exact(count as f64 / known.len().max(1) as f64))
             }
             (None, known) => known.as_ref().map(|known| {
                 let (drawn, is_whole) = draws[0];
-                let count = drawn.iter().filter(|index| has(&known[**index])).count();
+                let count = drawn.iter().filter(|index| known[**index].as_ref().is_some_and(has)).count();
                 let share = Estimate::share(count, drawn.len());
                 if *is_whole { Estimate::exact(share.value) } else { share }
             }),
@@ -150,22 +150,23 @@ impl Judgement<'_> {
             bytes,
             is_best: false,
             passes: Vec::new(),
-            map: everywhere.iter().flatten().map(|known| known.size.display as f32).collect(),
+            map: everywhere.iter().flatten().flatten().map(|known| known.size.display as f32).collect(),
             certified,
             picture,
         })
     }
 
-    fn bounded(&self, picture: &Picture, bounds: &[PixelBounds]) -> Vec<Known> {
-        let known =
-            |(pixel, bounds): (&usize, &PixelBounds)| self.known(picture, *pixel, &bounds.errors, bounds.is_clear);
+    fn bounded(&self, picture: &Picture, bounds: &[PixelBounds]) -> Vec<Option<Known>> {
+        let known = |(pixel, bounds): (&usize, &PixelBounds)| {
+            Some(self.known(picture, *pixel, &bounds.errors, bounds.is_clear))
+        };
         self.looked.pixels.iter().zip(bounds).map(known).collect()
     }
 
-    fn whole(&self, picture: &Picture, whole: &Certified) -> Vec<Known> {
+    fn whole(&self, picture: &Picture, whole: &Certified) -> Vec<Option<Known>> {
         let known = |pixel: usize| {
             let errors: Vec<f64> = whole.errors.iter().map(|channel| f64::from(channel[pixel])).collect();
-            self.known(picture, pixel, &errors, whole.doubt[pixel] == 0.0)
+            Some(self.known(picture, pixel, &errors, whole.doubt[pixel] == 0.0))
         };
         (0..whole.window.area()).map(known).collect()
     }
@@ -176,11 +177,13 @@ impl Judgement<'_> {
     }
 
     /// Measures errors. Without bounds, all pixels count as clear.
-    fn errors(&self, picture: &Picture, bounds: Option<&[PixelBounds]>, references: &[Vec<f64>]) -> Vec<Known> {
-        let known = |(index, (pixel, truth)): (usize, (&usize, &Vec<f64>))| Known {
-            pixel: place(self.window, *pixel),
-            size: size_of_error(picture.kind, self.space, &values(picture, *pixel), truth),
-            is_clear: bounds.is_none_or(|bounds| bounds[index].is_clear),
+    fn errors(&self, picture: &Picture, bounds: Option<&[PixelBounds]>, references: &[PixelReference]) -> Vec<Option<Known>> {
+        let known = |(index, (pixel, truth)): (usize, (&usize, &PixelReference))| {
+            Some(Known {
+                pixel: place(self.window, *pixel),
+                size: size_of_error(picture.kind, self.space, &values(picture, *pixel), truth.as_ref()?),
+                is_clear: bounds.is_none_or(|bounds| bounds[index].is_clear),
+            })
         };
         self.looked.pixels.iter().zip(references).enumerate().map(known).collect()
     }
@@ -188,9 +191,9 @@ impl Judgement<'_> {
     /// Returns pixels with a channel whose error exceeds its bound.
     fn broken(&self, picture: &Picture, bounds: Option<&[PixelBounds]>) -> Vec<BrokenBound> {
         let (Some(bounds), Some(references)) = (bounds, &self.looked.references) else { return Vec::new() };
-        let broken = |((pixel, bounds), truth): ((&usize, &PixelBounds), &Vec<f64>)| {
+        let broken = |((pixel, bounds), truth): ((&usize, &PixelBounds), &PixelReference)| {
             let value = values(picture, *pixel);
-            let channels = value.iter().zip(truth).zip(&bounds.errors);
+            let channels = value.iter().zip(truth.as_ref()?).zip(&bounds.errors);
             let mut errors = channels.map(|((value, truth), bound)| (distance(*value, *truth), *bound));
             let (error, bound) = errors.find(|(error, bound)| error > bound)?;
             Some(BrokenBound { pixel: place(self.window, *pixel), bound, error })
@@ -200,8 +203,8 @@ impl Judgement<'_> {
 }
 
 /// Returns the median ratio of bounds to errors of some pixels, except where one is 0.
-fn median_ratio(draws: &[usize], bounds: &[Known], errors: &[Known]) -> Option<f64> {
-    let sizes = draws.iter().map(|index| (bounds[*index].size, errors[*index].size));
+fn median_ratio(draws: &[usize], bounds: &[Option<Known>], errors: &[Option<Known>]) -> Option<f64> {
+    let sizes = draws.iter().filter_map(|index| Some((bounds[*index]?.size, errors[*index]?.size)));
     let known = sizes.filter(|(bound, error): &(ErrorSize, ErrorSize)| bound.working > 0.0 && error.working > 0.0);
     let mut ratios: Vec<f64> = known.map(|(bound, error)| bound.working / error.working).collect();
     ratios.sort_by(f64::total_cmp);
@@ -233,7 +236,7 @@ mod tests {
             picture: (vec![0, 1], false),
             apart: (vec![1, 2], true),
             bounds: vec![Some(SettingsBounds { pixels: (0..4).map(pixel).collect(), unbounded: Vec::new() })],
-            references: references.map(|values| values.map(|value| vec![value]).to_vec()),
+            references: references.map(|values| values.map(|value| Some(vec![value])).to_vec()),
             preparing: Some(0.0),
         }
     }
@@ -270,6 +273,17 @@ mod tests {
         assert_eq!(rung.broken.len(), 1, "bounds of ambiguous pixels hold as well");
         let nan = judge(&looked(planted, Some([0.5, 0.25, 0.0, 0.25])), [0.5, f32::NAN, 0.75, 0.5]);
         assert_eq!((nan.broken.len(), nan.broken[0].error), (1, f64::INFINITY));
+    }
+
+    #[test]
+    fn pixels_whose_references_are_given_up_are_not_measured() {
+        let mut looked = looked([0.25; 4], Some([0.5; 4]));
+        looked.references.as_mut().unwrap()[2] = None;
+        let rung = judge(&looked, [0.5, 0.75, 9.0, 0.5]);
+        let (certified, measured) = (rung.certified.unwrap(), rung.measured.unwrap());
+        assert_eq!((looked.given_up(), rung.broken.len()), (1, 0));
+        assert_eq!((certified.apart.count(), measured.apart.count()), (2, 1));
+        assert_eq!(measured.max.map(|at| (at.pixel, at.size.display)), Some(([1, 0], 0.25)));
     }
 
     #[test]
