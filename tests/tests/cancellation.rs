@@ -122,3 +122,25 @@ fn references_that_take_long_ask_whether_to_stop() {
         assert_eq!(run(usize::MAX, &mut cache).0, through);
     }
 }
+
+/// Tests that a single pixel stops, since filters of filters read very many points for one.
+#[test]
+fn a_pixel_of_the_references_asks_whether_to_stop() {
+    let text = r##"{ "trochoid": 1, "format": { "width": 32, "height": 24 }, "nodes": {
+        "x": { "type": "ScreenX" }, "image": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "x" },
+        "once": { "type": "Blur", "image": "image", "size": 3 },
+        "twice": { "type": "Blur", "image": "once", "size": 3 } },
+        "outputs": { "out": { "color": "twice" } } }"##;
+    let graph = parse("test.json", text, Path::new("."), &[]).unwrap().graph;
+    let reference = ReferenceFrame::new(&graph, "out", 1).unwrap();
+    let run = |after: usize| {
+        let monitor = Fires::after(after);
+        (reference.pixels(&[[16, 12]], &monitor), monitor.asked.load(Ordering::Relaxed))
+    };
+    let (through, asked) = run(usize::MAX);
+    assert!(through.is_ok() && asked > 100, "{asked}");
+    for after in [0, 1, asked / 2, asked - 1] {
+        let (stopped, _) = run(after);
+        assert!(matches!(stopped, Err(EvalError::Cancelled)), "after {after} of {asked}: {stopped:?}");
+    }
+}

@@ -100,7 +100,7 @@ fn row(
         if monitor.cancelled() {
             return Err(EvalError::Cancelled);
         }
-        let pixels = PixelEvaluation::new(reference).outputs(rows.len(), [x, y], &mut |_| ());
+        let pixels = PixelEvaluation::new(reference, monitor).outputs(rows.len(), [x, y], &mut |_| ());
         for (row, pixel) in rows.iter_mut().zip(pixels) {
             let pixel = pixel?;
             row.resize(pixel.len(), Vec::new());

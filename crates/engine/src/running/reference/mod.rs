@@ -119,7 +119,7 @@ impl<'g> ReferenceFrame<'g> {
     /// # Errors
     /// A node's input data are illegal at that point.
     pub fn sample(&self, x: f64, y: f64) -> Result<Vec<f64>, EvalError> {
-        PixelEvaluation::new(self).sample(0, [x, y])
+        PixelEvaluation::new(self, &Silent).sample(0, [x, y])
     }
 
     /// Returns the first output at a pixel, averaged over the samples that the fast path averages.
@@ -127,7 +127,7 @@ impl<'g> ReferenceFrame<'g> {
     /// # Errors
     /// Same as [`ReferenceFrame::sample`].
     pub fn pixel(&self, x: i64, y: i64) -> Result<Vec<f64>, EvalError> {
-        let mut outputs = PixelEvaluation::new(self).outputs(1, [x, y], &mut |_| ());
+        let mut outputs = PixelEvaluation::new(self, &Silent).outputs(1, [x, y], &mut |_| ());
         outputs.swap_remove(0)
     }
 
@@ -170,14 +170,16 @@ type PointOutputs = HashMap<(NodeId, [u64; 2]), Vec<Reference>>;
 /// need at first samples, if the document shades per pixel.
 struct PixelEvaluation<'e, 'g> {
     frame: &'e ReferenceFrame<'g>,
+    /// Asked at every node, because filters of filters read very many points for one pixel.
+    monitor: &'e dyn Monitor,
     /// Outputs of nodes, by the bits of the point: filters read their inputs at other points, several of them often at
     /// the same.
     known: RefCell<PointOutputs>,
 }
 
 impl<'e, 'g> PixelEvaluation<'e, 'g> {
-    fn new(frame: &'e ReferenceFrame<'g>) -> Self {
-        Self { frame, known: RefCell::default() }
+    fn new(frame: &'e ReferenceFrame<'g>, monitor: &'e dyn Monitor) -> Self {
+        Self { frame, monitor, known: RefCell::default() }
     }
 
     /// Returns an output of the frame at a point.
@@ -280,6 +282,9 @@ impl<'e, 'g> PixelEvaluation<'e, 'g> {
     }
 
     fn node(&self, id: NodeId, at: [f64; 2]) -> Result<Vec<Reference>, EvalError> {
+        if self.monitor.cancelled() {
+            return Err(EvalError::Cancelled);
+        }
         let plan = &self.frame.plan;
         let node = plan.graph.node(id);
         if let Some(first) = self.shares(id, at)? {

@@ -80,7 +80,11 @@ impl ReferenceFrame<'_> {
             .par_chunks(PIECE)
             .map(|piece| {
                 let seen = |&place: &[i64; 2]| {
-                    if monitor.cancelled() { Err(EvalError::Cancelled) } else { Ok(self.seen(place, &upstream)) }
+                    if monitor.cancelled() {
+                        Err(EvalError::Cancelled)
+                    } else {
+                        Ok(self.seen(place, &upstream, monitor))
+                    }
                 };
                 let pixels = piece.iter().map(seen).collect();
                 let done = done.fetch_add(piece.len(), Ordering::Relaxed) + piece.len();
@@ -98,7 +102,7 @@ impl ReferenceFrame<'_> {
         graph.dependencies([spec.node], self.plan.frame())
     }
 
-    fn seen(&self, place: [i64; 2], upstream: &[Vec<bool>]) -> ReferencesOfPixel {
+    fn seen(&self, place: [i64; 2], upstream: &[Vec<bool>], monitor: &dyn Monitor) -> ReferencesOfPixel {
         let none = ReferencePixel { value: Vec::new(), weight_min: f64::INFINITY, weight_sum_max_deviation: 0.0 };
         let mut pixels = vec![none; upstream.len()];
         let mut show = |known: &PointOutputs| {
@@ -107,7 +111,7 @@ impl ReferenceFrame<'_> {
                 given.for_each(|given| pixel.see(given));
             }
         };
-        let values = PixelEvaluation::new(self).outputs(upstream.len(), place, &mut show);
+        let values = PixelEvaluation::new(self, monitor).outputs(upstream.len(), place, &mut show);
         pixels.into_iter().zip(values).map(|(pixel, value)| Ok(ReferencePixel { value: value?, ..pixel })).collect()
     }
 
