@@ -1,5 +1,6 @@
 //! `trochoid check`: prints a document's diagnostics, guarantees, omitted nodes, and notes.
 
+use crate::changes::Changes;
 use crate::explain::{self, Explanation};
 use crate::failure::{Failure, INVALID, Message, count, once};
 use crate::files::{self, AccessOptions};
@@ -47,9 +48,8 @@ pub(crate) struct Args {
     /// Treat warnings as errors (exit code 2), and restrict the document to its own folder, as for `render`
     #[arg(long)]
     strict: bool,
-    /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
-    #[arg(long, value_name = "NODE.KNOB=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    changes: Changes,
 }
 
 /// Checks a document and prints what was found.
@@ -58,7 +58,7 @@ pub(crate) struct Args {
 /// The document is invalid (or warned of, with `--strict`), or cannot be read.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let reach = AccessOptions { allow: args.allow.clone(), strict: args.strict };
-    let mut loaded = match reach.load(&args.graph, &args.set) {
+    let mut loaded = match reach.load(&args.graph, &args.changes.assignments()) {
         Ok(loaded) => loaded,
         Err(LoadError::Invalid(diagnostics)) if args.json => {
             let name = args.graph.display().to_string();
@@ -80,7 +80,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let named = graph.clone().with_access(Access::everything());
     let written =
         frames.iter().find_map(|&frame| trochoid::output_files(&named, &all, frame, first != last, None).err());
-    let inputs = files::inputs(graph, &args.graph, &args.set, &[]);
+    let inputs = files::inputs(graph, &args.graph, &args.changes.assignments(), &[]);
     let files =
         frames.iter().filter_map(|&frame| trochoid::output_files(&named, &all, frame, first != last, None).ok());
     let over = files.flatten().map(|file| file.path).find(|path| inputs.contains(path));

@@ -35,9 +35,7 @@ impl AccessOptions {
     /// As [`trochoid::load`].
     pub(crate) fn load(&self, path: &Path, set: &[String]) -> Result<Loaded, LoadError> {
         self.warn();
-        let Loaded { graph, warnings } = trochoid::load(path, set)?;
-        let access = self.access(graph.folder());
-        Ok(Loaded { graph: graph.with_access(access), warnings })
+        trochoid::load_within(path, set, self.access(path.parent().unwrap_or(Path::new("."))))
     }
 
     /// Warns of `--allow` paths that do not exist, once per process.

@@ -1,5 +1,6 @@
 //! `trochoid graph`: draws a document's graph as SVG.
 
+use crate::changes::Changes;
 use crate::failure::Failure;
 use crate::files::{self, OverwriteOptions};
 use crate::outputs;
@@ -23,9 +24,8 @@ pub(crate) struct Args {
     /// SVG file to write; - means stdout
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
-    /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
-    #[arg(long, value_name = "NODE.KNOB=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    changes: Changes,
     #[command(flatten)]
     over: OverwriteOptions,
 }
@@ -35,7 +35,7 @@ pub(crate) struct Args {
 /// # Errors
 /// The document is invalid or cannot be read, has no such output, or the file cannot be written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let loaded = trochoid::load(&args.graph, &args.set)?;
+    let loaded = trochoid::load(&args.graph, &args.changes.assignments())?;
     shell::tell(&remedies::texts(&loaded.warnings));
     let graph = &loaded.graph;
     let mut faults = Vec::new();
@@ -43,7 +43,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let is_stdout = args.out.as_os_str() == "-";
     if !is_stdout {
         faults.extend(files::ending("--out", &args.out, "svg"));
-        faults.extend(args.over.refusal(&args.out, Form::Svg, &files::inputs(graph, &args.graph, &args.set, &[])));
+        faults.extend(args.over.refusal(
+            &args.out,
+            Form::Svg,
+            &files::inputs(graph, &args.graph, &args.changes.assignments(), &[]),
+        ));
     }
     Failure::all(faults)?;
     let shown: &[usize] = if args.output.is_empty() { &[] } else { &chosen };

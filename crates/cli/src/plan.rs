@@ -3,6 +3,7 @@
 //! The JSON output is the plan that `--out` writes: `trochoid_plan`, `document_hash`, `frame`, `tolerance`, `set`,
 //! `predicted_seconds`, `certified`.
 
+use crate::changes::Changes;
 use crate::failure::{FAILED, Failure, MISSED};
 use crate::files::{self, AccessOptions, FileOptions};
 use crate::progress::Progress;
@@ -36,9 +37,8 @@ pub(crate) struct Args {
     /// Plan for this output; may be repeated [default: all outputs]
     #[arg(long, value_name = "NAME")]
     output: Vec<String>,
-    /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3; may be repeated
-    #[arg(long, value_name = "NODE.KNOB=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    changes: Changes,
     /// Number of threads; 0 uses all cores
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
@@ -70,7 +70,7 @@ pub(crate) fn tolerance(text: &str) -> Result<Tolerance, NoTolerance> {
 /// # Errors
 /// The document or the options are invalid, no settings meet the tolerance, or the plan cannot be written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let loaded = args.files.load(&args.graph, &args.set)?;
+    let loaded = args.files.load(&args.graph, &args.changes.assignments())?;
     shell::tell(&loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>());
     let graph = &loaded.graph;
     let mut faults = Vec::new();
@@ -90,7 +90,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let frame = args.frame.unwrap_or(graph.frames().0);
     if let Some(out) = &args.out {
         // A search takes minutes, so a destination that cannot be written is reported before it.
-        let inputs = files::inputs(graph, &args.graph, &args.set, &[]);
+        let inputs = files::inputs(graph, &args.graph, &args.changes.assignments(), &[]);
         faults.extend(files::ending("--out", out, "json"));
         faults.extend(args.files.over.refusal(out, Form::Plan, &inputs));
     }
@@ -105,7 +105,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let target = Target {
         reach: &args.files.reach,
         path: &args.graph,
-        set: &args.set,
+        set: &args.changes.assignments(),
         graph,
         outputs: &chosen,
         frame,

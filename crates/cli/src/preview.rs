@@ -1,5 +1,6 @@
 //! `trochoid preview`: renders frames of an output at reduced size, as an animated WebP or a still PNG.
 
+use crate::changes::Changes;
 use crate::failure::{FAILED, Failure, INTERRUPTED};
 use crate::files::{self, FileOptions};
 use crate::progress::Progress;
@@ -42,9 +43,8 @@ pub(crate) struct Args {
     /// The file to write: .webp for an animation, .png for one frame
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
-    /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
-    #[arg(long, value_name = "NODE.KNOB=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    changes: Changes,
     #[command(flatten)]
     files: FileOptions,
     /// Show no progress
@@ -61,7 +61,7 @@ const LARGEST: u32 = 16_383;
 /// All problems that can be found in advance, together; or the problem that stopped the run. In either case nothing
 /// is written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let loaded = args.files.load(&args.graph, &args.set)?;
+    let loaded = args.files.load(&args.graph, &args.changes.assignments())?;
     shell::tell(&remedies::texts(&loaded.warnings));
     let graph = &loaded.graph;
     let mut faults = Vec::new();
@@ -70,7 +70,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let size = [graph.format().width(), graph.format().height()].map(|size| size.div_ceil(u32::from(args.shrink)));
     look(args, graph, output, chosen.len(), size, &mut faults);
     faults.extend(args.files.reach.refused(graph, &[output], &chosen, Vec::new()));
-    let inputs = files::inputs(graph, &args.graph, &args.set, &[]);
+    let inputs = files::inputs(graph, &args.graph, &args.changes.assignments(), &[]);
     faults.extend(args.files.over.refusal(&args.out, form(args), &inputs));
     Failure::all(faults)?;
     interrupt::watch()?;
@@ -255,7 +255,7 @@ mod tests {
             shrink: 2,
             quality: 90,
             out,
-            set: Vec::new(),
+            changes: Changes::default(),
             files: FileOptions::default(),
             quiet: true,
         }

@@ -26,8 +26,9 @@ fn trusted(files: &[AccessViolation]) -> String {
 fn with_option(remedy: &str, means: &Means) -> String {
     match means {
         Means::Allow(files) => trusted(files),
-        Means::SetList { list, example } => format!("set all of \"{list}\", for example --set {}", quoted(example)),
-        Means::EditDocument { key } => format!("change \"{key}\" in the document itself: --set changes only nodes"),
+        Means::EditDocument { key } => {
+            format!("change \"{key}\" in the document itself: --set changes only nodes and the palette")
+        }
         Means::ChooseOutput => format!("{remedy} with --output"),
         _ => remedy.into(),
     }

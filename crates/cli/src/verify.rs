@@ -7,6 +7,7 @@
 //! distance_ambiguous, weight_min, weight_sum_max_deviation}`, empty if nothing was evaluated; `failures`, a list of
 //! `{place, found, expected}`.
 
+use crate::changes::Changes;
 use crate::failure::{Failure, MISSED};
 use crate::files::AccessOptions;
 use crate::interrupt;
@@ -55,6 +56,9 @@ pub(crate) struct Args {
     /// Check that this document is the certified one
     #[arg(long, value_name = "GRAPH")]
     document: Option<PathBuf>,
+    /// Replace colors of the palette of --document, as for `render`
+    #[arg(long, value_name = "FILE", requires = "document")]
+    palette: Option<PathBuf>,
     /// Set a knob or port of --document, as for `render`; may be repeated
     #[arg(long, value_name = "NODE.KNOB=VALUE", requires = "document")]
     set: Vec<String>,
@@ -83,7 +87,8 @@ fn seed(text: &str) -> Result<u64, NoSeed> {
 /// # Errors
 /// The certificate does not hold, with a message for each failure; or a file cannot be read.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let document = args.document.as_ref().map(|path| args.reach.load(path, &args.set)).transpose()?;
+    let changes = Changes { palette: args.palette.clone(), set: args.set.clone() };
+    let document = args.document.as_ref().map(|path| args.reach.load(path, &changes.assignments())).transpose()?;
     let key = args.key.as_ref().map(|path| PublicKey::read(path)).transpose()?;
     args.reach.warn();
     let access = access(args);

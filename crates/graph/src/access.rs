@@ -81,7 +81,7 @@ impl AccessViolation {
 }
 
 /// Remedy of one refused file.
-const ALLOW: &str = "allow it if you trust the document";
+pub(crate) const ALLOW: &str = "allow it if you trust the document";
 /// Remedy of several.
 const ALLOW_ALL: &str = "allow them if you trust the document";
 

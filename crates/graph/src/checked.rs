@@ -3,12 +3,35 @@
 
 use crate::Tolerance;
 use crate::{
-    Access, DocumentPlace, FrameContext, Item, Kind, KnobType, NodeId, NodeType, Record, Setting, Settled, Work,
+    Access, Animated, DocumentPlace, FrameContext, Item, Kind, KnobType, NodeId, NodeType, Record, Setting, Settled,
+    Work,
 };
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use trochoid_image::{Format, WorkingSpace};
 use trochoid_key::{ContentKey, Key, KeyHasher};
+
+/// A color that a document names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PaletteColor {
+    /// Name in the document.
+    pub name: String,
+    /// The color in the working space.
+    pub color: Animated,
+    /// Place of the name, in the document or in a palette file.
+    pub place: DocumentPlace,
+    /// Places that use the color, in the order of the document.
+    pub uses: Vec<PaletteUse>,
+}
+
+/// Place that uses a color by its name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PaletteUse {
+    /// The node.
+    pub node: NodeId,
+    /// Port or knob of the node, such as `a` or `stops[1].color`.
+    pub item: String,
+}
 
 /// A checked node.
 #[derive(Clone)]
@@ -159,6 +182,8 @@ pub struct CheckedGraph {
     pub(crate) document_format: Format,
     pub(crate) format_place: [usize; 2],
     pub(crate) space: WorkingSpace,
+    pub(crate) palette: Vec<PaletteColor>,
+    pub(crate) palette_files: Vec<PathBuf>,
     pub(crate) first: i64,
     pub(crate) last: i64,
     pub(crate) fps: f64,
@@ -195,6 +220,16 @@ impl CheckedGraph {
     /// Returns the color space in which colors mix.
     pub fn space(&self) -> WorkingSpace {
         self.space
+    }
+
+    /// Returns the colors that the document names, in its order.
+    pub fn palette(&self) -> &[PaletteColor] {
+        &self.palette
+    }
+
+    /// Returns the files that colors of the palette come from.
+    pub fn palette_files(&self) -> &[PathBuf] {
+        &self.palette_files
     }
 
     /// Returns the first and the last frame.

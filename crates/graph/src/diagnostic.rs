@@ -63,13 +63,6 @@ pub struct Diagnostic {
 pub enum Means {
     /// Allowing the document these files.
     Allow(Vec<AccessViolation>),
-    /// Assigning a whole list in place of an item of it.
-    SetList {
-        /// Name of the list.
-        list: String,
-        /// Example of such an assignment.
-        example: String,
-    },
     /// Changing a key of the document that no assignment can change.
     EditDocument {
         /// The key.

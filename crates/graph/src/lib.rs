@@ -58,10 +58,12 @@ pub use bound::{Bound, LITERAL, NoBound, REFERENCE};
 pub use bounding::Bounding;
 pub use build::{Builder, Mask, Value, Weights, load};
 pub use check::{FORMAT_VERSION, check, expected};
-pub use checked::{CheckedGraph, CheckedNode, FileState, Guarantee, OutputSpec, Precision, file_states};
+pub use checked::{
+    CheckedGraph, CheckedNode, FileState, Guarantee, OutputSpec, PaletteColor, PaletteUse, Precision, file_states,
+};
 pub use declare::{Arity, Declaration, End, Files, Item, Knob, KnobDefault, KnobType, List, Offer, Output, Port, Role};
 pub use diagnostic::{Diagnostic, DocumentPlace, Means, Severity, Statement, nearest};
-pub use document::{Document, MAX_BYTES, MAX_NODES};
+pub use document::{Document, MAX_BYTES, MAX_NODES, MAX_PALETTE_BYTES};
 pub use faults::{Check, Consumer, Fault, GraphContext, Upstream, one_of};
 pub use fields::{
     Accepted, Choice, Connected, ItemName, Items, Many, One, Optional, OutputSet, PortId, ReadPort, ReadSetting,

@@ -71,6 +71,17 @@ pub fn schema(registry: &Registry) -> Value {
                     "fps": { "type": "number", "exclusiveMinimum": 0, "default": 24 }
                 }
             },
+            "palette": {
+                "description": "Colors by name, which \"palette.NAME\" stands for; or the path of a file that has them, JSON or .gpl, relative to the document.",
+                "anyOf": [
+                    { "type": "string" },
+                    {
+                        "type": "object",
+                        "propertyNames": { "pattern": "^[A-Za-z_][A-Za-z0-9_]*$" },
+                        "additionalProperties": { "anyOf": [{ "$ref": "#/$defs/color" }, keyed(json!({ "$ref": "#/$defs/color" }))] }
+                    }
+                ]
+            },
             "nodes": {
                 "type": "object",
                 "propertyNames": { "pattern": "^[A-Za-z_][A-Za-z0-9_]*$" },
@@ -89,7 +100,7 @@ pub fn schema(registry: &Registry) -> Value {
             "reference": { "description": "\"node\" for the first output of a node, or \"node.output\".", "type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*(\\.[A-Za-z0-9_]+)?$" },
             "color": {
                 "oneOf": [
-                    { "type": "string", "pattern": "^#([0-9A-Fa-f]{3}|[0-9A-Fa-f]{6})$" },
+                    { "type": "string", "pattern": "^(#([0-9A-Fa-f]{3}|[0-9A-Fa-f]{6})|palette\\.[A-Za-z_][A-Za-z0-9_]*)$" },
                     { "type": "array", "items": { "type": "number", "minimum": 0 }, "minItems": 3, "maxItems": 3 }
                 ]
             },

@@ -87,7 +87,7 @@ pub use inputs::InputFiles;
 pub use judge::{Miss, guarantee, held, misses, requirement};
 #[cfg(feature = "io")]
 pub use layers::outputs_lost;
-pub use load::{LoadError, Loaded, load, missing_files, parse, registry};
+pub use load::{LoadError, Loaded, load, load_within, missing_files, parse, parse_within, registry};
 #[cfg(feature = "machine")]
 pub use machine::memory_share;
 #[cfg(feature = "io")]
@@ -115,10 +115,10 @@ pub use trochoid_graph::{
     Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, DataPlace,
     Declaration, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files, Guarantee, Harmonic,
     Interpolation, Item, Key, Kind, Knob, KnobDefault, KnobType, List, Means, MemoryUse, NodeError, NodeId, NodeType,
-    Offer, Omission, OutputSpec, Paths, Port, Precision, REFUSALS, Refusal, RefusedFile, Registry, Relation, Right,
-    Role, Severity, Source, Spectrum, Stability, StabilityMap, StepErrorGroup, StepErrorRow, StepErrors, Term,
-    Tolerance, Verdict, Work, counted, escape_frame, expand_frame, expected, folders_to_allow, in_bytes, nearest,
-    quoted, quoted_path, refusal, refusals, resolved, schema,
+    Offer, Omission, OutputSpec, PaletteColor, PaletteUse, Paths, Port, Precision, REFUSALS, Refusal, RefusedFile,
+    Registry, Relation, Right, Role, Severity, Source, Spectrum, Stability, StabilityMap, StepErrorGroup, StepErrorRow,
+    StepErrors, Term, Tolerance, Verdict, Work, counted, escape_frame, expand_frame, expected, folders_to_allow,
+    in_bytes, nearest, quoted, quoted_path, refusal, refusals, resolved, schema,
 };
 pub use trochoid_image::{Format, FormatError, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
 #[cfg(feature = "io")]

@@ -3,7 +3,10 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use trochoid_graph::{CheckedGraph, Diagnostic, Document, MAX_BYTES, NodeId, Registry, Severity, check, escape_remedy};
+use trochoid_graph::{
+    Access, CheckedGraph, Diagnostic, Document, MAX_BYTES, MAX_PALETTE_BYTES, NodeId, Registry, Severity, check,
+    escape_remedy,
+};
 
 /// Returns the registry of all node types in this build.
 pub fn registry() -> &'static Registry {
@@ -23,7 +26,7 @@ pub struct Loaded {
 /// Reason that a document cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
-    /// The file cannot be read.
+    /// The document or a palette file cannot be read.
     #[error(transparent)]
     Io(trochoid_io::Error),
     /// The document is invalid: every fault, and the warnings beside them.
@@ -35,7 +38,9 @@ fn list(diagnostics: &[Diagnostic]) -> String {
     diagnostics.iter().map(Diagnostic::to_string).collect::<Vec<_>>().join("\n")
 }
 
-/// Loads and checks a document. Each of `set` is an assignment `NODE.KNOB=VALUE`, applied in order.
+/// Loads and checks a document. Each of `set` is an assignment, applied in order: `NODE.KNOB=VALUE`, or another path as
+/// [`Document::set`] takes them; or `palette=FILE`, whose colors replace those of the same names
+/// ([`Document::replace_palette`]). `FILE` is relative to the current folder.
 ///
 /// The document may read and write files under its own folder and, if that lies under the current folder, under the
 /// current folder ([`Access::usual`](crate::Access::usual)), and files that `set` names; evaluation refuses other
@@ -44,20 +49,42 @@ fn list(diagnostics: &[Diagnostic]) -> String {
 /// # Errors
 /// The file cannot be read, or the document is invalid.
 pub fn load(path: &Path, set: &[String]) -> Result<Loaded, LoadError> {
+    load_within(path, set, Access::usual(folder_of(path)))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new("."))
+}
+
+/// Does the same with other rights to read and write files.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_within(path: &Path, set: &[String], access: Access) -> Result<Loaded, LoadError> {
     let name = path.display().to_string();
-    let text = trochoid_io::read_text(path, MAX_BYTES as u64).map_err(|error| match error {
+    let text = text_of(path, MAX_BYTES, "a document", "split the scene into several documents")?;
+    parse_within(&name, &text, folder_of(path), set, access)
+}
+
+/// Reads a file that should be `what`, with the remedy if it is too long.
+fn text_of(path: &Path, most: usize, what: &str, shorter: &str) -> Result<String, LoadError> {
+    let name = || path.display().to_string();
+    trochoid_io::read_text(path, most as u64).map_err(|error| match error {
         trochoid_io::Error::TooLong { found, limit, .. } => {
-            let (found, expected) = (format!("a document of {found} bytes"), format!("at most {limit} bytes"));
-            invalid(name.clone(), (0, 0), found, expected, "split the scene into several documents")
+            let (found, expected) = (format!("{what} of {found} bytes"), format!("at most {limit} bytes"));
+            invalid(name(), (0, 0), found, expected, shorter)
         }
         trochoid_io::Error::NotText { line, column, byte, .. } => {
             let found = format!("the byte {byte:#04x}, which is not UTF-8");
-            invalid(name.clone(), (line, column), found, "a document in UTF-8".into(), "save the document as UTF-8")
+            invalid(name(), (line, column), found, format!("{what} in UTF-8"), "save it as UTF-8")
         }
         error => LoadError::Io(error),
-    })?;
-    let folder = path.parent().unwrap_or(Path::new("."));
-    parse(&name, &text, folder, set)
+    })
+}
+
+/// Reads a palette file.
+fn palette_of(path: &Path) -> Result<String, LoadError> {
+    text_of(path, MAX_PALETTE_BYTES, "a palette", "name a file that has the colors and little else")
 }
 
 fn invalid(file: String, place: (usize, usize), found: String, expected: String, remedy: &str) -> LoadError {
@@ -82,13 +109,40 @@ fn invalid(file: String, place: (usize, usize), found: String, expected: String,
 /// # Errors
 /// The document is invalid.
 pub fn parse(name: &str, text: &str, folder: &Path, set: &[String]) -> Result<Loaded, LoadError> {
+    parse_within(name, text, folder, set, Access::usual(folder))
+}
+
+/// Does the same with other rights to read and write files.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_within(
+    name: &str,
+    text: &str,
+    folder: &Path,
+    set: &[String],
+    access: Access,
+) -> Result<Loaded, LoadError> {
     let invalid = |diagnostic: Box<Diagnostic>| LoadError::Invalid(vec![*diagnostic]);
     let mut document = Document::parse(name, text).map_err(invalid)?;
-    let faults: Vec<Diagnostic> =
-        set.iter().filter_map(|assignment| document.set(assignment).err()).map(|fault| *fault).collect();
+    if let Some(file) = document.palette_file() {
+        let path = folder.join(file);
+        access.check(&path).map_err(|outside| LoadError::Invalid(vec![document.refused_palette(outside)]))?;
+        document.read_palette(&path, &palette_of(&path)?).map_err(invalid)?;
+    }
+    let mut faults: Vec<Diagnostic> = Vec::new();
+    for assignment in set {
+        match assignment.strip_prefix("palette=") {
+            Some(file) => {
+                let path = Path::new(file);
+                faults.extend(document.replace_palette(path, &palette_of(path)?).err().into_iter().flatten());
+            }
+            None => faults.extend(document.set(assignment).err().map(|fault| *fault)),
+        }
+    }
     let (graph, diagnostics) = check(&document, registry(), folder);
     match graph {
-        Some(graph) if faults.is_empty() => Ok(Loaded { graph, warnings: diagnostics }),
+        Some(graph) if faults.is_empty() => Ok(Loaded { graph: graph.with_access(access), warnings: diagnostics }),
         _ => Err(LoadError::Invalid(faults.into_iter().chain(diagnostics).collect())),
     }
 }

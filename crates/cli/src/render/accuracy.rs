@@ -44,8 +44,15 @@ impl Accuracy {
         interrupt::watch()?;
         let mut progress = Progress::new(1, args.quiet);
         progress.begin(0, frame);
-        let target =
-            Target { reach: &args.files.reach, path: &args.graph, set: &args.set, graph, outputs, frame, settings };
+        let target = Target {
+            reach: &args.files.reach,
+            path: &args.graph,
+            set: &args.changes.assignments(),
+            graph,
+            outputs,
+            frame,
+            settings,
+        };
         let planned = target.search(tolerance, &progress)?;
         progress.finish();
         if !args.quiet && !args.json && !args.report_on_stdout() {

@@ -1,5 +1,6 @@
 //! Options of `trochoid render`.
 
+use crate::changes::Changes;
 use crate::files::FileOptions;
 use std::path::PathBuf;
 use trochoid::{Guarantee, Tolerance};
@@ -29,9 +30,8 @@ pub(crate) struct Args {
     /// Pattern for the files to write, such as out/{output}.####.exr [default: the document's file names]
     #[arg(short, long, value_name = "PATTERN")]
     pub(super) out: Option<String>,
-    /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3; may be repeated
-    #[arg(long, value_name = "NODE.KNOB=VALUE")]
-    pub(super) set: Vec<String>,
+    #[command(flatten)]
+    pub(super) changes: Changes,
     /// Number of threads; 0 uses all cores
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub(super) threads: u16,

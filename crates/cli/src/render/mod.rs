@@ -42,7 +42,7 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
             None
         }
     };
-    let loaded = match args.files.load(&args.graph, &args.set) {
+    let loaded = match args.files.load(&args.graph, &args.changes.assignments()) {
         Ok(loaded) => loaded,
         Err(error) => {
             faults.push(error.into());
@@ -58,7 +58,7 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
     let settled = if accuracy.set.is_empty() {
         loaded.graph.clone()
     } else {
-        let assignments = [&args.set[..], &accuracy.set].concat();
+        let assignments = [&args.changes.assignments()[..], &accuracy.set].concat();
         args.files.load(&args.graph, &assignments).map_err(|error| accuracy.refused(args, error))?.graph
     };
     // The document may have changed on disk since it was first loaded.

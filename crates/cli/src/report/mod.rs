@@ -43,6 +43,7 @@ mod tables;
 mod tests;
 mod text;
 
+use crate::changes::Changes;
 use crate::failure::{FAILED, Failure, MISSED};
 use crate::files::{self, FileOptions};
 use crate::progress::Progress;
@@ -98,9 +99,8 @@ pub(crate) struct Args {
     /// Seed of the pixels that are drawn
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3; may be repeated
-    #[arg(long, value_name = "NODE.KNOB=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    changes: Changes,
     /// Number of threads; 0 uses all cores
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
@@ -130,18 +130,19 @@ const FORMS: [Form; 3] = [Form::Report, Form::Table, Form::Page];
 /// All problems that can be found in advance, together; or the problem that stopped the run. Each file is written
 /// whole or not at all.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let loaded = args.files.load(&args.graph, &args.set)?;
+    let loaded = args.files.load(&args.graph, &args.changes.assignments())?;
     shell::tell(&remedies::texts(&loaded.warnings));
     let graph = &loaded.graph;
     let frame = args.frame.unwrap_or(graph.frames().0);
     let mut faults = Vec::new();
     if args.out.exists() && !args.out.is_dir() {
-        let found = format!("--out {}: found a file; expected a folder, for the three files of a report", args.out.display());
+        let found =
+            format!("--out {}: found a file; expected a folder, for the three files of a report", args.out.display());
         return Err(Failure::usage(found, "give a folder, which need not exist yet"));
     }
     let output = choose(graph, args.output.as_ref(), &mut faults);
     let files = ["report.json", "report.csv", "report.html"].map(|name| args.out.join(name));
-    let inputs = files::inputs(graph, &args.graph, &args.set, &[]);
+    let inputs = files::inputs(graph, &args.graph, &args.changes.assignments(), &[]);
     let refusal = |(file, form): (&PathBuf, Form)| args.files.over.refusal(file, form, &inputs);
     faults.extend(files.iter().zip(FORMS).filter_map(refusal));
     faults.extend(args.files.reach.refused(graph, &[output], &[frame], Vec::new()));
@@ -207,7 +208,7 @@ fn measure(args: &Args, graph: &CheckedGraph, output: usize, frame: i64) -> Resu
     let names = [graph.outputs()[output].name.as_str()];
     // The request of the ladder has the tolerances; this one is ignored.
     let request = Request { outputs: &names, frame, tolerance: Tolerance::Exact, settings: &settings };
-    let load = |more: &[String]| args.files.load(&args.graph, &[args.set.as_slice(), more].concat());
+    let load = |more: &[String]| args.files.load(&args.graph, &[args.changes.assignments().as_slice(), more].concat());
     let mut progress = Progress::new(1, args.quiet);
     progress.begin(0, frame);
     let small = smaller(graph.format(), args.size);

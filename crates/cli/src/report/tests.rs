@@ -1,4 +1,5 @@
 use super::*;
+use crate::changes::Changes;
 use std::path::Path;
 use trochoid::Picture;
 use trochoid::accuracy::*;
@@ -26,7 +27,7 @@ fn arguments(folder: &Path) -> Args {
         pixels: Some(16),
         whole: true,
         seed: 1,
-        set: Vec::new(),
+        changes: Changes::default(),
         threads: 0,
         files: Default::default(),
         out: folder.join("out"),

@@ -4,6 +4,7 @@ mod map;
 mod steps;
 mod text;
 
+use crate::changes::Changes;
 use crate::failure::{FAILED, Failure};
 use crate::files::{self, OverwriteOptions};
 use crate::remedies;
@@ -47,9 +48,8 @@ pub(crate) struct Args {
     /// Frame at which keyframed knobs are evaluated [default: the document's first]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     frame: Option<i64>,
-    /// Set a knob or port; VALUE is JSON or a bare word, such as storm.height=3
-    #[arg(long, value_name = "NODE.KNOB=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    changes: Changes,
     #[command(flatten)]
     over: OverwriteOptions,
 }
@@ -70,8 +70,8 @@ const DEFAULT: &str = r#"{
 /// The document is invalid or cannot be read, a map cannot be written, or a measurement contradicts its prediction.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let Loaded { graph, warnings } = match &args.graph {
-        Some(path) => trochoid::load(path, &args.set)?,
-        None => trochoid::parse("the default ToonSea", DEFAULT, Path::new("."), &args.set)?,
+        Some(path) => trochoid::load(path, &args.changes.assignments())?,
+        None => trochoid::parse("the default ToonSea", DEFAULT, Path::new("."), &args.changes.assignments())?,
     };
     shell::tell(&remedies::texts(&warnings));
     if let Some(out) = &args.out {
@@ -87,7 +87,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             ));
         }
         let inputs = match &args.graph {
-            Some(path) => files::inputs(&graph, path, &args.set, &[]),
+            Some(path) => files::inputs(&graph, path, &args.changes.assignments(), &[]),
             None => InputFiles::new(&graph, &[]),
         };
         Failure::all(named(args, out, &graph).iter().filter_map(|path| args.over.refusal(path, Form::Map, &inputs)))?;

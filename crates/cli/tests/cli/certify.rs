@@ -193,7 +193,9 @@ fn files_that_cannot_be_read_have_their_own_codes() {
     scene.run(&["verify", "c.json", "out.exr"]).code(0).says(&["its input file is the same"]);
     scene.run(&["verify", "none.json", "out.exr"]).fails(1, &["none.json: cannot open the file"]);
     scene.run(&["verify", "c.json", "none.exr"]).fails(1, &["none.exr"]);
-    scene.run(&["verify", "out.exr", "c.json"]).fails(2, &["c.json: found a certificate; expected an image in second place"]);
+    scene
+        .run(&["verify", "out.exr", "c.json"])
+        .fails(2, &["c.json: found a certificate; expected an image in second place"]);
     scene.run(&["verify", "a.json", "out.exr"]).fails(2, &["a.json: found JSON that does not begin with a digest"]);
     scene.run(&["verify", "c.json", "out.exr", "--all", "--pixels", "3"]).fails(2, &["cannot be used with"]);
     // A check that evaluates nothing would hold for any pixels.

@@ -17,6 +17,7 @@ mod kills;
 #[cfg(unix)]
 mod memory;
 mod overwrite;
+mod palette;
 mod plan;
 mod refusals;
 #[cfg(unix)]

@@ -4,7 +4,7 @@ use super::Canvas;
 use super::connect;
 use super::drag::Gesture;
 use super::plan::{End, Plan};
-use crate::document::Pin;
+use crate::document::{Pin, Sheet};
 use crate::{format, theme};
 use egui::epaint::TextShape;
 use egui::vec2;
@@ -67,7 +67,8 @@ impl Canvas {
             End::Pin(node, index) => {
                 let pin = &plan.sheet.nodes[node].pins[index];
                 let wired = plan.wire_at((node, index)).is_some();
-                draw_pin(ui, at, large, pin, wired, strength);
+                let swatch = if wired { None } else { swatch(&plan.sheet, pin) };
+                draw_pin(ui, at, large, pin, (wired, swatch), strength);
                 let close = zoom >= 1.5;
                 if let Some(text) = constant(pin).filter(|_| close && !wired) {
                     label(ui, at, radius, &text, 9.0 * zoom.min(1.6), ui.visuals().text_color(), hovered);
@@ -120,12 +121,12 @@ fn index_of(end: End) -> (bool, usize) {
     }
 }
 
-fn draw_pin(ui: &Ui, at: Pos2, radius: f32, pin: &Pin, wired: bool, strength: f32) {
+fn draw_pin(ui: &Ui, at: Pos2, radius: f32, pin: &Pin, (wired, swatch): (bool, Option<Color32>), strength: f32) {
     let painter = ui.painter();
     let behind = ui.visuals().panel_fill;
     let color = theme::accepts(pin.accepts).gamma_multiply(strength);
     let missing = pin.required && pin.value.is_none();
-    if let Some(swatch) = swatch(pin).filter(|_| !wired) {
+    if let Some(swatch) = swatch {
         let place = Rect::from_center_size(at, vec2(2.1, 2.1) * radius);
         painter.rect_filled(place, 1.5, swatch.gamma_multiply(strength));
         painter.rect_stroke(place, 1.5, Stroke::new(1.0, color), StrokeKind::Outside);
@@ -158,9 +159,13 @@ fn label(ui: &Ui, at: Pos2, radius: f32, text: &str, size: f32, color: Color32, 
 }
 
 /// Returns the color value of an unconnected pin.
-fn swatch(pin: &Pin) -> Option<Color32> {
+fn swatch(sheet: &Sheet, pin: &Pin) -> Option<Color32> {
     match pin.value.as_ref()? {
         Value::String(text) if text.starts_with('#') => Color32::from_hex(text).ok(),
+        Value::String(text) => {
+            let [r, g, b] = sheet.named(text)?.map(|channel| (channel * 255.0).round() as u8);
+            Some(Color32::from_rgb(r, g, b))
+        }
         Value::Array(parts) if parts.len() == 3 && pin.accepts.takes_color() => {
             let [r, g, b] = [0, 1, 2].map(|index| {
                 let linear = parts[index].as_f64().unwrap_or_default();

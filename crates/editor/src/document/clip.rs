@@ -1,6 +1,7 @@
 //! Nodes as clipboard text: JSON with their positions, readable even after a chat program has reformatted it.
 
 use super::change::style;
+use super::color::is_color;
 use super::json::{Path, quoted};
 use super::sheet::{Node, Point, Sheet, point};
 use serde_json::{Map, Value};
@@ -89,7 +90,7 @@ fn redirect_items(items: &[trochoid::Item], body: &mut Value, to: &dyn Fn(&str) 
 /// Renames a reference; returns whether it still refers to a node.
 fn renamed(value: &mut Value, to: &dyn Fn(&str) -> Option<String>) -> bool {
     let Value::String(text) = value else { return true };
-    if text.starts_with('#') {
+    if is_color(text) {
         return true;
     }
     let (node, output) = text.split_once('.').map_or((text.as_str(), None), |(node, output)| (node, Some(output)));

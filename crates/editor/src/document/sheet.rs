@@ -1,10 +1,11 @@
 //! A document as the canvas draws it; invalid documents are included as far as they can be understood.
 
+use super::color::{is_color, rgb};
 use super::json::{Path, Step};
 use serde_json::Value;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
-use trochoid::{Accepts, Arity, CheckedGraph, Declaration, Item, Kind, Role, registry};
+use trochoid::{Accepts, Arity, CheckedGraph, Declaration, Item, Kind, PaletteColor, Role, registry};
 
 /// Point on the canvas; x points right, y down.
 pub type Point = [f32; 2];
@@ -27,6 +28,8 @@ pub struct Sheet {
     pub frames: (i64, i64, f64),
     /// Width and height of pictures, in pixels.
     pub format: [u32; 2],
+    /// Colors of the palette by name, at the first frame, as sRGB values from 0 to 1.
+    pub palette: BTreeMap<String, [f32; 3]>,
     /// Colored areas behind nodes, by key.
     pub backdrops: BTreeMap<String, Backdrop>,
     /// The whole document as parsed JSON.
@@ -143,6 +146,7 @@ impl Sheet {
             let side = |key: &str| format.get(key).and_then(Value::as_u64).and_then(|side| u32::try_from(side).ok());
             sheet.format = [side("width").unwrap_or(1920).max(1), side("height").unwrap_or(1080).max(1)];
         }
+        sheet.palette = palette(&value, graph);
         let backdrops = value.get("ui").and_then(|ui| ui.get("backdrops")).and_then(Value::as_object);
         for (name, body) in backdrops.into_iter().flatten() {
             let (Some(at), Some(size)) = (point(body.get("at")), point(body.get("size"))) else { continue };
@@ -182,6 +186,11 @@ impl Sheet {
         let pairs = before.nodes.iter().zip(&self.nodes).map(|(old, new)| (&old.name, &new.name));
         let changed = pairs.filter(|(old, new)| self.find(old).is_none() && before.find(new).is_none());
         changed.map(|(old, new)| (old.clone(), new.clone())).collect()
+    }
+
+    /// Returns the color that a name in the palette stands for, as sRGB values from 0 to 1.
+    pub fn named(&self, text: &str) -> Option<[f32; 3]> {
+        self.palette.get(text.strip_prefix("palette.")?).copied()
     }
 
     /// Resolves a reference to a node and its output.
@@ -257,7 +266,7 @@ impl Sheet {
                 }
                 let first = self.nodes[index].pins.iter().find_map(|pin| pin.value.as_ref());
                 let kind = match first {
-                    Some(Value::String(text)) if text.starts_with('#') => Some(Kind::Color),
+                    Some(Value::String(text)) if is_color(text) => Some(Kind::Color),
                     Some(Value::String(text)) => match self.source(text) {
                         Some((node, output)) => self.nodes[node].makes.get(output).and_then(|(_, kind)| *kind),
                         None => None,
@@ -389,4 +398,19 @@ pub fn point(value: Option<&Value>) -> Option<Point> {
     let [x, y] = value?.as_array()?.as_slice() else { return None };
     let [x, y] = [x.as_f64()? as f32, y.as_f64()? as f32];
     (x.is_finite() && y.is_finite()).then_some([x, y])
+}
+
+/// Returns the colors of a document's palette; those of an invalid document as far as they can be understood.
+fn palette(value: &Value, graph: Option<&CheckedGraph>) -> BTreeMap<String, [f32; 3]> {
+    if let Some(graph) = graph {
+        let first = graph.frames().0 as f64;
+        let shown = |color: &PaletteColor| {
+            let numbers = color.color.at(first);
+            let shown = graph.space().to_display([numbers[0], numbers[1], numbers[2]]);
+            (color.name.clone(), shown.map(|channel| channel.clamp(0.0, 1.0) as f32))
+        };
+        return graph.palette().iter().map(shown).collect();
+    }
+    let entries = value.get("palette").and_then(Value::as_object).into_iter().flatten();
+    entries.filter_map(|(name, color)| Some((name.clone(), rgb(color.as_str()?)?))).collect()
 }

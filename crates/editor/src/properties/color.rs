@@ -3,7 +3,7 @@
 use super::context::{Properties, WidgetContext};
 use crate::actions::Action;
 use crate::document::Edit;
-use crate::document::color::{hex, rgb};
+use crate::document::color::{hex, is_name, rgb};
 use crate::evaluate::Screen;
 use crate::field::{self, FieldResponse, Gesture};
 use crate::state::State;
@@ -13,8 +13,10 @@ use serde_json::{Value, json};
 use trochoid::WorkingSpace;
 
 /// Returns a document color as sRGB values from 0 to 1. Number triples are in the working space.
-pub(super) fn display(value: &Value, space: WorkingSpace) -> Option<[f32; 3]> {
+pub(super) fn display(value: &Value, state: &State) -> Option<[f32; 3]> {
+    let space = space(state);
     match value {
+        Value::String(text) if is_name(text) => state.sheet().named(text),
         Value::String(text) => rgb(text),
         Value::Array(items) => match items.as_slice() {
             [r, g, b] => {
@@ -28,7 +30,7 @@ pub(super) fn display(value: &Value, space: WorkingSpace) -> Option<[f32; 3]> {
 }
 
 /// Returns the working space of the document.
-pub(super) fn space(state: &State) -> WorkingSpace {
+fn space(state: &State) -> WorkingSpace {
     let name = state.sheet().value.get("working_space").and_then(Value::as_str).unwrap_or_default();
     WorkingSpace::from_name(name).unwrap_or_default()
 }
@@ -40,8 +42,10 @@ pub(super) fn color_ui(
     place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
 ) -> FieldResponse<Value> {
-    let shown = display(value, space(place.state)).unwrap_or_default();
-    let swatch = field::swatch_ui(ui, shown).map(|color| json!(hex(color)));
+    let shown = display(value, place.state).unwrap_or_default();
+    // A color picked here would be a color without the name.
+    let is_named = value.as_str().is_some_and(is_name);
+    let swatch = ui.add_enabled_ui(!is_named, |ui| field::swatch_ui(ui, shown)).inner.map(|color| json!(hex(color)));
     let written = match value {
         Value::String(text) => text.clone(),
         other => crate::document::change::style(other),
@@ -60,12 +64,15 @@ pub(super) fn color_ui(
 
 /// Error in a typed color: what was expected.
 #[derive(Debug, thiserror::Error)]
-#[error("a color as #rrggbb, or [r, g, b] in the working space")]
+#[error("a color as #rrggbb, [r, g, b] in the working space, or palette.NAME")]
 struct NoColor;
 
 /// Parses a typed color.
 fn read_color(text: &str) -> Result<Value, NoColor> {
     let text = text.trim();
+    if is_name(text) {
+        return Ok(text.into());
+    }
     let bare = if text.starts_with('#') { text.into() } else { format!("#{text}") };
     if rgb(&bare).is_some() {
         return Ok(bare.into());

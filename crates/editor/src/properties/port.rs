@@ -3,6 +3,7 @@
 use super::context::{Properties, WidgetContext, label_ui};
 use super::{color, key, knob};
 use crate::actions::Action;
+use crate::document::color::is_color;
 use crate::document::{Edit, Path, edit};
 use crate::field::Gesture;
 use egui::{Button, RichText, Ui};
@@ -46,7 +47,7 @@ fn source_ui(
     actions: &mut Vec<Action>,
 ) {
     let sheet = place.state.sheet();
-    let connected = place.value.and_then(Value::as_str).filter(|text| !text.starts_with('#'));
+    let connected = place.value.and_then(Value::as_str).filter(|text| !is_color(text));
     let mut curve = None;
     ui.horizontal_wrapped(|ui| {
         let label = label_ui(ui, name, &format!("{}\n\nAccepts a {}.", port.help, port.accepts), place.value.is_some());

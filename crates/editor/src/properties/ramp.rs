@@ -26,11 +26,10 @@ pub(super) fn ramp_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec
     let sheet = state.sheet();
     let stops_path = path.to("stops");
     let Some(stops) = sheet.get(&stops_path).and_then(Value::as_array) else { return };
-    let space = color::space(state);
     let read = |stop: &Value| {
         let at = stop.get("at")?.as_f64()?;
         // A stop connected to a picture has no single color to show.
-        let color = stop.get("color").and_then(|value| color::display(value, space));
+        let color = stop.get("color").and_then(|value| color::display(value, state));
         Some((at as f32, color))
     };
     let Some(known) = stops.iter().map(read).collect::<Option<Vec<_>>>() else { return };

@@ -13,7 +13,6 @@ const PIECES: usize = 24;
 
 /// Draws the surface spanned by a patch's colors, u to the right and v down, with a swatch for each color.
 pub(super) fn patch_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Vec<Action>) {
-    let space = color::space(state);
     let place = path.to("colors");
     let Some(values) = state.sheet().get(&place).and_then(Value::as_array) else { return };
     let side = match values.len() {
@@ -22,7 +21,7 @@ pub(super) fn patch_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Ve
         _ => return,
     };
     // The color of a connected picture is unknown here; gray stands in.
-    let colors: Vec<[f32; 3]> = values.iter().map(|value| color::display(value, space).unwrap_or([0.5; 3])).collect();
+    let colors: Vec<[f32; 3]> = values.iter().map(|value| color::display(value, state).unwrap_or([0.5; 3])).collect();
     let width = ui.available_width().min(260.0);
     let (rect, _) = ui.allocate_exact_size(vec2(width, width * 0.75), Sense::hover());
     let sheet = rect.shrink(12.0);
@@ -51,7 +50,7 @@ pub(super) fn patch_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Ve
         let share = vec2((index % side) as f32, (index / side) as f32) / (side - 1) as f32;
         let center = sheet.lerp_inside(share);
         let spot = Rect::from_center_size(pos2(center.x, center.y), vec2(18.0, 18.0));
-        let literal = color::display(value, space);
+        let literal = color::display(value, state);
         ui.painter().rect_stroke(
             spot,
             2.0,

@@ -1,5 +1,6 @@
 //! Reads the ports and knobs of a node according to its declaration.
 
+use super::palette::is_name;
 use super::values::{count, expected};
 use super::{Checker, Draft, FaultLocation};
 use crate::declare::{KnobDefault, KnobType};
@@ -129,7 +130,9 @@ impl<'a> Checker<'a> {
                     }
                     let entries = self.object(item, place, "an object")?;
                     let before = self.diagnostics.len();
+                    self.records.push((list.name, index));
                     let record = self.record(list.items, &entries, place.at(item.offset), names);
+                    self.records.pop();
                     // Values from `--set` have no line and column, so only the name tells an item of the record from
                     // one of the node.
                     let news = self.diagnostics[before..].iter_mut().filter(|found| found.line == 0);
@@ -184,7 +187,8 @@ impl<'a> Checker<'a> {
         names: &Names<'a>,
     ) -> Option<Source> {
         match &value.json {
-            Json::String(text) if !accepts.takes_color() && text.starts_with('#') => {
+            Json::String(text) if accepts.takes_color() && is_name(text) => self.named(text, place).map(Source::Color),
+            Json::String(text) if !accepts.takes_color() && (text.starts_with('#') || is_name(text)) => {
                 let remedy = match accepts {
                     Accepts::Mask => "write a number from 0 to 1, or the name of a mask; a color cannot be a weight",
                     Accepts::Weights => {
@@ -334,7 +338,7 @@ impl<'a> Checker<'a> {
                     Some(vec![number])
                 })
                 .map(Setting::Numeric),
-            KnobType::Color => self.animated(value, place, Self::color).map(Setting::Numeric),
+            KnobType::Color => self.color_or_name(value, place).map(Setting::Numeric),
             KnobType::Vector(n) => self
                 .animated(value, place, |checker, value, place| checker.vector(value, n, n, place))
                 .map(Setting::Numeric),

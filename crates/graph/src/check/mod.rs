@@ -1,20 +1,26 @@
 //! Validation: turns a document into a checked graph, or reports all of its faults at once. Afterwards only input and
 //! output, bad input data, memory or cancellation can make an evaluation fail.
 
+mod around;
 mod items;
+mod kinds;
 mod order;
 mod outputs;
+mod palette;
 mod top;
 mod values;
 mod wiring;
 
+use crate::document::Origin;
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{
-    Access, Check, CheckedGraph, CheckedNode, Consumer, Diagnostic, Document, Fault, GraphContext, Item, Kind, Knob,
-    KnobType, NodeType, Record, Refusal, Registry, Setting, Settled, Severity, Source, Term, Upstream, Work, nearest,
-    refusal,
+    Access, Check, CheckedGraph, CheckedNode, Diagnostic, Document, Fault, Item, Kind, Knob, KnobType, NodeId,
+    NodeType, Record, Refusal, Registry, Setting, Settled, Severity, Term, Work, nearest, refusal,
 };
+use around::{Surroundings, direct_consumers};
 use items::Names;
+use kinds::name_kinds;
+use palette::Palette;
 use std::collections::HashMap;
 use std::path::Path;
 pub use top::FORMAT_VERSION;
@@ -26,7 +32,14 @@ pub use values::expected;
 /// `folder` is the folder to which paths in the document are relative. The result contains the graph if no diagnostic
 /// is an error, and all diagnostics in the order of the text.
 pub fn check(document: &Document, registry: &Registry, folder: &Path) -> (Option<CheckedGraph>, Vec<Diagnostic>) {
-    let mut checker = Checker { document, registry, diagnostics: Vec::new(), space: Default::default() };
+    let mut checker = Checker {
+        document,
+        registry,
+        diagnostics: Vec::new(),
+        space: Default::default(),
+        palette: Palette::default(),
+        records: Vec::new(),
+    };
     let graph = checker.graph(folder);
     let mut diagnostics = checker.diagnostics;
     // Assignments first.
@@ -43,6 +56,9 @@ struct Checker<'a> {
     registry: &'a Registry,
     diagnostics: Vec<Diagnostic>,
     space: trochoid_image::WorkingSpace,
+    palette: Palette<'a>,
+    /// Lists that are being read, each with the index of the record.
+    records: Vec<(&'static str, usize)>,
 }
 
 /// Place of a fault: byte offset, node, port or knob.
@@ -112,14 +128,13 @@ impl<'a> Checker<'a> {
         if self.is_full() {
             return;
         }
-        let assignment = self.document.assignment(place.offset);
-        let (line, column) = self.document.place(place.offset);
+        let origin = self.document.origin(place.offset);
         self.diagnostics.push(Diagnostic {
             severity,
-            is_assigned: assignment.is_some(),
-            file: assignment.unwrap_or_else(|| self.document.name().into()),
-            line,
-            column,
+            is_assigned: origin.is_assigned,
+            file: origin.file.into_owned(),
+            line: origin.line,
+            column: origin.column,
             node: place.node.map(shorten),
             port: place.port.map(shorten),
             found,
@@ -160,7 +175,7 @@ impl<'a> Checker<'a> {
                 seen.insert(entry.key.as_str(), entry.offset)
             };
             if let Some(first) = first {
-                let (line, column) = self.document.place(first);
+                let Origin { line, column, .. } = self.document.origin(first);
                 self.error(
                     place.at(entry.offset),
                     format!("a second \"{}\"", shorten(&entry.key)),
@@ -191,6 +206,7 @@ impl<'a> Checker<'a> {
             "an object with \"trochoid\", \"format\", \"nodes\" and \"outputs\"",
         )?;
         let top = self.top(&root);
+        self.palette(&root);
         let entries = match root.iter().find(|entry| entry.key == "nodes") {
             Some(entry) => {
                 self.object(&entry.value, FaultLocation::top(entry.value.offset, "nodes"), "an object of nodes by name")
@@ -245,6 +261,7 @@ impl<'a> Checker<'a> {
             }
         };
         self.unused(&drafts, &outputs);
+        let palette = self.palette_colors(&|name| names.get(name).map(|(index, _)| NodeId(*index)));
         if self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
             return None;
         }
@@ -254,8 +271,8 @@ impl<'a> Checker<'a> {
                 let ty = draft.ty?;
                 let Draft { name, disabled, record, kinds, offset, offsets, .. } = draft;
                 let place = |offset: usize| {
-                    let (line, column) = document.place(offset);
-                    [line, column]
+                    let origin = document.origin(offset);
+                    [origin.line, origin.column]
                 };
                 let places = offsets.into_iter().map(|(item, offset)| (item, place(offset)));
                 // Values from `--set` have no place in the document.
@@ -270,6 +287,8 @@ impl<'a> Checker<'a> {
             document_format: top.format?,
             format_place: format_place(document, &root),
             space: self.space,
+            palette,
+            palette_files: document.palette_paths().map(Path::to_path_buf).collect(),
             first: top.first,
             last: top.last,
             fps: top.fps,
@@ -286,9 +305,15 @@ impl<'a> Checker<'a> {
     fn draft(&mut self, entry: &'a Entry) -> Draft<'a> {
         let name = entry.key.as_str();
         let place = FaultLocation { offset: entry.offset, node: Some(name), port: None };
-        let legal = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-            && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        if !legal {
+        if name == "palette" {
+            self.error(
+                place,
+                "the name \"palette\"",
+                "a name of its own",
+                "rename the node: these are the document's colors",
+            );
+        }
+        if !is_legal_name(name) {
             let found = format!("the name \"{}\"", shorten(name));
             self.error(place, found, "a–z, A–Z, 0–9 and _, not starting with a digit", "rename the node");
         }
@@ -400,110 +425,15 @@ impl<'a> Checker<'a> {
     }
 }
 
+/// Whether a text may be the name of a node or of a color.
+fn is_legal_name(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
 /// Returns line and column of the format.
 fn format_place(document: &Document, root: &[&Entry]) -> [usize; 2] {
     let format = root.iter().find(|entry| entry.key == "format");
-    let (line, column) = document.place(format.map_or(0, |entry| entry.value.offset));
-    [line, column]
-}
-
-/// Returns, for each node, the nodes and ports that its outputs are connected to, without disabled nodes and nodes of
-/// unknown type.
-fn direct_consumers(drafts: &[Draft<'_>]) -> Vec<Vec<(usize, Consumer)>> {
-    let mut consumers = vec![Vec::new(); drafts.len()];
-    for (index, draft) in drafts.iter().enumerate().filter(|(_, draft)| !draft.disabled) {
-        let Some(ty) = draft.ty else { continue };
-        for item in ty.declaration().items {
-            let Item::Port(port) = item else { continue };
-            for source in draft.record.all(port.name) {
-                let Source::Output { node, .. } = source else { continue };
-                consumers[node.0].push((index, Consumer { wants: port.wants }));
-            }
-        }
-    }
-    consumers
-}
-
-/// The graph around a node at a frame.
-struct Surroundings<'d, 'a> {
-    registry: &'d Registry,
-    drafts: &'d [Draft<'a>],
-    consumers: &'d [Vec<(usize, Consumer)>],
-    node: usize,
-    frame: f64,
-}
-
-impl GraphContext for Surroundings<'_, '_> {
-    fn kind(&self, source: &Source<Vec<f64>>) -> Option<Kind> {
-        kind_of(source, self.drafts)
-    }
-
-    fn upstream(&self, source: &Source<Vec<f64>>) -> Option<Upstream> {
-        let Source::Output { node, .. } = source else { return None };
-        let draft = self.drafts.get(node.0).filter(|draft| !draft.faulty)?;
-        Some(Upstream { name: draft.name.into(), node: draft.ty?.settle(draft.record.settle(self.frame)) })
-    }
-
-    fn registry(&self) -> &Registry {
-        self.registry
-    }
-
-    fn consumers(&self) -> Vec<Consumer> {
-        let direct = &self.consumers[self.node];
-        let views = direct.iter().filter(|(node, _)| self.drafts[*node].kinds.contains(&Kind::View));
-        let of_views = views.flat_map(|(node, _)| &self.consumers[*node]);
-        direct.iter().chain(of_views).map(|(_, user)| *user).collect()
-    }
-}
-
-/// Sets the kinds of the outputs of each node of known type.
-fn name_kinds(drafts: &mut [Draft<'_>], first: i64) {
-    for draft in drafts.iter_mut() {
-        if let Some(ty) = draft.ty {
-            let settled = ty.settle(draft.record.settle(first as f64));
-            // A wrong choice may be the one that decides the kinds.
-            draft.kinds = if draft.lacks_a_choice() { Vec::new() } else { settled.kinds() };
-            draft.settled = Some(settled);
-        }
-    }
-    name_passed_kinds(drafts);
-}
-
-/// Gives each output of [`Kind::ANY`] the kind of the node's first connection; no kind if that is unknown.
-fn name_passed_kinds(drafts: &mut [Draft<'_>]) {
-    let mut visited = vec![false; drafts.len()];
-    for start in 0..drafts.len() {
-        // Follows first connections up to a node of known kind.
-        let mut path = Vec::new();
-        let mut at = start;
-        let kind = loop {
-            // A visited node of unknown kind means a loop, which is reported elsewhere.
-            if !drafts[at].kinds.contains(&Kind::ANY) || std::mem::replace(&mut visited[at], true) {
-                break None;
-            }
-            path.push(at);
-            match drafts[at].record.sources().into_iter().next() {
-                Some(Source::Output { node, .. }) if drafts[node.0].kinds.contains(&Kind::ANY) => at = node.0,
-                Some(source) => break kind_of(source, drafts),
-                None => break None,
-            }
-        };
-        for node in path {
-            let kinds = &mut drafts[node].kinds;
-            match kind {
-                Some(kind) => kinds.iter_mut().filter(|known| **known == Kind::ANY).for_each(|known| *known = kind),
-                None => kinds.clear(),
-            }
-        }
-    }
-}
-
-/// Returns the kind of a source, if its node has a known type.
-fn kind_of<N>(source: &Source<N>, drafts: &[Draft<'_>]) -> Option<Kind> {
-    match source {
-        Source::Output { node, output } => drafts.get(node.0)?.kinds.get(*output).copied(),
-        Source::Number(_) => Some(Kind::MASK),
-        Source::Color(_) => Some(Kind::Color),
-        Source::Numbers(numbers) => Some(Kind::Weights(numbers.len())),
-    }
+    let origin = document.origin(format.map_or(0, |entry| entry.value.offset));
+    [origin.line, origin.column]
 }

@@ -1,7 +1,8 @@
 //! Reads the `outputs` of a document: what is rendered, into which files, with which guarantees.
 
 use super::items::Names;
-use super::{Checker, Draft, FaultLocation, kind_of};
+use super::kinds::kind_of;
+use super::{Checker, Draft, FaultLocation};
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{Guarantee, Kind, OutputSpec, Precision, Severity, Source};
 
@@ -207,8 +208,8 @@ impl<'a> Checker<'a> {
     }
 
     fn line_and_column(&self, offset: usize) -> [usize; 2] {
-        let (line, column) = self.document.place(offset);
-        [line, column]
+        let origin = self.document.origin(offset);
+        [origin.line, origin.column]
     }
 
     /// Checks that the extension of the file is supported, and that its format has the precision.

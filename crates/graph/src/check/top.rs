@@ -1,4 +1,4 @@
-//! Reads everything outside of `nodes` and `outputs`: version, format, working space, frames, tolerance.
+//! Reads everything outside of `palette`, `nodes` and `outputs`: version, format, working space, frames, tolerance.
 
 use super::{Checker, FaultLocation};
 use crate::spanned::{Entry, Json, Spanned};
@@ -17,8 +17,8 @@ pub(super) struct Top {
 /// Version of the document format; the only one so far.
 pub const FORMAT_VERSION: u32 = 1;
 
-const KEYS: [&str; 9] =
-    ["trochoid", "format", "working_space", "frames", "tolerance", "nodes", "outputs", "ui", "notes"];
+const KEYS: [&str; 10] =
+    ["trochoid", "format", "working_space", "frames", "tolerance", "palette", "nodes", "outputs", "ui", "notes"];
 /// Largest absolute frame number, so that times stay exact.
 const MAX_FRAME: f64 = 1e7;
 
@@ -37,7 +37,7 @@ impl<'a> Checker<'a> {
                 "working_space" => self.working_space(&entry.value),
                 "frames" => self.frames(&entry.value, &mut top),
                 "tolerance" => top.tolerance = self.tolerance(&entry.value),
-                "nodes" | "outputs" | "ui" | "notes" => {}
+                "palette" | "nodes" | "outputs" | "ui" | "notes" => {}
                 key => self.unknown_key(FaultLocation::top(entry.offset, key), key, &KEYS),
             }
         }

@@ -1,5 +1,6 @@
 //! Reads values: numbers, lists, colors, literal weights, and values keyed over frames.
 
+use super::palette::is_name;
 use super::{Checker, FaultLocation};
 use crate::declare::KnobType;
 use crate::literal::{LITERAL_SUM_TOLERANCE, parts};
@@ -90,6 +91,16 @@ impl<'a> Checker<'a> {
     /// Reads a color, `"#rrggbb"` in sRGB or `[r, g, b]` in the working space, and returns it in the working space.
     pub(super) fn color(&mut self, value: &Spanned, place: FaultLocation<'_>) -> Option<Vec<f64>> {
         match &value.json {
+            Json::String(text) if is_name(text) => {
+                let named = self.named(text, place)?;
+                if named.frames().next().is_some() {
+                    let found = format!("{}, which is keyed itself, as the value of a key", value.brief());
+                    let remedy = "write the name without keys, or a color that is not keyed";
+                    self.error(place, found, "a color that is constant", remedy);
+                    return None;
+                }
+                Some(named.at(0.0))
+            }
             Json::String(text) => match parse_hex(text) {
                 Ok(color) => Some(self.space.from_linear_srgb(color.map(srgb_decode)).map(|v| v.max(0.0)).to_vec()),
                 Err(_) => {
@@ -248,7 +259,9 @@ pub fn expected(takes: &KnobType) -> String {
         KnobType::Integer { min, max } => format!("a whole number from {min} to {max}"),
         KnobType::Bool => "true or false".into(),
         KnobType::Choice(words) => format!("one of {}", words.join(", ")),
-        KnobType::Color => "a color: \"#rrggbb\" in sRGB, or [r, g, b] in the working space".into(),
+        KnobType::Color => {
+            "a color: \"#rrggbb\" in sRGB, [r, g, b] in the working space, or the name of one, \"palette.NAME\"".into()
+        }
         KnobType::Vector(n) => format!("a list of {n} numbers"),
         KnobType::Text => "a string".into(),
         KnobType::Path => "a path relative to the document".into(),

@@ -1,6 +1,7 @@
 //! Checks connections: disabled nodes, kinds, views, loops, and nodes that no output needs.
 
-use super::{Checker, Draft, FaultLocation, kind_of};
+use super::kinds::kind_of;
+use super::{Checker, Draft, FaultLocation};
 use crate::{
     Accepts, Arity, ChannelSet, Item, Kind, Knob, KnobType, NodeId, OutputSpec, Port, Record, Settled, Severity,
     Source, refusal,

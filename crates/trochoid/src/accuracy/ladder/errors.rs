@@ -91,7 +91,12 @@ pub(super) struct Known {
 impl ErrorFigures {
     /// Makes figures of pixels: the draws in the picture and those where settings differ, by index into all pixels that
     /// were looked at. Pixels of which nothing is known are left out.
-    pub(super) fn new(known: &[Option<Known>], picture: &[usize], apart: &[usize], [all, all_apart]: [bool; 2]) -> Self {
+    pub(super) fn new(
+        known: &[Option<Known>],
+        picture: &[usize],
+        apart: &[usize],
+        [all, all_apart]: [bool; 2],
+    ) -> Self {
         let sample = |draws: &[usize], is_whole| {
             let sizes = draws.iter().filter_map(|index| Some(known[*index].as_ref()?.size.display));
             let sizes: Vec<f64> = sizes.collect();

@@ -6,7 +6,9 @@ use super::request::{Effort, LadderRequest};
 use super::strata::Strata;
 use super::{Request, TargetError};
 use std::collections::HashMap;
-use trochoid_engine::{Buffers, Cache, CertifiedPixels, Certifier, EvalError, ReferenceError, ReferenceFrame, ReferencePixel};
+use trochoid_engine::{
+    Buffers, Cache, CertifiedPixels, Certifier, EvalError, ReferenceError, ReferenceFrame, ReferencePixel,
+};
 use trochoid_graph::{CheckedGraph, NodeId};
 use trochoid_image::Window;
 

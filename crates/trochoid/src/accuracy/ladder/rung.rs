@@ -177,7 +177,12 @@ impl Judgement<'_> {
     }
 
     /// Measures errors. Without bounds, all pixels count as clear.
-    fn errors(&self, picture: &Picture, bounds: Option<&[PixelBounds]>, references: &[PixelReference]) -> Vec<Option<Known>> {
+    fn errors(
+        &self,
+        picture: &Picture,
+        bounds: Option<&[PixelBounds]>,
+        references: &[PixelReference],
+    ) -> Vec<Option<Known>> {
         let known = |(index, (pixel, truth)): (usize, (&usize, &PixelReference))| {
             Some(Known {
                 pixel: place(self.window, *pixel),
