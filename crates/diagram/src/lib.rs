@@ -9,5 +9,5 @@ mod palette;
 mod tree;
 
 pub use layers::{Layout, Net, Point, layers};
-pub use palette::{Swatch, controls, palette};
+pub use palette::{Swatch, color_name, controls, palette};
 pub use tree::tree;

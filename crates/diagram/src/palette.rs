@@ -1,7 +1,7 @@
 //! Control colors of a document.
 
 use std::collections::HashSet;
-use trochoid_graph::{CheckedGraph, Item, KnobType, NodeId, Source, Values};
+use trochoid_graph::{CheckedGraph, Item, KnobType, NodeId, PaletteColor, Source, Values};
 use trochoid_image::WorkingSpace;
 
 /// Display color: 8-bit sRGB, clipped to the display's range.
@@ -40,6 +40,16 @@ fn collect(items: &[Item], record: &Values, colors: &mut Vec<[f64; 3]>) {
             Item::List(list) => record.list(list.name).iter().for_each(|record| collect(list.items, record, colors)),
         }
     }
+}
+
+/// Returns the name in the document's palette of a color that is shown as this swatch at the first frame, if it has one.
+pub fn color_name(graph: &CheckedGraph, swatch: Swatch) -> Option<&str> {
+    let first = graph.frames().0 as f64;
+    let shown = |named: &PaletteColor| {
+        let color = named.color.at(first);
+        Swatch::of([color[0], color[1], color[2]], graph.space())
+    };
+    graph.palette().iter().find(|named| shown(named) == swatch).map(|named| named.name.as_str())
 }
 
 /// Returns every distinct control color of the shown nodes, in document order.

@@ -1,7 +1,7 @@
 //! Draws a graph as SVG.
 
 use crate::layers::{Net, Point, layers};
-use crate::palette::{Swatch, controls, palette};
+use crate::palette::{Swatch, color_name, controls, palette};
 use svg::node::element::path::Data;
 use svg::node::element::{Circle, Group, Path, Rectangle, Text, Title};
 use svg::{Document, Node as _};
@@ -17,6 +17,9 @@ const IN_A_ROW: usize = 12;
 /// Side of a swatch below the graph, and height of its label, in pixels.
 const CONTROL: f64 = 44.0;
 const LABEL: f64 = 16.0;
+/// Height of the line with a color's name, and the size of its letters.
+const NAMED: f64 = 11.0;
+const SMALL: f64 = 9.5;
 
 const PAPER: &str = "#f6f3ec";
 const CARD: &str = "#fffdf8";
@@ -141,7 +144,8 @@ pub fn tree(graph: &CheckedGraph, outputs: &[usize], left_out: &[Option<String>]
     }
     // Control colors of nodes that are not evaluated are not part of the palette.
     let evaluated: Vec<bool> = shown.iter().zip(left_out).map(|(shown, why)| *shown && why.is_none()).collect();
-    let controls = palette(graph, &evaluated);
+    let controls: Vec<(Swatch, Option<&str>)> =
+        palette(graph, &evaluated).into_iter().map(|swatch| (swatch, color_name(graph, swatch))).collect();
     let width = (layout.size[0]).max(8.0 * CONTROL) + 2.0 * MARGIN;
     let (below, height) = swatches(&controls, width, layout.size[1] + 2.0 * MARGIN);
     let paper = Rectangle::new().set("width", width).set("height", height).set("fill", PAPER);
@@ -208,8 +212,8 @@ fn dot(at: Point, fill: &str) -> Circle {
     Circle::new().set("cx", at[0]).set("cy", at[1]).set("r", 2.6).set("fill", fill)
 }
 
-/// Draws the control colors in rows below `top`; also returns the bottom of the rows.
-fn swatches(controls: &[Swatch], width: f64, top: f64) -> (Group, f64) {
+/// Draws the control colors with their names in rows below `top`; also returns the bottom of the rows.
+fn swatches(controls: &[(Swatch, Option<&str>)], width: f64, top: f64) -> (Group, f64) {
     let mut group = Group::new();
     if controls.is_empty() {
         return (group, top);
@@ -220,15 +224,39 @@ fn swatches(controls: &[Swatch], width: f64, top: f64) -> (Group, f64) {
     };
     group.append(text(&count, [MARGIN, top + 8.0], TYPE, GRAY));
     let columns = (((width - 2.0 * MARGIN) / (CONTROL + 8.0)) as usize).max(1);
-    for (index, swatch) in controls.iter().enumerate() {
+    let label = if controls.iter().any(|(_, name)| name.is_some()) { LABEL + NAMED } else { LABEL };
+    for (index, (swatch, name)) in controls.iter().enumerate() {
         let x = MARGIN + (index % columns) as f64 * (CONTROL + 8.0);
-        let y = top + 18.0 + (index / columns) as f64 * (CONTROL + LABEL + 6.0);
+        let y = top + 18.0 + (index / columns) as f64 * (CONTROL + label + 6.0);
         let square = Rectangle::new().set("x", x).set("y", y).set("rx", 4).set("width", CONTROL).set("height", CONTROL);
-        group.append(square.set("fill", swatch.to_string()).set("stroke", LINE));
-        group.append(text(&swatch.to_string(), [x, y + CONTROL + 11.0], 9.5, GRAY));
+        let square = square.set("fill", swatch.to_string()).set("stroke", LINE);
+        group.append(text(&swatch.to_string(), [x, y + CONTROL + 11.0], SMALL, GRAY));
+        match name {
+            Some(name) => {
+                group.append(square.add(Title::new(*name)));
+                // The whole name appears where the pointer rests.
+                group.append(text(&fitting(name, CONTROL + 6.0, SMALL), [x, y + CONTROL + 11.0 + NAMED], SMALL, INK));
+            }
+            None => group.append(square),
+        }
     }
     let rows = controls.len().div_ceil(columns) as f64;
-    (group, top + 18.0 + rows * (CONTROL + LABEL + 6.0) + MARGIN / 2.0)
+    (group, top + 18.0 + rows * (CONTROL + label + 6.0) + MARGIN / 2.0)
+}
+
+/// Shortens a text to a width.
+fn fitting(content: &str, limit: f64, size: f64) -> String {
+    if width(content) * size <= limit {
+        return content.into();
+    }
+    let mut short = String::new();
+    for c in content.chars() {
+        if width(&short) * size + size > limit {
+            break;
+        }
+        short.push(c);
+    }
+    short + "…"
 }
 
 fn text(content: &str, at: Point, size: f64, fill: &str) -> Text {

@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 use trochoid_engine::{Frame, State};
-use trochoid_graph::CheckedGraph;
+use trochoid_graph::{CheckedGraph, PaletteColor, literal};
+use trochoid_image::Rgb;
 
 /// Result of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +62,15 @@ impl RunReport {
     }
 }
 
+/// Returns the names of colors in the document's palette; `None` for those without one.
+fn color_names<'g>(graph: &'g CheckedGraph, frame: i64, colors: &[Rgb]) -> Vec<Option<&'g str>> {
+    let named = graph.palette().iter().map(|named| (named, named.color.at(frame as f64)));
+    let named: Vec<(&PaletteColor, Rgb)> =
+        named.map(|(named, color)| (named, [0, 1, 2].map(|c| literal(color[c]) + 0.0))).collect();
+    let name = |color: &Rgb| named.iter().find(|(_, known)| known == color).map(|(named, _)| named.name.as_str());
+    colors.iter().map(name).collect()
+}
+
 /// Returns the report of a frame: outputs with their guarantees and counts, nodes with their states and times.
 pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> Value {
     let repaired: u64 = frame.nodes.iter().map(|node| node.repaired).sum();
@@ -72,7 +82,11 @@ pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> 
             let value = json!({
                 "kind": picture.kind.to_string(),
                 "guarantee": picture.guarantee.map(trochoid_graph::Guarantee::name),
-                "control_colors": { "count": picture.control_count, "values": picture.control_colors },
+                "control_colors": {
+                    "count": picture.control_count,
+                    "values": picture.control_colors,
+                    "names": color_names(graph, frame.number, &picture.control_colors),
+                },
                 "hull_exits": audit.hull_exits,
                 "worst_exit": number(audit.worst_exit),
                 "margin": picture.margin,

@@ -1,6 +1,7 @@
 //! Colors with names: in the document, in files, and from the command line.
 
 use crate::scene::Scene;
+use serde_json::json;
 use std::fs;
 
 const NAMED: &str = r##"{ "trochoid": 1, "format": { "width": 8, "height": 4 },
@@ -43,6 +44,20 @@ fn names_stand_for_their_colors() {
         fs::write(scene.path("filed.json"), NAMED.replace(colors, &format!("\"{file}\""))).unwrap();
         assert_eq!(picture(&scene, &["filed.json"]), expected, "{file}");
     }
+}
+
+#[test]
+fn reports_and_diagrams_know_the_names() {
+    let scene = Scene::new(NAMED);
+    let run = scene.run(&["render", "a.json", "--frames", "1", "--report", "-"]).code(0);
+    let colors = &run.json()["frames"][0]["outputs"]["beauty"]["control_colors"];
+    assert_eq!((&colors["count"], colors["names"].as_array().unwrap().len()), (&json!(3), 3));
+    for name in [json!("dark"), json!("light"), json!(null)] {
+        assert!(colors["names"].as_array().unwrap().contains(&name), "{name} in {colors}");
+    }
+    scene.run(&["graph", "a.json", "--out", "a.svg"]).code(0);
+    let drawn = fs::read_to_string(scene.path("a.svg")).unwrap();
+    assert!(["dark", "light", "#101820"].iter().all(|word| drawn.contains(word)), "{drawn}");
 }
 
 #[test]
