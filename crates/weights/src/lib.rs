@@ -18,7 +18,7 @@ mod audit;
 mod hull;
 
 pub use audit::Audit;
-pub use hull::{BoxHull, Facet, Hull, HullBuilder, Witness};
+pub use hull::{BoxHull, Facet, Hull, HullBuilder, Witness, surface};
 
 /// What the tests of this crate see beside its interface. They stand outside, in `tests/weights`, so that the crate is
 /// not compiled a second time for them. Nothing of it is part of the interface.

@@ -313,3 +313,35 @@ fn ring(corners: &[Point]) -> Vec<[Point; 2]> {
     let next = corners.iter().cycle().skip(1);
     corners.iter().zip(next).map(|(&a, &b)| [a, b]).collect()
 }
+
+/// Returns the surface of the hull of points that span space: the indices of its corners, and triangles of these,
+/// counterclockwise as seen from outside, by their place among the corners. Facets of more than three corners are several
+/// triangles. `None` if the points do not span space, or one is not finite.
+///
+/// ```
+/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1, 0.1, 0.1]];
+/// let (corners, triangles) = trochoid_weights::surface(&points).ok_or("flat")?;
+/// assert_eq!((corners, triangles.len()), (vec![0, 1, 2, 3], 4));
+/// # Ok::<(), &str>(())
+/// ```
+#[must_use]
+pub fn surface(points: &[[f64; 3]]) -> Option<(Vec<usize>, Vec<[usize; 3]>)> {
+    if points.iter().flatten().any(|v| !v.is_finite()) {
+        return None;
+    }
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    let key = |index: usize| points[index].map(|v| v + 0.0);
+    order.sort_by(|a, b| key(*a).iter().zip(key(*b)).map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(a.cmp(b)));
+    order.dedup_by(|a, b| key(*a) == key(*b));
+    let distinct: Vec<Point> = order.iter().map(|index| key(*index)).collect();
+    let Shape::Solid(mesh) = Shape::of(&distinct) else { return None };
+    // Triangles of one facet may meet in its middle, at points that are not extreme.
+    let mut used: Vec<u32> = mesh.triangles.iter().flat_map(|(triangle, _)| *triangle).collect();
+    used.sort_unstable_by_key(|point| order[*point as usize]);
+    used.dedup();
+    let mut place = vec![0; distinct.len()];
+    used.iter().enumerate().for_each(|(at, point)| place[*point as usize] = at);
+    let corners = used.iter().map(|point| order[*point as usize]).collect();
+    let triangles = mesh.triangles.iter().map(|(triangle, _)| triangle.map(|point| place[point as usize])).collect();
+    Some((corners, triangles))
+}

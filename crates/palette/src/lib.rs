@@ -1,0 +1,22 @@
+//! Palettes of finished pictures: few colors whose hull encloses every pixel.
+//!
+//! [`Cloud`] collects the colors of pictures as they are displayed, [`extract`] finds palettes of them. A palette
+//! *encloses* the pixels if none lies outside of the convex hull of its colors, so that every pixel is a mix of them with
+//! weights that are ≥ 0 and sum to 1. That is decided in whole numbers: colors are on a grid of 8-bit steps, or of a
+//! sixteenth or a 256th of a step. To find the least number of colors is NP-hard, so what is found need not be the least.
+
+#![forbid(unsafe_code)]
+
+mod cloud;
+mod corner;
+mod extract;
+mod grid;
+mod mesh;
+mod order;
+mod program;
+mod together;
+mod vector;
+
+pub use cloud::Cloud;
+pub use extract::{Enclosing, Extraction, Short, extract};
+pub use order::oklab;
