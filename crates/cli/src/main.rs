@@ -18,6 +18,7 @@ mod info;
 mod interrupt;
 mod nodes;
 mod outputs;
+mod palette;
 mod plan;
 mod preview;
 mod progress;
@@ -81,6 +82,8 @@ enum Command {
     Schema,
     /// Describe an image file: parts, layers, channels and their value ranges
     Info(info::Args),
+    /// Find few colors whose hull encloses every pixel of pictures
+    Palette(palette::Args),
     /// Find the settings that meet a tolerance
     Plan(plan::Args),
     /// Compare settings by error and run time, as a page of plots
@@ -109,6 +112,7 @@ fn main() -> ExitCode {
         Command::Nodes(args) => nodes::run(args),
         Command::Schema => schema::run(),
         Command::Info(args) => info::run(args),
+        Command::Palette(args) => palette::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Report(args) => report::run(args),
         Command::Verify(args) => verify::run(args),

@@ -53,9 +53,11 @@ impl Cloud {
     /// Adds a pixel whose channels, from 0 to 255, may lie between the steps of 8 bits; it is enclosed by the steps
     /// around it. Channels outside of that range, and those that are no number, count as the nearest step.
     pub fn add_between(&mut self, channels: [f64; 3]) {
-        let nearest = channels.map(|channel| channel.round() as u8);
-        self.add(nearest);
-        let (low, high) = (channels.map(|channel| channel.floor() as u8), channels.map(|channel| channel.ceil() as u8));
+        self.add(channels.map(|channel| channel.round() as u8));
+        // What rounding to f32 does to a step does not lie between steps.
+        let whole = |channel: f64| (channel - channel.round()).abs() < 1e-4;
+        let end = |channel: f64, end: fn(f64) -> f64| if whole(channel) { channel.round() } else { end(channel) } as u8;
+        let [low, high] = [f64::floor as fn(f64) -> f64, f64::ceil].map(|to| channels.map(|channel| end(channel, to)));
         if low == high {
             return;
         }

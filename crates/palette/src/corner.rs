@@ -152,7 +152,8 @@ pub(crate) fn merge(mesh: &Mesh, data: &Data, known: &mut Merges, chance: f64) -
     merges.sort_by(|a, b| a.0.total_cmp(&b.0));
     merges.truncate(if mesh.count() <= FEW { 8 } else { 1 });
     let merged = |(_, edge, point): &(f64, [usize; 2], Point)| {
-        let kept = mesh.corners.iter().enumerate().filter(|(index, _)| !edge.contains(index)).map(|(_, corner)| *corner);
+        let kept =
+            mesh.corners.iter().enumerate().filter(|(index, _)| !edge.contains(index)).map(|(_, corner)| *corner);
         Mesh::new(&kept.chain([*point]).collect::<Vec<_>>())
     };
     let mut hulls: Vec<Mesh> = merges.iter().filter_map(merged).collect();

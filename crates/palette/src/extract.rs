@@ -190,8 +190,12 @@ impl<'c> Solid<'c> {
     fn palettes(&self, cloud: &Cloud) -> (Vec<Enclosing>, Vec<Short>) {
         let mut hulls = self.merged();
         let beyond = self.fewer(&mut hulls);
-        let rounded: Vec<Option<Enclosing>> =
-            hulls.range(..=MOST).collect::<Vec<_>>().into_par_iter().map(|(_, hull)| self.rounded(hull, cloud)).collect();
+        let rounded: Vec<Option<Enclosing>> = hulls
+            .range(..=MOST)
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|(_, hull)| self.rounded(hull, cloud))
+            .collect();
         let found: Vec<Enclosing> = rounded.into_iter().flatten().collect();
         let least = found.first().map_or(MOST + 1, |palette| palette.colors.len());
         let short = beyond.iter().filter(|(count, _)| **count < least).rev().take(2);
@@ -299,9 +303,8 @@ impl<'c> Solid<'c> {
         }
         let (volume, gridded) = best?;
         // The claim is counted on all colors.
-        (gridded.outside(cloud.enclosed()) == Some(0)).then(|| {
-            enclosing(&gridded.points(), gridded.units, volume / self.hull.volume, self.extremes)
-        })
+        (gridded.outside(cloud.enclosed()) == Some(0))
+            .then(|| enclosing(&gridded.points(), gridded.units, volume / self.hull.volume, self.extremes))
     }
 
     /// Returns the colors with others around them.
@@ -346,9 +349,10 @@ mod tests {
         for _ in 0..count {
             let weights: Vec<f64> = corners.iter().map(|_| -libm::log(draws.next().max(1e-9))).collect();
             let sum: f64 = weights.iter().sum();
-            let mixed = corners.iter().zip(&weights).fold([0.0; 3], |mixed, (corner, weight)| {
-                add(mixed, corner.map(|v| f64::from(v) * weight / sum))
-            });
+            let mixed = corners
+                .iter()
+                .zip(&weights)
+                .fold([0.0; 3], |mixed, (corner, weight)| add(mixed, corner.map(|v| f64::from(v) * weight / sum)));
             cloud.add_between(mixed);
         }
         cloud
@@ -380,7 +384,10 @@ mod tests {
             assert!(found.usual().is_some_and(|usual| usual.volume <= QUIET));
             for palette in &found.enclosing {
                 encloses(palette, &cloud);
-                assert_eq!((palette.names.len(), palette.distances.len()), (palette.colors.len(), palette.colors.len()));
+                assert_eq!(
+                    (palette.names.len(), palette.distances.len()),
+                    (palette.colors.len(), palette.colors.len())
+                );
                 assert!(palette.colors.iter().flatten().all(|v| (0.0..=1.0).contains(v)));
                 assert!(palette.volume > 0.999, "{palette:?}");
             }
@@ -404,7 +411,10 @@ mod tests {
         };
         assert_eq!(of(&[]).usual(), None);
         let one = of(&[[7, 8, 9], [7, 8, 9]]);
-        assert_eq!((one.distinct, one.usual().map(|palette| palette.colors.clone())), (1, Some(vec![[7, 8, 9].map(|v| f64::from(v) / 255.0)])));
+        assert_eq!(
+            (one.distinct, one.usual().map(|palette| palette.colors.clone())),
+            (1, Some(vec![[7, 8, 9].map(|v| f64::from(v) / 255.0)]))
+        );
         let grays: Vec<[u8; 3]> = (3..=250).map(|v| [v; 3]).collect();
         assert_eq!(of(&grays).usual().map(|palette| palette.names.clone()), Some(vec!["black".into(), "white".into()]));
         let plane: Vec<[u8; 3]> = (0..50).flat_map(|x| (0..40).map(move |y| [x, y, 7])).collect();

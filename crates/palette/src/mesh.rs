@@ -36,8 +36,12 @@ impl Mesh {
     /// Returns the boundary of the triangles that touch some corners, as directed edges, and the volume of these
     /// triangles as seen from a point.
     pub(crate) fn link(&self, of: &[usize], from: Point) -> (Vec<[usize; 2]>, f64) {
-        let touching: Vec<[usize; 3]> =
-            self.triangles.iter().filter(|triangle| triangle.iter().any(|corner| of.contains(corner))).copied().collect();
+        let touching: Vec<[usize; 3]> = self
+            .triangles
+            .iter()
+            .filter(|triangle| triangle.iter().any(|corner| of.contains(corner)))
+            .copied()
+            .collect();
         let all: Vec<[usize; 2]> =
             touching.iter().flat_map(|triangle| [0, 1, 2].map(|i| [triangle[i], triangle[(i + 1) % 3]])).collect();
         let boundary = all.iter().filter(|[a, b]| !all.contains(&[*b, *a])).copied().collect();

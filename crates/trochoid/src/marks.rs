@@ -28,6 +28,7 @@ struct MarkerFields {
     /// Version of the program that wrote the file; a number in documents, which users write.
     trochoid: Option<Version>,
     trochoid_plan: Option<IgnoredAny>,
+    trochoid_palette: Option<IgnoredAny>,
     /// Present in certificates only.
     digest: Option<IgnoredAny>,
     /// Present in reports of runs only.
@@ -66,6 +67,12 @@ pub enum Form {
     Table,
     /// Plan as JSON.
     Plan,
+    /// Palette as JSON.
+    Palette,
+    /// Palette of GIMP.
+    Gimp,
+    /// Picture of a palette's colors as PNG.
+    Swatches,
     /// Certificate as JSON.
     Certificate,
     /// Report of a run or of measurements as JSON.
@@ -79,6 +86,7 @@ impl Form {
             Self::Preview => Some("preview"),
             Self::Error => Some("error"),
             Self::Map => Some("map"),
+            Self::Swatches => Some("swatches"),
             _ => None,
         }
     }
@@ -93,8 +101,8 @@ impl Form {
 /// Returns whether Trochoid wrote a file in this form, judging by a mark in its contents. An empty file counts as ours,
 /// because nothing can be lost.
 ///
-/// EXR and PNG have metadata `trochoid:…`, which are found even if the rest is cut off. Reports, certificates and plans
-/// have their own keys; pages, graph drawings and animations name their generator; a table has our header. All other
+/// EXR and PNG have metadata `trochoid:…`, which are found even if the rest is cut off. Reports, certificates, plans and
+/// palettes have their own keys, palettes of GIMP a comment; pages, graph drawings and animations name their generator; a table has our header. All other
 /// files, including documents, are foreign.
 pub fn is_ours(path: &Path, form: Form) -> bool {
     open_file(path).is_ok_and(|found| found.length == 0 || form_of(path, found).is_ok_and(|found| found == Some(form)))
@@ -124,11 +132,15 @@ fn form_of(path: &Path, found: OpenFile) -> std::io::Result<Option<Form>> {
         let marked: Option<MarkerFields> = serde_json::from_reader(BufReader::new(file)).ok();
         return Ok(marked.and_then(|marked| match marked {
             MarkerFields { trochoid_plan: Some(_), .. } => Some(Form::Plan),
+            MarkerFields { trochoid_palette: Some(_), .. } => Some(Form::Palette),
             MarkerFields { trochoid: Some(Version::Text(_)), digest: Some(_), .. } => Some(Form::Certificate),
             MarkerFields { trochoid: Some(Version::Text(_)), status: Some(_), .. }
             | MarkerFields { trochoid: Some(Version::Text(_)), rungs: Some(_), .. } => Some(Form::Report),
             _ => None,
         }));
+    }
+    if head.starts_with(b"GIMP Palette") {
+        return Ok(says(&head, "# ").then_some(Form::Gimp));
     }
     if head.starts_with(TABLE.as_bytes()) {
         return Ok(Some(Form::Table));
@@ -138,7 +150,9 @@ fn form_of(path: &Path, found: OpenFile) -> std::io::Result<Option<Form>> {
         return Ok(None);
     }
     let kind = metadata.iter().find(|(key, _)| key == KIND).map(|(_, kind)| kind.as_str());
-    let other = [Form::Preview, Form::Error, Form::Map].into_iter().find(|form| kind.is_some() && form.kind() == kind);
+    let other = [Form::Preview, Form::Error, Form::Map, Form::Swatches]
+        .into_iter()
+        .find(|form| kind.is_some() && form.kind() == kind);
     Ok(Some(other.unwrap_or(if head.starts_with(b"\x89PNG") { Form::Png } else { Form::Exr })))
 }
 

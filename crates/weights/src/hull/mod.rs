@@ -331,7 +331,9 @@ pub fn surface(points: &[[f64; 3]]) -> Option<(Vec<usize>, Vec<[usize; 3]>)> {
     }
     let mut order: Vec<usize> = (0..points.len()).collect();
     let key = |index: usize| points[index].map(|v| v + 0.0);
-    order.sort_by(|a, b| key(*a).iter().zip(key(*b)).map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(a.cmp(b)));
+    order.sort_by(|a, b| {
+        key(*a).iter().zip(key(*b)).map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(a.cmp(b))
+    });
     order.dedup_by(|a, b| key(*a) == key(*b));
     let distinct: Vec<Point> = order.iter().map(|index| key(*index)).collect();
     let Shape::Solid(mesh) = Shape::of(&distinct) else { return None };
