@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Renders what README.md and graphs/README.md show: stills at half size, animated previews, trees of the graphs, the editor.
+# Renders what README.md and graphs/README.md show: stills at half size, animated previews, scenes in their second
+# palettes, trees of the graphs, the editor.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release
@@ -7,6 +8,10 @@ trochoid=${CARGO_TARGET_DIR:-target}/release/trochoid
 
 still() { "$trochoid" preview "graphs/$1.json" --output beauty --frames "$2" --shrink "${3:-2}" --overwrite -o "samples/$1.png"; }
 moving() { "$trochoid" preview "graphs/$1.json" --frames "$2" --shrink 4 --quality 78 --overwrite -o "samples/$1.webp"; }
+recolored() {
+  "$trochoid" preview "graphs/$1.json" --palette "graphs/palettes/$1_$2.json" --frames "$3" --shrink "${4:-3}" \
+    --quality 88 --overwrite -o "samples/palettes/$1_$2.webp"
+}
 tree() { "$trochoid" graph "graphs/$1.json" --overwrite -o "graphs/trees/$1.svg"; }
 
 still stormy_sea 36
@@ -24,6 +29,18 @@ moving great_wave 1-48
 moving toon_sea 1-96x2
 moving cartoon_bay 1-96x3
 moving toon_teapot 1-48
+
+recolored great_wave autumn 33
+recolored cartoon_bay sunset 48
+recolored toon_sea night 48
+recolored toon_teapot copper 4
+recolored from_passes moonlight 1
+recolored open_sea morning 1
+recolored glow ember 25 1
+recolored hooks dawn 25 1
+recolored two_seas dusk 1 1
+recolored cartoon_water winter 48 1
+recolored noise_and_shapes night 1 1
 
 for scene in stormy_sea stormy_sea_bare great_wave toon_sea cartoon_bay toon_teapot from_passes open_sea; do
   tree "$scene"

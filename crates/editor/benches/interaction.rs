@@ -151,7 +151,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sheet = window.editor.state().sheet().clone();
     let mix = sheet.nodes.iter().find(|node| {
         let b = sheet.get(&document::Path::node(&node.name).to("b"));
-        node.ty == "Mix" && b.and_then(|b| b.as_str()).is_some_and(|b| b.starts_with('#'))
+        node.ty == "Mix" && b.and_then(|b| b.as_str()).is_some_and(|b| b.starts_with("palette."))
     });
     if let Some(mix) = mix {
         let runs =
