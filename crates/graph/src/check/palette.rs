@@ -114,7 +114,7 @@ impl<'a> Checker<'a> {
         let is_valid = self.diagnostics.iter().all(|diagnostic| diagnostic.severity == Severity::Warning);
         for (index, named) in palette.colors.iter().enumerate().filter(|_| is_valid) {
             let place = FaultLocation::top(named.offset, "palette");
-            // A file may have colors for several documents.
+            // A file may have colors for several documents, and is often made by a program.
             let is_own = self.document.origin(named.offset).file == self.document.name();
             if is_own && !palette.uses.iter().any(|used| used.color == index) {
                 let found = format!("the color \"{}\", which nothing uses", named.name);
@@ -122,7 +122,7 @@ impl<'a> Checker<'a> {
                 self.report(Severity::Warning, place, found, "colors that are used".into(), remedy);
             }
             let twin = palette.colors[..index].iter().find(|other| self.is_near(&other.color, &named.color));
-            if let Some(twin) = twin {
+            if let Some(twin) = twin.filter(|_| is_own) {
                 let found = format!("the colors \"{}\" and \"{}\", which look the same", twin.name, named.name);
                 let remedy = "use one of them for both, or keep them if they will differ in another palette";
                 self.report(Severity::Warning, place, found, "colors that one can tell apart".into(), remedy.into());
@@ -150,7 +150,7 @@ impl<'a> Checker<'a> {
             Some(self.space.to_display([color[0], color[1], color[2]]).map(|channel| 255.0 * channel))
         };
         match (shown(a), shown(b)) {
-            (Some(a), Some(b)) => a.iter().zip(b).all(|(a, b)| (a - b).abs() < 4.0),
+            (Some(a), Some(b)) => a.iter().zip(b).all(|(a, b)| (a - b).abs() < 4.0 - 1e-6),
             _ => false,
         }
     }
