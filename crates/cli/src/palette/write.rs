@@ -96,16 +96,16 @@ fn gimp(path: &Path, palette: &Enclosing) -> Result<String, Failure> {
 }
 
 /// Width and height of a swatch, in pixels.
-const SIDE: usize = 128;
+const SIDE: u32 = 128;
 
 /// Picture of colors side by side.
 struct Swatches {
-    width: usize,
+    width: u32,
     pixels: Vec<[f32; 3]>,
 }
 
 fn swatches(colors: &[[f64; 3]]) -> Swatches {
-    let row = colors.iter().flat_map(|color| [color.map(|channel| channel as f32); SIDE]);
-    let row: Vec<[f32; 3]> = row.collect();
-    Swatches { width: row.len(), pixels: row.repeat(SIDE) }
+    let row: Vec<[f32; 3]> =
+        colors.iter().flat_map(|color| vec![color.map(|channel| channel as f32); SIDE as usize]).collect();
+    Swatches { width: SIDE * colors.len() as u32, pixels: row.repeat(SIDE as usize) }
 }

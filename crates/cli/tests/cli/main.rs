@@ -17,6 +17,7 @@ mod kills;
 #[cfg(unix)]
 mod memory;
 mod overwrite;
+mod painting;
 mod palette;
 mod plan;
 mod refusals;

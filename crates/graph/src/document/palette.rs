@@ -6,6 +6,7 @@ use crate::spanned::{Entry, Json, Spanned, line_and_column, shorten};
 use crate::{AccessViolation, Diagnostic, Means, nearest};
 use std::collections::HashSet;
 use std::path::Path;
+use trochoid_image::WorkingSpace;
 
 /// Largest size of a palette file, in bytes.
 pub const MAX_PALETTE_BYTES: usize = 1 << 20;
@@ -77,7 +78,7 @@ impl Document {
             let (found, expected) = (format!("{} bytes", text.len()), format!("at most {MAX_PALETTE_BYTES} bytes"));
             return Err(fault(name, (0, 0), found, expected, "name a file that has the colors and little else"));
         }
-        let mut colors = if text.starts_with(GIMP) { gimp(name, text)? } else { named(name, text)? };
+        let mut colors = if text.starts_with(GIMP) { gimp(name, text)? } else { named(name, text, self.space())? };
         let first = FILED + STRIDE * self.files.len();
         for color in &mut colors {
             color.offset += first;
@@ -85,6 +86,15 @@ impl Document {
         }
         self.files.push(PaletteFile { path: path.into(), name: name.into(), text: text.into() });
         Ok(colors)
+    }
+
+    /// Returns the name of the document's working space, if it has one.
+    fn space(&self) -> Option<&str> {
+        let Json::Object(entries) = &self.root.json else { return None };
+        match &entries.iter().find(|entry| entry.key == "working_space")?.value.json {
+            Json::String(name) => Some(name),
+            _ => None,
+        }
     }
 
     /// Returns the fault of a palette file that the document may not read.
@@ -103,26 +113,46 @@ impl Document {
     }
 }
 
-/// Reads the colors of a JSON file.
-fn named(name: &str, text: &str) -> Result<Vec<Entry>, Box<Diagnostic>> {
+/// Reads the colors of a JSON file, for a document with a working space. If the file states another one, it may have no
+/// colors as numbers, which would mean others.
+fn named(name: &str, text: &str, space: Option<&str>) -> Result<Vec<Entry>, Box<Diagnostic>> {
     let root = json(name, text, "a palette")?;
     let (offset, found) = (root.offset, root.brief());
-    let colors = match root.json {
-        Json::Object(entries) => {
-            let (inner, outer): (Vec<Entry>, Vec<Entry>) =
-                entries.into_iter().partition(|entry| entry.key == "palette");
-            match inner.into_iter().next() {
-                None => Some(outer),
-                Some(Entry { value: Spanned { json: Json::Object(colors), .. }, .. }) => Some(colors),
-                Some(_) => None,
-            }
-        }
-        _ => None,
-    };
-    colors.ok_or_else(|| {
+    let other = |found: String| {
         let remedy = "write { \"deep\": \"#14262e\", … }, or name a .gpl file";
         fault(name, line_and_column(text, offset), found, "an object of colors by name", remedy)
-    })
+    };
+    let Json::Object(entries) = root.json else { return Err(other(found)) };
+    let stated = entries.iter().find(|entry| entry.key == "working_space").map(|entry| entry.value.json.clone());
+    let (inner, outer): (Vec<Entry>, Vec<Entry>) = entries.into_iter().partition(|entry| entry.key == "palette");
+    let colors = match inner.into_iter().next() {
+        None => outer,
+        Some(Entry { value: Spanned { json: Json::Object(colors), .. }, .. }) => colors,
+        Some(_) => return Err(other(found)),
+    };
+    let space = space.unwrap_or(WorkingSpace::default().name());
+    if let Some(Json::String(stated)) = stated
+        && stated != space
+        && let Some(color) = colors.iter().find_map(|entry| numbers_in(&entry.value))
+    {
+        let found = format!("a color as numbers of the working space {}", shorten(&stated));
+        let expected = format!("numbers of the document's, {}", shorten(space));
+        let remedy = "write the colors as \"#rrggbb\", or take a document of the same working space";
+        return Err(fault(name, line_and_column(text, color), found, expected, remedy));
+    }
+    Ok(colors)
+}
+
+/// Returns the place of a color that is written as numbers: a list without other lists or texts.
+fn numbers_in(value: &Spanned) -> Option<usize> {
+    match &value.json {
+        Json::Array(items) if items.len() == 3 && items.iter().all(|item| matches!(item.json, Json::Number(_))) => {
+            Some(value.offset)
+        }
+        Json::Array(items) => items.iter().find_map(numbers_in),
+        Json::Object(entries) => entries.iter().find_map(|entry| numbers_in(&entry.value)),
+        _ => None,
+    }
 }
 
 /// Reads the colors of a palette of GIMP: lines of three numbers from 0 to 255 and a name.
@@ -263,6 +293,10 @@ mod tests {
             ("{", "expected JSON"),
             ("GIMP Palette\nName: x\n1 2 deep\n", "p:3:1: found the line \"1 2 deep\"; expected three numbers"),
             ("GIMP Palette\n1 2 256 deep\n", "p:2:1"),
+            (
+                r#"{"working_space": "srgb", "palette": {"deep": [0, 0.5, 1]}}"#,
+                "p:1:46: found a color as numbers of the working space srgb; expected numbers of the document's, linear-srgb",
+            ),
         ] {
             let said = document(DOCUMENT).read_palette(Path::new("p"), text).expect_err(text).to_string();
             assert!(said.contains(words), "{text}: {said}");
