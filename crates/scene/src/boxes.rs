@@ -36,6 +36,7 @@ impl Line {
     }
 
     /// Returns the distance at which the ray enters a box before `end`.
+    #[inline(always)]
     fn enters(&self, branch: &Branch, end: f64) -> Option<f64> {
         let a = (branch.low.as_dvec3() - self.origin) * self.inverse;
         let b = (branch.high.as_dvec3() - self.origin) * self.inverse;
@@ -104,9 +105,10 @@ impl Tree {
                 }
                 continue;
             }
-            let parts =
-                [branch.next, branch.next + 1].map(|next| (line.enters(&self.branches[next as usize], end), next));
-            match parts {
+            // No closure of an array: that is a function of its own.
+            let (first, second) = (branch.next, branch.next + 1);
+            let enters = |next: u32| line.enters(&self.branches[next as usize], end);
+            match [(enters(first), first), (enters(second), second)] {
                 [(Some(a), first), (Some(b), second)] if a <= b => open.extend([(b, second), (a, first)]),
                 [(Some(a), first), (Some(b), second)] => open.extend([(a, first), (b, second)]),
                 [(Some(a), first), (None, _)] => open.push((a, first)),

@@ -29,7 +29,8 @@ const TURN_ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// let sea = FramedSea::new(&frame, origin, heading);
 /// let (u, v, footprint) = (7.0, -2.0, 0.4);
 /// let mut points = vec![[0.0; 3]];
-/// sea.squares(&sea.rows(&[(u, footprint)], sea.waves().len()), &sea.columns(&[0.0]), &[v], &mut points);
+/// let all = 0..sea.waves().len();
+/// sea.squares(&sea.rows(&[(u, footprint)], all.clone()), &sea.columns(&[0.0], all), &[v], &mut points);
 /// let place = [origin[0] + 0.6 * u - 0.8 * v, origin[1] + 0.8 * u + 0.6 * v];
 /// let [x, y, z] = frame.evaluate(place, footprint).displacement;
 /// let [along, up, across] = points[0];
@@ -64,15 +65,20 @@ impl FramedWave {
     /// Returns a bound of the difference, in radians, between its phases here and in [`SeaFrame::evaluate`] at places
     /// up to some meters from the frame's origin.
     pub fn phase_error(&self, away: f64) -> f64 {
-        TAU * TURN_ROUNDING * (self.sizes[0] * away + self.sizes[1] + 1.0)
+        let [by_meter, at_origin] = self.phase_errors();
+        by_meter * away + at_origin
+    }
+
+    /// Returns the parts of that bound: in radians per meter from the origin, and in radians there.
+    pub fn phase_errors(&self) -> [f64; 2] {
+        [self.sizes[0], self.sizes[1] + 1.0].map(|turns| TAU * TURN_ROUNDING * turns)
     }
 }
 
 /// Factors of waves for rows.
 #[derive(Clone, Debug)]
 pub struct RowFactors {
-    /// Number of waves.
-    left: usize,
+    waves: Range<usize>,
     /// By row, then for each component the factors of cos and of sin of the column's phase, wave by wave.
     factors: Vec<f64>,
     rows: usize,
@@ -81,6 +87,7 @@ pub struct RowFactors {
 /// Factors of waves for columns at offsets from a middle.
 #[derive(Clone, Debug)]
 pub struct ColumnFactors {
+    waves: Range<usize>,
     /// By wave: cos, then sin, of the phases of all columns, and of some more up to the width.
     factors: Vec<f64>,
     columns: usize,
@@ -88,11 +95,11 @@ pub struct ColumnFactors {
 }
 
 impl RowFactors {
-    /// Returns the factors of some waves for a row.
+    /// Returns the factors for a row of some of its waves, counted from its own first one.
     #[inline(always)]
-    fn of(&self, row: usize, waves: &Range<usize>) -> [&[f64]; 6] {
-        let parts: [usize; 6] = std::array::from_fn(|part| (6 * row + part) * self.left);
-        parts.map(|start| &self.factors[start + waves.start..start + waves.end])
+    fn of(&self, row: usize, own: &Range<usize>) -> [&[f64]; 6] {
+        let parts: [usize; 6] = std::array::from_fn(|part| (6 * row + part) * self.waves.len());
+        parts.map(|start| &self.factors[start + own.start..start + own.end])
     }
 }
 
@@ -131,26 +138,30 @@ impl FramedSea {
         f64::EPSILON * (64.0 + self.waves.len() as f64)
     }
 
-    /// Returns the factors of the first waves for rows, given their u and footprint in meters.
-    pub fn rows(&self, rows: &[(f64, f64)], left: usize) -> RowFactors {
-        let mut factors = vec![0.0; rows.len() * 6 * left];
-        for ((u, footprint), factors) in rows.iter().zip(factors.chunks_exact_mut((6 * left).max(1))) {
+    /// Returns the factors of some waves for rows, given their u and footprint in meters.
+    ///
+    /// # Panics
+    /// There are fewer waves.
+    pub fn rows(&self, rows: &[(f64, f64)], waves: Range<usize>) -> RowFactors {
+        let mut factors = vec![0.0; rows.len() * 6 * waves.len()];
+        for ((u, footprint), factors) in rows.iter().zip(factors.chunks_exact_mut((6 * waves.len()).max(1))) {
             let filter = footprint * footprint / 8.0;
-            let waves = &self.waves[..left];
+            let waves = &self.waves[waves.clone()];
             dispatch!(self.level, simd => simd.vectorize(
                 #[inline(always)]
                 || row(simd, waves, *u, filter * LOG2_E, factors)
             ));
         }
-        RowFactors { left, factors, rows: rows.len() }
+        RowFactors { waves, factors, rows: rows.len() }
     }
 
-    /// Returns the factors of the first waves for rows whose squares are to hold derivatives of the displacement by the
+    /// Returns the factors of all waves for rows whose squares are to hold derivatives of the displacement by the
     /// rest point instead: ∂Δu/∂u, ∂Δu/∂v = ∂Δv/∂u, and ∂Δv/∂v.
-    pub(crate) fn strain_rows(&self, rows: &[(f64, f64)], left: usize) -> RowFactors {
-        let mut strains = self.rows(rows, left);
+    pub(crate) fn strain_rows(&self, rows: &[(f64, f64)]) -> RowFactors {
+        let left = self.waves.len();
+        let mut strains = self.rows(rows, 0..left);
         for factors in strains.factors.chunks_exact_mut((6 * left).max(1)) {
-            for (index, wave) in self.waves[..left].iter().enumerate() {
+            for (index, wave) in self.waves.iter().enumerate() {
                 let [a, b] = wave.numbers;
                 let [along_sin, along_cos, .., across_sin, across_cos]: [f64; 6] =
                     std::array::from_fn(|part| factors[part * left + index]);
@@ -166,16 +177,20 @@ impl FramedSea {
         strains
     }
 
-    /// Returns the factors of columns at offsets in meters from the middles that [`FramedSea::squares`] is given, or to
+    /// Returns the factors of some waves for columns at offsets in meters from the middles that [`FramedSea::squares`] is given, or to
     /// both sides of the one that [`FramedSea::mirrored`] is given.
-    pub fn columns(&self, offsets: &[f64]) -> ColumnFactors {
+    ///
+    /// # Panics
+    /// There are fewer waves.
+    pub fn columns(&self, offsets: &[f64], waves: Range<usize>) -> ColumnFactors {
         let columns = offsets.len();
         let width = columns.next_multiple_of(BLOCK);
-        let mut factors = vec![0.0; self.waves.len() * 2 * width];
+        let own = &self.waves[waves.clone()];
+        let mut factors = vec![0.0; own.len() * 2 * width];
         dispatch!(self.level, simd => simd.vectorize(
             #[inline(always)]
             || {
-                for (wave, factors) in self.waves.iter().zip(factors.chunks_exact_mut((2 * width).max(1))) {
+                for (wave, factors) in own.iter().zip(factors.chunks_exact_mut((2 * width).max(1))) {
                     let (cosines, sines) = factors.split_at_mut(width);
                     let blocks = cosines.chunks_exact_mut(BLOCK).zip(sines.chunks_exact_mut(BLOCK));
                     for ((cosines, sines), offsets) in blocks.zip(offsets.chunks(BLOCK)) {
@@ -187,17 +202,19 @@ impl FramedSea {
                 }
             }
         ));
-        ColumnFactors { factors, columns, width }
+        ColumnFactors { waves, factors, columns, width }
     }
 
     /// Writes the displacements along u, up and along v at the points of squares, square by square and row by row: the
     /// columns of each stand at their offsets from its middle.
     ///
     /// # Panics
-    /// `out` does not have one entry for each point.
+    /// `out` does not have one entry for each point, or rows and columns are of different waves.
     pub fn squares(&self, rows: &RowFactors, columns: &ColumnFactors, middles: &[f64], out: &mut [[f64; 3]]) {
         let points = rows.rows * columns.columns;
         assert_eq!(out.len(), points * middles.len(), "one entry for each point");
+        assert_eq!(rows.waves, columns.waves, "rows and columns of the same waves");
+        let all = &self.waves[rows.waves.clone()];
         for (middles, out) in middles.chunks(SQUARES).zip(out.chunks_mut((points * SQUARES).max(1))) {
             let width = (middles.len() * columns.columns).next_multiple_of(BLOCK);
             let mut sums = vec![0.0; rows.rows * 3 * width];
@@ -205,10 +222,10 @@ impl FramedSea {
             dispatch!(self.level, simd => simd.vectorize(
                 #[inline(always)]
                 || {
-                    for first in (0..rows.left).step_by(TOGETHER) {
-                        let waves = first..(first + TOGETHER).min(rows.left);
-                        turn(simd, &self.waves[waves.clone()], columns, first, middles, width, &mut phases);
-                        add(rows, waves, width, &phases, &mut sums);
+                    for first in (0..all.len()).step_by(TOGETHER) {
+                        let own = first..(first + TOGETHER).min(all.len());
+                        turn(simd, &all[own.clone()], columns, first, middles, width, &mut phases);
+                        add(rows, own, width, &phases, &mut sums);
                     }
                 }
             ));
@@ -228,28 +245,30 @@ impl FramedSea {
     /// Mirrored phases have the same cosine and opposite sines, so that this takes half the products.
     ///
     /// # Panics
-    /// `out` does not have one entry for each point.
+    /// `out` does not have one entry for each point, or rows and columns are of different waves.
     pub fn mirrored(&self, rows: &RowFactors, columns: &ColumnFactors, middle: f64, out: &mut [[f64; 3]]) {
         let (side, width) = (columns.columns, columns.width);
         assert_eq!(out.len(), rows.rows * 2 * side, "one entry for each point");
+        assert_eq!(rows.waves, columns.waves, "rows and columns of the same waves");
+        let all = &self.waves[rows.waves.clone()];
         // For each row and component the even part, then the odd part.
         let mut sums = vec![0.0; rows.rows * 6 * width];
         dispatch!(self.level, simd => simd.vectorize(
             #[inline(always)]
             || {
-                for first in (0..rows.left).step_by(TOGETHER) {
-                    let waves = first..(first + TOGETHER).min(rows.left);
+                for first in (0..all.len()).step_by(TOGETHER) {
+                    let own = first..(first + TOGETHER).min(all.len());
                     let [mut cosines, mut sines] = [[0.0; TOGETHER]; 2];
                     let blocks = cosines.chunks_exact_mut(LANES).zip(sines.chunks_exact_mut(LANES));
-                    for ((cosines, sines), waves) in blocks.zip(self.waves[waves.clone()].chunks(LANES)) {
+                    for ((cosines, sines), waves) in blocks.zip(all[own.clone()].chunks(LANES)) {
                         let turns = lanes(simd, waves.iter().map(|wave| 2.0 * wave.turns[1]));
                         let [sin, cos] = sincos(simd, turns * middle);
                         cosines.copy_from_slice(&cos.to_array());
                         sines.copy_from_slice(&sin.to_array());
                     }
                     for (row, sums) in sums.chunks_exact_mut((6 * width).max(1)).enumerate() {
-                        let turned = turned(&rows.of(row, &waves), &cosines, &sines);
-                        add_mirrored(simd, &turned, columns, &waves, sums);
+                        let turned = turned(&rows.of(row, &own), &cosines, &sines);
+                        add_mirrored(simd, &turned, columns, &own, sums);
                     }
                 }
             }

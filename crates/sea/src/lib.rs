@@ -41,7 +41,7 @@ mod grid;
 mod grid_plan;
 mod group;
 mod kernel;
-mod kernel64;
+pub mod kernel64;
 mod lanes;
 mod line;
 mod method;
@@ -122,6 +122,13 @@ pub mod inside {
     pub fn halved(halvings: [f64; 8]) -> [f64; 8] {
         dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
             crate::kernel64::halved(simd, f64x8::load_array(simd, halvings)).to_array()
+        }))
+    }
+
+    /// Returns eˣ, as bounds of sums are computed.
+    pub fn exp(x: [f64; 8]) -> [f64; 8] {
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            crate::kernel64::exp(simd, f64x8::load_array(simd, x)).to_array()
         }))
     }
 

@@ -206,27 +206,45 @@ pub fn split(net: &mut Net, along_s: bool, takes_low: bool) -> Net {
 }
 
 /// Returns the part of a net over a rectangle of the unit square.
+#[inline(always)]
 pub fn part(net: &Net, start: [f64; 2], size: [f64; 2]) -> Net {
-    let [s, t] = [0, 1].map(|axis| [start[axis], start[axis] + size[axis]]);
-    let rows = net.map(|row| cut(row, t));
-    let columns: Net = std::array::from_fn(|column| cut(rows.map(|row| row[column]), s));
-    std::array::from_fn(|row| columns.map(|column| column[row]))
+    let mut part = *net;
+    cut(&mut part, start[0], start[0] + size[0]);
+    let mut part = transposed(&part);
+    cut(&mut part, start[1], start[1] + size[1]);
+    transposed(&part)
 }
 
-/// Returns the coefficients of a part of a polynomial of one variable: first those up to its end, then, of these, those
-/// from its start.
-fn cut(mut line: [f64; SIDE], [from, to]: [f64; 2]) -> [f64; SIDE] {
-    for step in 1..SIDE {
-        for index in (step..SIDE).rev() {
-            line[index] = line[index - 1] + to * (line[index] - line[index - 1]);
+#[inline(always)]
+fn transposed(net: &Net) -> Net {
+    let mut transposed = [[0.0; SIDE]; SIDE];
+    for (row, values) in net.iter().enumerate() {
+        for (column, value) in values.iter().enumerate() {
+            transposed[column][row] = *value;
         }
     }
+    transposed
+}
+
+/// Leaves the coefficients of a part along s: first those up to its end, then, of these, those from its start.
+#[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "loops over neighbors")]
+fn cut(net: &mut Net, from: f64, to: f64) {
     for step in 1..SIDE {
-        for index in 0..SIDE - step {
-            line[index] += from / to * (line[index + 1] - line[index]);
+        for row in (step..SIDE).rev() {
+            for column in 0..SIDE {
+                net[row][column] = net[row - 1][column] + to * (net[row][column] - net[row - 1][column]);
+            }
         }
     }
-    line
+    let share = from / to;
+    for step in 1..SIDE {
+        for row in 0..SIDE - step {
+            for column in 0..SIDE {
+                net[row][column] += share * (net[row + 1][column] - net[row][column]);
+            }
+        }
+    }
 }
 
 /// Returns the least and the greatest coefficient.

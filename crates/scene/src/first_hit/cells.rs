@@ -5,6 +5,7 @@ use super::footprints::Footprints;
 use super::region::{Axes, Region};
 use super::remainder::{CELL, Remainder, SQUARE, remainder, spread};
 use super::search::HALVINGS;
+use super::sizes::WaveSizes;
 use super::squares::{PARTS, POINTS, Squares};
 use crate::boxes::Tree;
 use crate::{Projector, SeaSurface};
@@ -68,6 +69,7 @@ pub(crate) struct SeaCells {
     pub(super) region: Region,
     pub(super) footprints: Footprints,
     pub(super) waves: FramedSea,
+    sizes: WaveSizes,
     pub(super) cells: Vec<Cell>,
     pub(super) tree: Tree,
     /// Instructions that the machine has.
@@ -99,9 +101,10 @@ impl SeaCells {
         let region = Region::new(sea, projector, &axes);
         let footprints = Footprints::new(sea, projector);
         let waves = FramedSea::new(&sea.frame, [axes.eye.x, axes.eye.z], axes.heading);
+        let sizes = WaveSizes::new(&waves);
         let pixels = projector.size[0] * projector.size[1];
         let fine = FINE.into_iter().find(|(most, _)| pixels <= *most).map(|(_, fine)| fine);
-        let bands = |fine: f64| bands(sea, &waves, &footprints, &region, fine, stop);
+        let bands = |fine: f64| bands(sea, &sizes, &footprints, &region, fine, stop);
         let bands = match fine.map(bands) {
             None | Some(Err(NoCells::TooMany)) => bands(COARSE)?,
             Some(bands) => bands?,
@@ -111,10 +114,11 @@ impl SeaCells {
             if stop() {
                 return Err(NoCells::Stopped);
             }
-            let squares = Squares::new(&waves, &footprints, band.middle, band.half, band.whole.waves);
+            let squares = Squares::new(&waves, &footprints, band.middle, band.half, &band.whole);
             let half = band.half / PARTS as f64;
-            let mut cells = Vec::new();
-            for across in seen(&waves, &footprints, &region, band) {
+            let seen = seen(&waves, &footprints, &region, band);
+            let mut cells = Vec::with_capacity(seen.len() * PARTS * PARTS);
+            for across in seen {
                 let displacements = squares.displacements(across);
                 dispatch!(level, simd => simd.vectorize(
                     #[inline(always)]
@@ -138,7 +142,7 @@ impl SeaCells {
         let mut cells = Vec::with_capacity(of_bands.iter().map(Vec::len).sum());
         cells.extend(of_bands.into_iter().flatten());
         let tree = Tree::new(&cells.iter().map(Cell::bounds).collect::<Vec<_>>()).ok_or(NoCells::Unseen)?;
-        Ok(Self { axes, region, footprints, waves, cells, tree, level })
+        Ok(Self { axes, region, footprints, waves, sizes, cells, tree, level })
     }
 
     /// Returns a smaller cell around a rest point, or `None` where its remainder would not be smaller because of
@@ -146,7 +150,7 @@ impl SeaCells {
     pub(super) fn smaller(&self, middle: [f64; 2], half: f64, than: &Remainder) -> Option<Cell> {
         // A kink of the footprints between cells is never within one, unless by rounding.
         let away = libm::hypot(middle[0], middle[1]) + half;
-        let remainder = remainder(&self.waves, &self.footprints, CELL, middle[0], half, away);
+        let remainder = remainder(&self.sizes, &self.footprints, &CELL, middle[0], half, away);
         if remainder.off.iter().zip(than.off).all(|(off, than)| *off > 0.5 * than) {
             return None;
         }
@@ -163,9 +167,10 @@ fn seen(waves: &FramedSea, footprints: &Footprints, region: &Region, band: &Band
     let half = band.half / LOOKS as f64;
     let offsets: [f64; LOOKS] = std::array::from_fn(|part| half * ((2 * part + 1) as f64 - LOOKS as f64));
     let places = offsets.map(|offset| (band.middle + offset, libm::sqrt(footprints.square(band.middle + offset))));
-    let rows = waves.rows(&places, waves.waves().len());
+    let all = 0..waves.waves().len();
+    let rows = waves.rows(&places, all.clone());
     let mut points = vec![[0.0; 3]; LOOKS * LOOKS * middles.len()];
-    waves.squares(&rows, &waves.columns(&offsets), &middles, &mut points);
+    waves.squares(&rows, &waves.columns(&offsets, all), &middles, &mut points);
     let away = band.middle.abs() + band.half;
     let reaches = places
         .map(|(along, _)| DVec3::new(half, 0.0, half) + DVec3::from(spread(waves, footprints, along, half, away)));
@@ -184,7 +189,7 @@ fn seen(waves: &FramedSea, footprints: &Footprints, region: &Region, band: &Band
 /// footprint.
 fn bands(
     sea: &SeaSurface,
-    waves: &FramedSea,
+    waves: &WaveSizes,
     footprints: &Footprints,
     region: &Region,
     fine: f64,
@@ -207,11 +212,11 @@ fn bands(
         let limit = kink.map_or(end, |kink| kink.min(end)) - from;
         let mut half = largest.min(limit / 2.0);
         let away = |half: f64| (from + half).abs() + half + sea.drift;
-        let whole = |half: f64| remainder(waves, footprints, SQUARE, from + half, half, away(half));
+        let whole = |half: f64| remainder(waves, footprints, &SQUARE, from + half, half, away(half));
         let cell = |half: f64, part: usize| {
             let size = half / PARTS as f64;
             let middle = from + size * (2 * part + 1) as f64;
-            (remainder(waves, footprints, CELL, middle, size, away(half)), middle)
+            (remainder(waves, footprints, &CELL, middle, size, away(half)), middle)
         };
         let (whole, cells) = loop {
             let square = whole(half);
@@ -264,8 +269,9 @@ impl Cell {
         let offsets = nodes::<SIDE>().map(|node| half * node);
         let places = offsets.map(|offset| (middle[0] + offset, libm::sqrt(footprints.square(middle[0] + offset))));
         let mut points = [[0.0; 3]; SIDE * SIDE];
-        let rows = waves.rows(&places, remainder.waves);
-        waves.squares(&rows, &waves.columns(&offsets), &[middle[1]], &mut points);
+        let own = 0..remainder.waves;
+        let rows = waves.rows(&places, own.clone());
+        waves.squares(&rows, &waves.columns(&offsets, own), &[middle[1]], &mut points);
         Self::new(&points, middle, half, remainder)
     }
 

@@ -2,16 +2,19 @@
 
 pub use super::bernstein::{Net, SIDE, interpolated, nodes, off, part, range, split};
 pub use super::first::{First, FirstPoint, Thoroughness};
-pub use super::squares::{FINE, PARTS, POINTS, ROUNDING};
+pub use super::squares::{FINE, LONG_POINTS, LONG_ROUNDING, PARTS, POINTS, ROUNDING};
 
 use super::bernstein;
 use super::cells::SeaCells;
 use super::footprints::Footprints;
 use super::region::{Axes, Region};
+use super::remainder::{CELL, Remainder, SQUARE, remainder};
+use super::sizes::WaveSizes;
 use super::squares;
 use crate::{Projector, Ray, SeaSurface};
 use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
+use trochoid_sea::FramedSea;
 
 /// Returns value and derivatives of a polynomial at a place in 0…1.
 pub fn evaluate(net: &Net, at: [f64; 2]) -> (f64, [f64; 2]) {
@@ -30,10 +33,14 @@ pub fn range_by_all_instructions(net: &Net) -> [f64; 2] {
 /// Interpolates the values at a square's points at those of its cells.
 pub fn between(own: &[[f64; POINTS]; POINTS]) -> Box<[[f64; FINE]; FINE]> {
     let mut values = Box::new([[0.0; FINE]; FINE]);
-    dispatch!(Level::new(), simd => simd.vectorize(
-        #[inline(always)]
-        || squares::between(simd, own, &mut values)
-    ));
+    squares::between(Level::new(), own, &mut values);
+    values
+}
+
+/// Interpolates the values at the points for long waves at all points of a square.
+pub fn doubled(long: &[[f64; LONG_POINTS]; LONG_POINTS]) -> [[f64; POINTS]; POINTS] {
+    let mut values = [[0.0; POINTS]; POINTS];
+    squares::doubled(Level::new(), long, &mut values);
     values
 }
 
@@ -104,6 +111,45 @@ impl SeenRegion {
     pub fn holds(&self, ray: &Ray, stretch: [f64; 2]) -> bool {
         let own = Ray { origin: self.axes.point(ray.origin), direction: self.axes.direction(ray.direction) };
         self.region.holds(&own, stretch)
+    }
+}
+
+/// Bounds of the distance of a sea from polynomials through some of its points.
+pub struct Remainders {
+    axes: Axes,
+    footprints: Footprints,
+    sizes: WaveSizes,
+}
+
+/// Such a bound for a square.
+pub struct BoundedSquare {
+    /// Along u, up, and along v, in meters.
+    pub off: [f64; 3],
+    /// Number of waves that the polynomial contains, by falling wavelength.
+    pub waves: usize,
+    /// Number of those that come from fewer points.
+    pub long: usize,
+}
+
+impl Remainders {
+    /// Prepares the waves.
+    pub fn new(sea: &SeaSurface, projector: &Projector) -> Self {
+        let axes = Axes::new(sea, projector);
+        let waves = FramedSea::new(&sea.frame, [axes.eye.x, axes.eye.z], axes.heading);
+        Self { axes, footprints: Footprints::new(sea, projector), sizes: WaveSizes::new(&waves) }
+    }
+
+    /// Returns the world's x and z of a rest point.
+    pub fn rest(&self, place: [f64; 2]) -> [f64; 2] {
+        self.axes.rest(place)
+    }
+
+    /// Returns the bound for a square of half side `half` around a place ahead, through [`POINTS`] points a side,
+    /// or through [`SIDE`]; no point of it is farther than `away` from the camera.
+    pub fn of(&self, is_square: bool, middle: f64, half: f64, away: f64) -> BoundedSquare {
+        let through = if is_square { &SQUARE } else { &CELL };
+        let Remainder { off, waves, long, .. } = remainder(&self.sizes, &self.footprints, through, middle, half, away);
+        BoundedSquare { off, waves, long }
     }
 }
 

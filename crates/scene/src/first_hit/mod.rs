@@ -19,6 +19,7 @@ mod kept;
 mod region;
 mod remainder;
 mod search;
+mod sizes;
 mod squares;
 
 pub(crate) use cells::NoCells;

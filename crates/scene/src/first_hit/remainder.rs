@@ -1,8 +1,12 @@
 //! How far a sea may lie from the polynomial through some of its points.
 
-use super::footprints::Footprints;
+use super::footprints::{Footprints, Growth};
+use super::sizes::{Sizes, WaveSizes};
 use super::{bernstein, squares};
+use fearless_simd::{Simd, dispatch, f64x8, prelude::*};
+use std::ops::Range;
 use trochoid_sea::FramedSea;
+use trochoid_sea::kernel64::{LANES, exp};
 
 /// Bounds of the distance between the sea and its polynomial within a cell. What the polynomial's coefficients lose to
 /// rounding is added when they are known ([`Cell`](super::cells::Cell)).
@@ -16,15 +20,24 @@ pub(super) struct Remainder {
     pub(super) turn: f64,
     /// Number of waves, by falling wavelength, that the polynomial must contain.
     pub(super) waves: usize,
+    /// Number of the first of these that count as long ([`LONG`]).
+    pub(super) long: usize,
 }
 
 /// Sizes ρ of the ellipses around a cell within which waves are bounded.
 const ELLIPSES: [f64; 15] = [1.3, 1.7, 2.2, 3.0, 4.0, 5.5, 7.5, 10.0, 14.0, 20.0, 30.0, 50.0, 90.0, 200.0, 1000.0];
+
+/// Exponent below which nothing is left of a wave.
+const LEAST: f64 = -745.0;
+
 /// What an ellipse of size ρ makes of a function of size 1 within it; z = 1/(1 − 1/ρ), n nodes.
 struct Ellipse {
     /// Largest distance from the middle, and from the real numbers, relative to half a side.
     reach: f64,
     aside: f64,
+    /// m − 1 within it, infinite where it does not converge, and what of it exceeds the linear part.
+    grown: f64,
+    bent: f64,
     /// ln of 4z·ρ⁻ⁿ, and the factor for derivatives.
     value: f64,
     slope: f64,
@@ -41,12 +54,22 @@ pub(super) struct Through {
     lebesgue: f64,
     /// Exponent from which a wave counts as lost, and need not be in the polynomial.
     lost: f64,
+    /// How long waves come to the points.
+    long: Option<&'static Self>,
 }
 
 /// Those of a cell: e⁻¹⁴, a millionth, is left of a lost wave at most.
-pub(super) const CELL: Through = Through { points: bernstein::SIDE, lebesgue: bernstein::LEBESGUE, lost: 14.0 };
+pub(super) const CELL: Through =
+    Through { points: bernstein::SIDE, lebesgue: bernstein::LEBESGUE, lost: 14.0, long: None };
 /// Those of a square of cells. What it lacks of a wave is enlarged once more in its cells, so that less may be left.
-pub(super) const SQUARE: Through = Through { points: squares::POINTS, lebesgue: squares::LEBESGUE, lost: 20.0 };
+pub(super) const SQUARE: Through =
+    Through { points: squares::POINTS, lebesgue: squares::LEBESGUE, lost: SQUARE_LOST, long: Some(&LONG) };
+const SQUARE_LOST: f64 = 20.0;
+/// Those of a square for long waves, which turn by [`LONG_TURN`] at most within half a side.
+const LONG: Through =
+    Through { points: squares::LONG_POINTS, lebesgue: squares::LONG_LEBESGUE, lost: SQUARE_LOST, long: None };
+/// The polynomial of 16 points lacks 2e-12 of waves that turn by as many radians.
+const LONG_TURN: f64 = 2.0;
 
 impl Remainder {
     /// Returns the remainder of a cell whose points are known from a polynomial with a remainder of its own, or are off
@@ -90,73 +113,181 @@ impl Remainder {
 ///
 /// Along both sides, f − I_u·I_v·f = (f − I_u·f) + I_u·(f − I_v·f), and I_u enlarges by the Lebesgue constant at most.
 pub(super) fn remainder(
-    sea: &FramedSea,
+    sea: &WaveSizes,
     footprints: &Footprints,
-    through: Through,
+    through: &Through,
     middle: f64,
     half: f64,
     away: f64,
 ) -> Remainder {
     let (square, growth) = (footprints.square(middle), footprints.growth(middle));
-    let Through { points, lebesgue, lost } = through;
-    let count = points as f64;
-    let ellipses = ELLIPSES.map(|rho| {
-        let z = 1.0 / (1.0 - 1.0 / rho);
-        let value = libm::log(4.0 * z) - count * libm::log(rho);
-        let slope = count * count * (1.0 + 2.0 * z / count + 2.0 * z * z / (count * count));
-        Ellipse { reach: (rho + 1.0 / rho) / 2.0, aside: (rho - 1.0 / rho) / 2.0, value, slope }
-    });
-    let reaches = ellipses.each_ref().map(|ellipse| growth.at(ellipse.reach * half) - 1.0);
-    let (linear, whole) = (growth.linear() * half, growth.at(half) - 1.0);
-    // Markov's inequality: a polynomial's derivative is at most the square of its degree times its size.
-    let steep = lebesgue * (count - 1.0) * (count - 1.0);
-    let added = sea.rounding();
-    let mut remainder = Remainder::default();
-    // The best ellipse hardly changes from wave to wave.
-    let mut best = [ELLIPSES.len() - 1; 2];
-    for (index, wave) in sea.waves().iter().enumerate() {
-        let b = wave.number * wave.number * square / 8.0;
-        let most = b * whole - b;
-        let [along, up, across] = wave.amplitudes.map(f64::abs);
-        let size = libm::sqrt(along * along + up * up + across * across);
-        let ku = wave.numbers[0].abs() * half;
-        let kv = wave.numbers[1].abs() * half;
-        let (off, turn, left) = if most < -lost {
-            // The polynomial may contain the wave or not: this bounds it, and what interpolation makes of it.
-            let left = libm::exp(most);
-            let growth = 2.0 * b * linear * (1.0 + whole);
-            (left * (1.0 + lebesgue * lebesgue), left * (lebesgue * steep + ku + kv + growth), left)
-        } else {
-            remainder.waves = index + 1;
-            let x = libm::hypot(ku, b * linear);
-            let along = |index: usize, ellipse: &Ellipse| {
-                let together = x * ellipse.reach + b * (reaches[index] - linear * ellipse.reach).max(0.0);
-                together.min(ku * ellipse.aside + b * reaches[index].max(0.0))
-            };
-            let [u, u_slope] = least(&ellipses, &mut best[0], along);
-            let [v, v_slope] = least(&ellipses, &mut best[1], |_, ellipse| kv * ellipse.aside);
-            let big = libm::exp(b * whole);
-            let share = libm::exp(-b);
-            let turn = (u_slope + steep * v * big).max(v_slope * big + steep * u);
-            // A wave of size 0 that may grow without limit (0·∞) counts as whole.
-            (share * (u + lebesgue * v * big), share * turn, (share * big).min(1.0))
-        };
-        // Shorter waves do not leave anything either.
-        if left == 0.0 && whole <= 1.0 {
-            break;
-        }
-        let rounding = left * (added + wave.phase_error(away)) * lebesgue * lebesgue;
-        for (axis, amplitude) in [along, up, across].into_iter().enumerate() {
-            remainder.off[axis] += amplitude * off;
-            remainder.rounding[axis] += amplitude * rounding;
-        }
-        remainder.turn += size * (turn + rounding * steep);
+    let whole = growth.at(half) - 1.0;
+    let count = sea.numbers.len();
+    if !whole.is_finite() {
+        let endless = [f64::INFINITY; 3];
+        return Remainder { off: endless, rounding: endless, turn: f64::INFINITY, waves: count, long: 0 };
     }
-    for (off, rounding) in remainder.off.iter_mut().zip(&mut remainder.rounding) {
-        *rounding += PLACE * away;
-        *off += *rounding;
+    let is_kept = |k: &f64| k * k * (square / 8.0) * (whole - 1.0) >= -through.lost;
+    let waves = sea.numbers.partition_point(is_kept);
+    // Whole vectors of long waves.
+    let long = through.long.map_or(0, |_| sea.numbers.partition_point(|k| k * half <= LONG_TURN).min(waves));
+    let long = long / LANES * LANES;
+    let mut sums = Sums::default();
+    for (part, through) in [(0..long, through.long), (long..count, Some(through))] {
+        let Some(through) = through.filter(|_| !part.is_empty()) else { continue };
+        let bound = Bound::new(through, growth, square, half, sea.rounding, away);
+        dispatch!(sea.level, simd => simd.vectorize(
+            #[inline(always)]
+            || bound.add(simd, &sea.blocks, &part, waves, &mut sums)
+        ));
+    }
+    let total = |lanes: [f64; LANES]| lanes.iter().sum::<f64>();
+    let mut remainder = Remainder { off: [0.0; 3], rounding: [0.0; 3], turn: total(sums.turn), waves, long };
+    for axis in 0..3 {
+        remainder.rounding[axis] = total(sums.rounding[axis]) + PLACE * away;
+        remainder.off[axis] = total(sums.off[axis]) + remainder.rounding[axis];
     }
     remainder
+}
+
+/// Sums of bounds over waves, lane by lane.
+#[derive(Default)]
+struct Sums {
+    off: [[f64; LANES]; 3],
+    rounding: [[f64; LANES]; 3],
+    turn: [f64; LANES],
+}
+
+/// What bounds a wave of size 1.
+struct Of<S: Simd> {
+    /// Of the values and of the derivatives.
+    off: f64x8<S>,
+    turn: f64x8<S>,
+    /// Share that is left of it.
+    left: f64x8<S>,
+}
+
+/// What the bounds of all waves have in common.
+struct Bound {
+    ellipses: [Ellipse; ELLIPSES.len()],
+    /// f²/8.
+    filter: f64,
+    half: f64,
+    /// m(H) − 1, and its linear part.
+    whole: f64,
+    linear: f64,
+    lebesgue: f64,
+    steep: f64,
+    lost: f64,
+    /// Rounding error of sums, relative to the sizes of the waves, and distance from the origin.
+    rounding: f64,
+    away: f64,
+}
+
+impl Bound {
+    fn new(through: &Through, growth: Growth, square: f64, half: f64, rounding: f64, away: f64) -> Self {
+        let Through { points, lebesgue, lost, .. } = *through;
+        let count = points as f64;
+        let linear = growth.linear() * half;
+        let ellipses = ELLIPSES.map(|rho| {
+            let z = 1.0 / (1.0 - 1.0 / rho);
+            let value = libm::log(4.0 * z) - count * libm::log(rho);
+            let slope = count * count * (1.0 + 2.0 * z / count + 2.0 * z * z / (count * count));
+            let reach = (rho + 1.0 / rho) / 2.0;
+            let grown = growth.at(reach * half) - 1.0;
+            let bent = (grown - linear * reach).max(0.0);
+            Ellipse { reach, aside: (rho - 1.0 / rho) / 2.0, grown: grown.max(0.0), bent, value, slope }
+        });
+        // Markov's inequality: a polynomial's derivative is at most the square of its degree times its size.
+        let steep = lebesgue * (count - 1.0) * (count - 1.0);
+        let whole = growth.at(half) - 1.0;
+        Self { ellipses, filter: square / 8.0, half, whole, linear, lebesgue, steep, lost, rounding, away }
+    }
+
+    /// Adds the bounds of some waves, the first of a vector to begin with; the polynomials contain the first `waves`.
+    #[inline(always)]
+    fn add<S: Simd>(&self, simd: S, blocks: &[Sizes], part: &Range<usize>, waves: usize, sums: &mut Sums) {
+        let mut total = [f64x8::splat(simd, 0.0); 7];
+        let blocks = &blocks[part.start / LANES..part.end.div_ceil(LANES)];
+        for (index, sizes) in blocks.iter().enumerate() {
+            let start = part.start + LANES * index;
+            let b = load(simd, &sizes.square) * self.filter;
+            let most = b * (self.whole - 1.0);
+            let numbers = [load(simd, &sizes.numbers[0]) * self.half, load(simd, &sizes.numbers[1]) * self.half];
+            let of = if start + LANES <= waves {
+                self.kept(simd, b, numbers)
+            } else if start >= waves {
+                // Shorter waves do not leave anything either.
+                if self.whole <= 1.0 && sizes.square[0] * self.filter * (self.whole - 1.0) < LEAST {
+                    break;
+                }
+                self.lost(simd, b, most, numbers)
+            } else {
+                let (kept, lost) = (self.kept(simd, b, numbers), self.lost(simd, b, most, numbers));
+                let is_lost = simd.simd_lt_f64x8(most, f64x8::splat(simd, -self.lost));
+                let pick = |lost: f64x8<S>, kept: f64x8<S>| simd.select_f64x8(is_lost, lost, kept);
+                Of { off: pick(lost.off, kept.off), turn: pick(lost.turn, kept.turn), left: pick(lost.left, kept.left) }
+            };
+            let [by_meter, at_origin] = [load(simd, &sizes.phase_errors[0]), load(simd, &sizes.phase_errors[1])];
+            let enlarged = self.lebesgue * self.lebesgue;
+            let rounding = of.left * (by_meter * self.away + at_origin + self.rounding) * enlarged;
+            for axis in 0..3 {
+                let amplitude = load(simd, &sizes.amplitudes[axis]);
+                total[axis] += amplitude * of.off;
+                total[3 + axis] += amplitude * rounding;
+            }
+            total[6] += load(simd, &sizes.size) * (of.turn + rounding * self.steep);
+        }
+        let places = sums.off.iter_mut().chain(&mut sums.rounding).chain([&mut sums.turn]);
+        for (place, total) in places.zip(total) {
+            *place = (load(simd, place) + total).to_array();
+        }
+    }
+
+    /// Returns the bound for waves that the polynomial contains.
+    #[inline(always)]
+    fn kept<S: Simd>(&self, simd: S, b: f64x8<S>, [ku, kv]: [f64x8<S>; 2]) -> Of<S> {
+        let splat = |value: f64| f64x8::splat(simd, value);
+        let bent = b * self.linear;
+        let x = (ku * ku + bent * bent).sqrt();
+        // The least exponent of any ellipse, and the factor of the derivatives that belongs to it.
+        let (mut u, mut u_slope) = (splat(f64::INFINITY), splat(0.0));
+        let (mut v, mut v_slope) = (u, u_slope);
+        for ellipse in &self.ellipses {
+            let slope = splat(ellipse.slope);
+            if ellipse.grown.is_finite() {
+                let together = x * ellipse.reach + b * ellipse.bent;
+                let exponent = together.min(ku * ellipse.aside + b * ellipse.grown) + ellipse.value;
+                let is_less = simd.simd_lt_f64x8(exponent, u);
+                (u, u_slope) = (simd.select_f64x8(is_less, exponent, u), simd.select_f64x8(is_less, slope, u_slope));
+            }
+            let exponent = kv * ellipse.aside + ellipse.value;
+            let is_less = simd.simd_lt_f64x8(exponent, v);
+            (v, v_slope) = (simd.select_f64x8(is_less, exponent, v), simd.select_f64x8(is_less, slope, v_slope));
+        }
+        let (big, share) = (exp(simd, b * self.whole), exp(simd, b * -1.0));
+        let (u, v) = (exp(simd, u), exp(simd, v) * big);
+        let turn = (u * u_slope + v * self.steep).max(v * v_slope + u * self.steep);
+        Of { off: share * (u + v * self.lebesgue), turn: share * turn, left: (share * big).min(splat(1.0)) }
+    }
+
+    /// Returns the bound for waves that the polynomial may contain or not: it bounds a wave, and what interpolation makes
+    /// of it.
+    #[inline(always)]
+    fn lost<S: Simd>(&self, simd: S, b: f64x8<S>, most: f64x8<S>, [ku, kv]: [f64x8<S>; 2]) -> Of<S> {
+        let left = exp(simd, most);
+        let growth = b * (2.0 * self.linear * (1.0 + self.whole));
+        Of {
+            off: left * (1.0 + self.lebesgue * self.lebesgue),
+            turn: left * (ku + kv + growth + self.lebesgue * self.steep),
+            left,
+        }
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, lanes: &[f64; LANES]) -> f64x8<S> {
+    f64x8::load_array_ref(simd, lanes)
 }
 
 /// Bounds how far displacements in the square of half side `half` around `middle` ahead of the camera may be from a sum in
@@ -177,24 +308,4 @@ pub(super) fn spread(sea: &FramedSea, footprints: &Footprints, middle: f64, half
         }
     }
     spread
-}
-
-/// Returns the bound of the values by an ellipse, given the exponent of what the function grows to within it, and that of
-/// the slopes. From the one that was best before, it looks for the best one: the exponent falls with ρ, and then rises.
-fn least(ellipses: &[Ellipse], best: &mut usize, exponent: impl Fn(usize, &Ellipse) -> f64) -> [f64; 2] {
-    let at = |index: usize| {
-        let exponent = exponent(index, &ellipses[index]) + ellipses[index].value;
-        if exponent.is_nan() { f64::INFINITY } else { exponent }
-    };
-    let (start, mut least) = (*best, at(*best));
-    while *best > 0 && at(*best - 1) <= least {
-        *best -= 1;
-        least = at(*best);
-    }
-    while *best >= start && *best + 1 < ellipses.len() && at(*best + 1) < least {
-        *best += 1;
-        least = at(*best);
-    }
-    let value = libm::exp(least);
-    [value, value * ellipses[*best].slope]
 }

@@ -17,14 +17,17 @@ pub(super) const HALVINGS: u32 = 40;
 const INDISTINCT: f64 = 8.0;
 /// Most times that a smaller cell replaces a part of a smaller cell: each is smaller by the eighth power of its size.
 const LEVELS: u32 = 6;
-/// Change of the derivatives across a part, relative to their mean, below which the part is one-to-one.
-const ONE_TO_ONE: f64 = 0.5;
+/// Change κ of the derivatives across a part, relative to their mean, up to which the part counts as one-to-one: a smaller
+/// one takes more halves, and a larger one, more steps. If a step moves a place by δ, the end of all steps is within
+/// [`ALL_STEPS`]·δ = δ/(1 − κ) of it.
+const ONE_TO_ONE: f64 = 0.75;
+const ALL_STEPS: f64 = 1.0 / (1.0 - ONE_TO_ONE);
 /// Most steps of Newton's method on a patch before those on the sea itself, and the size of a step, relative to the part,
 /// that is the last one.
 const ON_PATCH: usize = 8;
 const LAST: f64 = 1e-6;
-/// Most steps of the projected iteration, which at least halve the distance each.
-const STEPS: usize = 60;
+/// Most steps of the projected iteration, each of which leaves κ of the distance at most: 1e-10 of it, all together.
+const STEPS: usize = 80;
 /// Share by which the part of a ray that is searched is longer at both ends.
 const WIDER: f64 = 1e-9;
 /// Distance in a part at which two points count as one.
@@ -77,7 +80,7 @@ struct Search<'a> {
     /// Parts and smaller cells that may still be looked at.
     parts: u32,
     smaller: u32,
-    /// Parts that remain to be looked at: those of the current cell, above those of the cells within which it lies.
+    /// Room for the parts of a cell that remain to be looked at, the nearest last; empty between cells.
     open: Vec<Part>,
     /// Least distance at which something remains unknown.
     unknown: f64,
@@ -130,7 +133,7 @@ impl SeaCells {
             found: None,
             parts,
             smaller,
-            open: Vec::with_capacity(8),
+            open: Vec::new(),
             unknown: f64::INFINITY,
         };
         self.tree.visit(&Line::new(origin, direction), end, |cell| {
@@ -183,35 +186,36 @@ impl Search<'_> {
             slacks,
             grows: [by_s >= 0.0, by_t >= 0.0],
         };
-        let others = self.open.len();
-        let mut part = Part { aside: [p, q], start: [0.0; 2], size: [1.0; 2], halvings: HALVINGS };
-        loop {
+        // A smaller cell within this one takes room of its own.
+        let mut open = std::mem::take(&mut self.open);
+        open.push(Part { aside: [p, q], start: [0.0; 2], size: [1.0; 2], halvings: HALVINGS });
+        while let Some(part) = open.last_mut() {
             if self.parts == 0 {
-                self.leave(&seen, &part);
+                self.leave(&seen, part);
             } else {
                 self.parts -= 1;
-                match self.solutions(&seen, &part) {
+                match self.solutions(&seen, part) {
                     Solutions::None => {}
-                    Solutions::One(guess) => self.one(&seen, &part, guess),
+                    Solutions::One(guess) => {
+                        let start = part.on_patch(guess);
+                        self.one(&seen, part, start);
+                    }
                     Solutions::Several { along_s } => {
                         // The nearer half is looked at first.
                         let nearer = part.halve(along_s, seen.grows[usize::from(!along_s)]);
-                        self.open.push(part);
-                        part = nearer;
+                        open.push(nearer);
                         continue;
                     }
-                    Solutions::Indistinct => self.again(&seen, &part),
+                    Solutions::Indistinct => self.again(&seen, part),
                 }
             }
-            if self.open.len() == others {
-                return;
-            }
-            let Some(next) = self.open.pop() else { return };
-            part = next;
+            open.truncate(open.len() - 1);
         }
+        self.open = open;
     }
 
     /// Notes that the points of a part remain unknown.
+    #[cold]
     fn leave(&mut self, seen: &SeenCell<'_>, part: &Part) {
         self.unknown = self.unknown.min(seen.reach(part)[0]);
     }
@@ -277,31 +281,15 @@ impl Search<'_> {
         if is_outside { Solutions::None } else { Solutions::One(guess.to_array()) }
     }
 
-    /// Finds the only point that a part may have on the ray.
+    /// Finds the only point that a part may have on the ray, given that of its patch.
     ///
-    /// The part is one-to-one across the ray: G(x) = x − Y·F(x) contracts it by κ ≤ ½. Newton's method on the sea itself
+    /// The part is one-to-one across the ray: G(x) = x − Y·F(x) contracts it by κ ≤ ¾. Newton's method on the sea itself
     /// mostly finds the point within the part. If it finds one beyond the part, or none, there may still be one in the
     /// part, and then it is the fixed point of x ↦ clamp(G(x)), which contracts as well and cannot leave the part. For any
-    /// x and δ = |clamp(G(x)) − x|, that fixed point lies within 2δ of x; if it was a point of the ray, |G(x) − x| could be
-    /// 3δ at most.
-    fn one(&mut self, seen: &SeenCell<'_>, part: &Part, guess: [f64; 2]) {
+    /// x and δ = |clamp(G(x)) − x|, that fixed point lies within δ/(1 − κ) = 4δ of x; if it was a point of the ray,
+    /// |G(x) − x| could be (1 + κ)·4δ = 7δ at most.
+    fn one(&mut self, seen: &SeenCell<'_>, part: &Part, start: DVec2) {
         let cell = seen.cell;
-        // A step on the patch costs much less than one on the sea.
-        let mut start = DVec2::from(guess).clamp(DVec2::ZERO, DVec2::ONE);
-        for _ in 0..ON_PATCH {
-            let [(p, by_p), (q, by_q)] = evaluate(&part.aside, start.to_array());
-            let ways = DMat2::from_cols(DVec2::new(by_p[0], by_q[0]), DVec2::new(by_p[1], by_q[1]));
-            let to = start - ways.inverse() * DVec2::new(p, q);
-            if !to.is_finite() {
-                break;
-            }
-            let to = to.clamp(DVec2::ZERO, DVec2::ONE);
-            let moved = (to - start).abs().max_element();
-            start = to;
-            if moved <= LAST {
-                break;
-            }
-        }
         // On the part's border, the patch mostly tells that its point lies in another part.
         let is_on_border = start.min_element() <= 0.0 || start.max_element() >= 1.0;
         if is_on_border && Self::settle(seen, part, start).is_none() {
@@ -352,9 +340,10 @@ impl Search<'_> {
             beyond = Some(local);
         }
         let Some((near, off)) = Self::settle(seen, part, beyond.unwrap_or(start)) else { return };
-        // If the part has a point, it is within twice the errors of this place, too close to the part's border to tell. It
-        // may be the one that Newton's method has found just beyond, which then counts.
-        let is_known = beyond.is_some_and(|local| (local - near).abs().max_element() <= 4.0 * (off + SAME));
+        // If the part has a point, it is within four times the errors of this place, too close to the part's border to tell.
+        // It may be the one that Newton's method has found just beyond, which then counts.
+        let same = 2.0 * ALL_STEPS * (off + SAME);
+        let is_known = beyond.is_some_and(|local| (local - near).abs().max_element() <= same);
         if !is_known {
             self.again(seen, part);
         }
@@ -373,7 +362,7 @@ impl Search<'_> {
             let step = inverse * DVec2::new(p, q);
             let to = (near - step).clamp(DVec2::ZERO, DVec2::ONE);
             let delta = (to - near).abs().max_element();
-            if step.abs().max_element() > 3.0 * (delta + off) + off {
+            if step.abs().max_element() > (1.0 + ONE_TO_ONE) * ALL_STEPS * (delta + off) + off {
                 return None;
             }
             if delta <= SAME {
@@ -406,14 +395,14 @@ impl Search<'_> {
     /// Returns the distance of the only point that a part may have on the ray, and how far it may be off, if the part
     /// certainly has one; `start` is the patch's point on the ray.
     ///
-    /// G contracts the part by κ ≤ ½ and moves this place by e = |Y|·(slack + |F|) at most. If the square of half side 2e
-    /// around it lies in the part, then G maps it to itself, so that the point exists and lies in it.
+    /// G contracts the part by κ ≤ ¾ and moves this place by e = |Y|·(slack + |F|) at most. If the square of half side
+    /// e/(1 − κ) = 4e around it lies in the part, then G maps it to itself, so that the point exists and lies in it.
     fn roughly(&self, seen: &SeenCell<'_>, part: &Part, start: DVec2) -> Option<[f64; 2]> {
         let [p, q] = &part.aside;
         let inverse = Derivatives::mean(p, q).inverse();
         let norm = inverse.x_axis.abs() + inverse.y_axis.abs();
         let [(p, _), (q, _)] = evaluate(&part.aside, start.to_array());
-        let within = 2.0 * (norm * (seen.slack + p.abs().max(q.abs()))).max_element() + SAME;
+        let within = ALL_STEPS * (norm * (seen.slack + p.abs().max(q.abs()))).max_element() + SAME;
         let is_inside = start.min_element() >= within && start.max_element() <= 1.0 - within;
         if !is_inside {
             return None;
@@ -438,7 +427,7 @@ fn misses([low, high]: [f64; 2], slack: f64) -> bool {
 
 impl SeenCell<'_> {
     /// Returns the range of distances of a part.
-    #[cold]
+    #[inline(always)]
     fn reach(&self, within: &Part) -> [f64; 2] {
         let [near, far] = range(&part(&self.along, within.start, within.size));
         [near - self.deep, far + self.deep]
@@ -459,6 +448,28 @@ impl Part {
         let upper = if grows { &mut self.start } else { &mut start };
         upper[axis] += self.size[axis];
         Self { aside, start, size: self.size, halvings: self.halvings }
+    }
+
+    /// Returns the patch's point on the ray by Newton's method from a guess, or a place near it on the part's border. A
+    /// step on the patch costs much less than one on the sea.
+    #[inline(always)]
+    fn on_patch(&self, guess: [f64; 2]) -> DVec2 {
+        let mut start = DVec2::from(guess).clamp(DVec2::ZERO, DVec2::ONE);
+        for _ in 0..ON_PATCH {
+            let [(p, by_p), (q, by_q)] = evaluate(&self.aside, start.to_array());
+            let ways = DMat2::from_cols(DVec2::new(by_p[0], by_q[0]), DVec2::new(by_p[1], by_q[1]));
+            let to = start - ways.inverse() * DVec2::new(p, q);
+            if !to.is_finite() {
+                break;
+            }
+            let to = to.clamp(DVec2::ZERO, DVec2::ONE);
+            let moved = (to - start).abs().max_element();
+            start = to;
+            if moved <= LAST {
+                break;
+            }
+        }
+        start
     }
 
     /// Returns the place in the cell's unit square of a place in the part's.

@@ -75,11 +75,11 @@ fn jacobians(spray: &Spray, frame: &SeaFrame) -> Vec<f64> {
     let sea = FramedSea::new(frame, [0.0, 0.0], [0.0, 1.0]);
     let starts = |count: usize| (0..count).step_by(SIDE);
     let offsets: Vec<f64> = (0..columns.min(SIDE)).map(|column| -(column as f64) * spray.cell).collect();
-    let across = sea.columns(&offsets);
+    let across = sea.columns(&offsets, 0..sea.waves().len());
     for row in starts(rows) {
         let places = row..(row + SIDE).min(rows);
         let places = places.map(|row| (spray.middle([0, first[1] + row as i64])[1], spray.cell));
-        let along = sea.strain_rows(&places.collect::<Vec<_>>(), sea.waves().len());
+        let along = sea.strain_rows(&places.collect::<Vec<_>>());
         let mut strains = vec![[0.0; 3]; offsets.len() * (rows - row).min(SIDE)];
         for column in starts(columns) {
             sea.squares(&along, &across, &[-spray.middle([first[0] + column as i64, 0])[0]], &mut strains);

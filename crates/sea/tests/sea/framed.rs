@@ -1,6 +1,7 @@
 //! Tests of sums over squares against the plain sum.
 
 use crate::random::Random;
+use std::ops::Range;
 use trochoid_sea::{FramedSea, GerstnerSpectrum, Sea};
 
 #[test]
@@ -15,11 +16,20 @@ fn squares_and_mirrored_squares_are_the_plain_sum_to_rounding() {
         let places: Vec<(f64, f64)> = (0..rows).map(|_| (200.0 * random.unit(), 2.0 * random.unit())).collect();
         let offsets: Vec<f64> = (0..columns).map(|_| 4.0 * random.unit()).collect();
         let middle = 300.0 * random.unit() - 150.0;
-        let (along, across) = (sea.rows(&places, sea.waves().len()), sea.columns(&offsets));
+        let factors = |waves: Range<usize>| (sea.rows(&places, waves.clone()), sea.columns(&offsets, waves));
+        let (along, across) = factors(0..count);
         let mut both = vec![[0.0; 3]; rows * 2 * columns];
         sea.mirrored(&along, &across, middle, &mut both);
         let mut one = vec![[0.0; 3]; 2 * rows * columns];
         sea.squares(&along, &across, &[middle, -middle], &mut one);
+        // The first and the last waves make up all of them.
+        let parts = [0..count / 3, count / 3..count].map(|waves| {
+            let (along, across) = factors(waves);
+            let mut part = vec![[0.0; 3]; both.len()];
+            sea.mirrored(&along, &across, middle, &mut part);
+            part
+        });
+        let together = |index: usize| [0, 1, 2].map(|axis| parts[0][index][axis] + parts[1][index][axis]);
         let allowed: f64 = sea
             .waves()
             .iter()
@@ -41,6 +51,7 @@ fn squares_and_mirrored_squares_are_the_plain_sum_to_rounding() {
             for (column, offset) in offsets.iter().enumerate() {
                 let own = &both[row * 2 * columns..];
                 check(own[columns + column], middle + offset, *place);
+                check(together(row * 2 * columns + columns + column), middle + offset, *place);
                 check(own[columns - 1 - column], middle - offset, *place);
                 check(one[row * columns + column], middle + offset, *place);
                 check(one[(rows + row) * columns + column], -middle + offset, *place);

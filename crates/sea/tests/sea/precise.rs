@@ -1,7 +1,7 @@
 //! Tests of the functions of precise sums.
 
 use std::f64::consts::PI;
-use trochoid_sea::inside::{halved, sincos_half_turns};
+use trochoid_sea::inside::{exp, halved, sincos_half_turns};
 
 #[test]
 fn sines_and_cosines_are_exact_to_rounding() {
@@ -24,6 +24,26 @@ fn sines_and_cosines_are_exact_to_rounding() {
             assert!(off < 1e-15, "{whole} half turns and {lane} are off by {off}");
         }
     }
+}
+
+#[test]
+fn exponentials_are_exact_to_rounding_and_infinite_beyond() {
+    for step in 0..100_000 {
+        let x: [f64; 8] = std::array::from_fn(|lane| (f64::from(step) + lane as f64 / 8.0) / 73.0 - 680.0);
+        for (x, found) in x.into_iter().zip(exp(x)) {
+            if x < 693.0 {
+                let off = (found / libm::exp(x) - 1.0).abs();
+                assert!(off < 1e-15 + x.abs() * 3e-16, "e^{x} is off by {off}");
+            } else {
+                assert_eq!(found, f64::INFINITY, "e^{x}");
+            }
+        }
+    }
+    let (least, infinite) = (libm::exp2(-1000.0), f64::INFINITY);
+    assert_eq!(
+        exp([0.0, -0.0, -694.0, -1e300, -infinite, 693.0, 1e300, infinite]),
+        [1.0, 1.0, least, least, least, infinite, infinite, infinite]
+    );
 }
 
 #[test]

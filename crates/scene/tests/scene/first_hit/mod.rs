@@ -3,6 +3,7 @@
 mod bernstein;
 mod footprints;
 mod region;
+mod remainder;
 mod squares;
 
 use std::f64::consts::TAU;

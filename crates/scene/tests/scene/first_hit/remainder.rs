@@ -1,0 +1,89 @@
+//! Tests of bounds of the distance of seas from polynomials.
+
+use super::{part, projector};
+use trochoid_scene::inside::first_hit::{LONG_POINTS, POINTS, Remainders, SIDE, SeaFootprints, nodes};
+use trochoid_scene::inside::{carried, heading};
+use trochoid_scene::{DVec3, Projector, SeaSurface};
+use trochoid_sea::{ExplicitWave, Sea, Wave};
+
+/// Returns the factors of N Chebyshev points at a place.
+fn factors<const N: usize>(at: f64) -> [f64; N] {
+    let points = nodes::<N>();
+    std::array::from_fn(|own| {
+        (0..N).filter(|other| *other != own).map(|other| (at - points[other]) / (points[own] - points[other])).product()
+    })
+}
+
+/// Returns how far a sea carries a rest point, given from the middle of a square.
+fn moved(sea: &SeaSurface, projector: &Projector, rest: [f64; 2]) -> DVec3 {
+    carried(sea, projector, rest).0 - DVec3::new(rest[0], sea.level(), rest[1])
+}
+
+/// Returns what the polynomial through N points a side makes of it.
+fn interpolated<const N: usize>(displaced: impl Fn([f64; 2]) -> DVec3, [s, t]: [f64; 2]) -> DVec3 {
+    let (points, by_s, by_t) = (nodes::<N>(), factors::<N>(s), factors::<N>(t));
+    let mut sum = DVec3::ZERO;
+    for (s, by_s) in points.into_iter().zip(by_s) {
+        for (t, by_t) in points.into_iter().zip(by_t) {
+            sum += by_s * by_t * displaced([s, t]);
+        }
+    }
+    sum
+}
+
+#[test]
+fn polynomials_are_as_close_to_the_sea_as_their_remainder_says() {
+    let (mut looked_at, mut nearest, mut with_long, mut lost) = (0, 0.0_f64, 0, 0);
+    for case in 0..240_u32 {
+        let count = [1, 3, 9, 20][case as usize % 4];
+        let mut waves: Vec<Wave> = (0..count)
+            .map(|index| {
+                let pick = |by: f64| part(97 * case + index, by);
+                let wave = ExplicitWave {
+                    wavelength: libm::exp(5.0 * pick(0.618) - 1.0),
+                    amplitude: if index == 2 { 0.0 } else { pick(0.414) },
+                    direction: 6.3 * pick(0.732),
+                    sharpness: 1.5 * pick(0.31),
+                    phase: 6.3 * pick(0.21),
+                    speed: None,
+                };
+                Wave::try_from(wave).expect("valid")
+            })
+            .collect();
+        waves.sort_by(|a, b| b.wavelength.total_cmp(&a.wavelength));
+        let surface = |waves: &[Wave]| SeaSurface::new(&Sea::new(waves.to_vec()), 3.0, 0.4);
+        let (sea, projector) = (surface(&waves), projector(case, [0.0, 0.0]));
+        let remainders = Remainders::new(&sea, &projector);
+        let ahead = libm::exp(6.0 * part(case, 0.57)) - 3.0;
+        let half = libm::exp(5.0 * part(case, 0.83) - 3.5);
+        let has_kink = |kink: f64| (kink - ahead).abs() < half;
+        if SeaFootprints::new(&sea, &projector).kinks().into_iter().any(has_kink) {
+            continue;
+        }
+        let is_square = case % 3 > 0;
+        let bound = remainders.of(is_square, ahead, half, ahead.abs() + 2.0 * half);
+        let rest = |[s, t]: [f64; 2]| remainders.rest([ahead + half * s, half * t]);
+        let (long, short) = (surface(&waves[..bound.long]), surface(&waves[bound.long..bound.waves]));
+        let of = |sea: &SeaSurface, at: [f64; 2]| moved(sea, &projector, rest(at));
+        with_long += usize::from(bound.long > 0);
+        lost += usize::from(bound.waves < waves.len());
+        for pick in 0..4 {
+            let at = [2.0 * part(pick, 0.618) - 1.0, 2.0 * part(pick, 0.414) - 1.0];
+            let found = if is_square {
+                interpolated::<LONG_POINTS>(|at| of(&long, at), at) + interpolated::<POINTS>(|at| of(&short, at), at)
+            } else {
+                interpolated::<SIDE>(|at| of(&short, at), at)
+            };
+            let off = found - of(&sea, at);
+            let [x, z] = heading(&projector);
+            let own = [off.x * x + off.z * z, off.y, off.z * x - off.x * z];
+            for (off, bound) in own.map(f64::abs).into_iter().zip(bound.off) {
+                assert!(off <= bound + 1e-13, "case {case}: {off:e} above {bound:e}");
+                nearest = nearest.max((off - 1e-13) / bound);
+            }
+        }
+        looked_at += 1;
+    }
+    assert!(looked_at > 150 && with_long > 30 && lost > 10, "{looked_at}, {with_long} with long waves, {lost} lost");
+    assert!(0.1 < nearest, "the nearest is at {nearest} of its bound");
+}
