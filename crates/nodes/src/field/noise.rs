@@ -256,20 +256,25 @@ impl Prepared for PreparedNoise {
         let mut places = bounding.block.places();
         bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let at = places.next().unwrap_or_default();
-            let moved = |(axis, along): (usize, Span)| {
-                let by = self.moved(axis);
-                Span { low: along.low - by, high: along.high - by, ..along }
+            // All axes of the space, and others behind them.
+            let place = |along: [Span; 3]| {
+                [0, 1, 2].map(|axis| {
+                    let by = self.moved(axis);
+                    Span { low: along[axis].low - by, high: along[axis].high - by, ..along[axis] }
+                })
             };
             if channels.is_empty() {
-                let place: Vec<Span> =
-                    self.screen.at(at).map(Span::exactly).into_iter().enumerate().map(moved).collect();
-                return self.octaves.span(&place, self.footprints.span(at, Span::exactly(0.0)));
+                let [x, y] = self.screen.at(at).map(Span::exactly);
+                let place = place([x, y, y]);
+                return self.octaves.span(&place[..2], self.footprints.span(at, Span::exactly(0.0)));
             }
             bounding.where_covered(view, sample, || {
-                let along = channels.iter().map(|channel| bounding.certain(view, *channel, sample));
-                let place: Vec<Span> = along.enumerate().map(moved).collect();
+                let mut along = [Span::exactly(0.0); 3];
+                for (along, channel) in along.iter_mut().zip(channels) {
+                    *along = bounding.certain(view, *channel, sample);
+                }
                 let depth = bounding.certain(view, Channel::Depth, sample);
-                self.octaves.span(&place, self.footprints.span(at, depth))
+                self.octaves.span(&place(along)[..channels.len()], self.footprints.span(at, depth))
             })
         });
         Ok(())
