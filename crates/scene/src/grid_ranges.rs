@@ -15,6 +15,22 @@ pub(crate) struct Range {
     pub(crate) high: f64,
 }
 
+/// The same, rounded outward: half the memory.
+#[derive(Clone, Copy, Debug)]
+struct Stored([f32; 2]);
+
+impl Stored {
+    fn of(range: Range) -> Self {
+        Self([(range.low as f32).next_down(), (range.high as f32).next_up()])
+    }
+
+    #[inline]
+    fn range(self) -> Range {
+        let [low, high] = self.0.map(f64::from);
+        Range { low, high }
+    }
+}
+
 impl Range {
     const NONE: Self = Self { low: f64::INFINITY, high: f64::NEG_INFINITY };
 
@@ -38,8 +54,8 @@ fn controls([a, b, c, d]: [f64; 4]) -> [f64; 4] {
 #[derive(Debug)]
 pub(crate) struct Ranges {
     columns: usize,
-    cells: Vec<Range>,
-    blocks: [Vec<Range>; SIZES.len()],
+    cells: Vec<Stored>,
+    blocks: [Vec<Stored>; SIZES.len()],
 }
 
 impl Ranges {
@@ -68,20 +84,21 @@ impl Ranges {
                     *block = block.union(*cell);
                 }
             }
-            blocks
+            blocks.into_iter().map(Stored::of).collect()
         });
+        let cells = cells.into_iter().map(Stored::of).collect();
         Self { columns, cells, blocks }
     }
 
     /// Returns the range of a cell.
     pub(crate) fn cell(&self, [i, j]: [usize; 2]) -> Range {
-        self.cells[j * self.columns + i]
+        self.cells[j * self.columns + i].range()
     }
 
     /// Returns the range of the block of the given one of the [`SIZES`] that contains a cell.
     #[inline]
     pub(crate) fn block(&self, level: usize, [i, j]: [usize; 2]) -> Range {
         let size = SIZES[level];
-        self.blocks[level][j / size * self.columns.div_ceil(size) + i / size]
+        self.blocks[level][j / size * self.columns.div_ceil(size) + i / size].range()
     }
 }

@@ -101,16 +101,22 @@ pub(crate) fn first_of_grid<T: Number>(grid: &GridSurface<T>, ray: &Ray, [start,
     let ranges = grid.ranges();
     let above = ray.origin.y - grid.level();
     let height = |distance: f64| above + ray.direction.y * distance;
+    // Where the ray leaves the block of each size that it may meet the field in.
+    let mut within = [f64::NEG_INFINITY; SIZES.len()];
     let mut at = near;
-    while at < far {
+    'way: while at < far {
         let cell = [way.cell(0, at), way.cell(1, at)];
         let from = height(at);
-        if let Some(past) = SIZES.iter().enumerate().find_map(|(level, size)| {
-            let past = way.leaves(cell, *size, at, far);
-            ranges.block(level, cell).misses([from, height(past)]).then_some(past)
-        }) {
-            at = past;
-            continue;
+        for (level, size) in SIZES.into_iter().enumerate() {
+            if at < within[level] {
+                continue;
+            }
+            let past = way.leaves(cell, size, at, far);
+            if ranges.block(level, cell).misses([from, height(past)]) {
+                at = past;
+                continue 'way;
+            }
+            within[level] = past;
         }
         let leave = way.leaves(cell, 1, at, far);
         let to = height(leave);
