@@ -14,9 +14,9 @@ impl Noise {
             let kept = kept(octave, footprint);
             let place = place(self, octave, point.iter().copied());
             let value = match self.kind {
-                NoiseKind::Fbm => gradient_noise(octave.seed, &place).0,
+                NoiseKind::Fbm => gradient_value(octave.seed, &place),
                 NoiseKind::Ridged => {
-                    let valley = 1.0 - gradient_noise(octave.seed, &place).0.abs();
+                    let valley = 1.0 - gradient_value(octave.seed, &place).abs();
                     valley * valley
                 }
                 NoiseKind::Cellular => distances(octave.seed, &place)[0],
@@ -97,16 +97,28 @@ fn hash(seed: u32, place: &[f64], step: impl Fn(usize) -> i64) -> u32 {
 /// # Panics
 /// If the place has fewer than two coordinates or more than four.
 pub(super) fn gradient_noise(seed: u32, place: &[f64]) -> (f64, [f64; MOST_AXES]) {
+    of_axes::<true>(seed, place)
+}
+
+/// Returns the same without its slopes.
+///
+/// # Panics
+/// If the place has fewer than two coordinates or more than four.
+pub(super) fn gradient_value(seed: u32, place: &[f64]) -> f64 {
+    of_axes::<false>(seed, place).0
+}
+
+fn of_axes<const SLOPES: bool>(seed: u32, place: &[f64]) -> (f64, [f64; MOST_AXES]) {
     match *place {
-        [x, y] => gradient_noise_on(seed, [x, y]),
-        [x, y, z] => gradient_noise_on(seed, [x, y, z]),
-        [x, y, z, w] => gradient_noise_on(seed, [x, y, z, w]),
+        [x, y] => on_axes::<2, SLOPES>(seed, [x, y]),
+        [x, y, z] => on_axes::<3, SLOPES>(seed, [x, y, z]),
+        [x, y, z, w] => on_axes::<4, SLOPES>(seed, [x, y, z, w]),
         _ => panic!("noise has two to four axes"),
     }
 }
 
 #[allow(clippy::needless_range_loop, reason = "loops over several arrays")]
-fn gradient_noise_on<const D: usize>(seed: u32, place: [f64; D]) -> (f64, [f64; MOST_AXES]) {
+fn on_axes<const D: usize, const SLOPES: bool>(seed: u32, place: [f64; D]) -> (f64, [f64; MOST_AXES]) {
     let (mut cells, mut fractions, mut shares, mut fading) = ([0_i64; D], [0.0; D], [[0.0; 2]; D], [0.0; D]);
     for axis in 0..D {
         let floor = place[axis].floor();
@@ -129,7 +141,7 @@ fn gradient_noise_on<const D: usize>(seed: u32, place: [f64; D]) -> (f64, [f64; 
             dot += gradients[axis] * (fractions[axis] - upper(axis) as f64);
         }
         sum += weight * dot;
-        for axis in 0..D {
+        for axis in 0..if SLOPES { D } else { 0 } {
             let mut others = 1.0;
             for other in 0..D {
                 if other != axis {

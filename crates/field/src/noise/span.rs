@@ -1,6 +1,6 @@
 //! Spans of noise over uncertain points and footprints.
 
-use super::reference::{MOST_AXES, distances, gradient_noise, kept, place};
+use super::reference::{MOST_AXES, distances, gradient_noise, gradient_value, kept, place};
 use super::{AMPLITUDE, Noise, NoiseKind, Octave};
 use trochoid_graph::Span;
 
@@ -70,6 +70,9 @@ fn octave_span(noise: &Noise, octave: &Octave, point: &[Span]) -> Span {
 
 /// Returns the span of gradient noise within `reach` of a place, from its slopes there and a bound of their change.
 fn gradients(octave: &Octave, place: &[f64], reach: &[f64]) -> Span {
+    if reach.iter().all(|reach| *reach == 0.0) {
+        return Span::exactly(gradient_value(octave.seed, place));
+    }
     let (value, slopes) = gradient_noise(octave.seed, place);
     let straight: f64 = slopes.iter().zip(reach).map(|(slope, reach)| slope.abs() * reach).sum();
     // No second derivative exceeds the amplitude times 225/16 · axes + 15/2: the fade's slope is at most 15/8 and its

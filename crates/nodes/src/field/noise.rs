@@ -254,6 +254,8 @@ impl Prepared for PreparedNoise {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let (view, channels) = (&self.node.view, self.node.space.channels());
         let mut places = bounding.block.places();
+        let [coverage, depths] = [Channel::Coverage, Channel::Depth].map(|channel| bounding.channel(view, channel));
+        let axes: Vec<_> = channels.iter().map(|channel| bounding.channel(view, *channel)).collect();
         bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let at = places.next().unwrap_or_default();
             // All axes of the space, and others behind them.
@@ -268,13 +270,12 @@ impl Prepared for PreparedNoise {
                 let place = place([x, y, y]);
                 return self.octaves.span(&place[..2], self.footprints.span(at, Span::exactly(0.0)));
             }
-            bounding.where_covered(view, sample, || {
+            coverage.covered(sample, || {
                 let mut along = [Span::exactly(0.0); 3];
-                for (along, channel) in along.iter_mut().zip(channels) {
-                    *along = bounding.certain(view, *channel, sample);
+                for (along, axis) in along.iter_mut().zip(&axes) {
+                    *along = axis.at(sample);
                 }
-                let depth = bounding.certain(view, Channel::Depth, sample);
-                self.octaves.span(&place(along)[..channels.len()], self.footprints.span(at, depth))
+                self.octaves.span(&place(along)[..channels.len()], self.footprints.span(at, depths.at(sample)))
             })
         });
         Ok(())
