@@ -3,6 +3,8 @@
 //! Within a cell the field is a bicubic polynomial, so along a ray its distance from the ray is one of degree 6, whose
 //! roots are isolated by its Bézier coefficients. Newton's method finds a root that is alone.
 
+#![allow(clippy::needless_range_loop, reason = "loops over several arrays")]
+
 use glam::DVec3;
 
 use crate::grid_ranges::SIZES;

@@ -147,6 +147,7 @@ impl<T: Number> GridSurface<T> {
     }
 
     /// Returns the traces of bursts at a position on the grid.
+    #[allow(clippy::needless_range_loop, reason = "loops over several arrays")]
     fn trails(&self, x: f64, z: f64) -> [f64; 6] {
         let (u, v) = ((x - self.origin[0]) / self.spacing, (z - self.origin[1]) / self.spacing);
         let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));

@@ -399,8 +399,8 @@ impl Prepared for PreparedOutline {
             // Coverage that is certain, and coverage that is possible.
             let (mut sure, mut most) = (0.0_f64, 0.0_f64);
             let corner = [px - reach - 1 - edges.x0, py - reach - 1 - edges.y0].map(|along| along as usize);
-            let owners = if busy.any(corner, 2 * reach as usize + 2) { -reach..=reach } else { 0..=-1 };
-            for (x, y) in owners.clone().flat_map(|y| owners.clone().map(move |x| (x, y))) {
+            let reach = if busy.any(corner, 2 * reach as usize + 2) { reach } else { -1 };
+            for (x, y) in (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| (x, y))) {
                 let away = libm::sqrt((x * x + y * y) as f64);
                 let drawn = [width.low, width.high].map(|width| (width - away).clamp(0.0, 1.0));
                 if drawn[1] <= most && drawn[0] <= sure {

@@ -82,9 +82,9 @@ impl Bicubic {
         for (side, points) in sides.iter().enumerate() {
             for i in 0..4 {
                 let [low, high] = curve::halves([points[i], points[4 + i], points[8 + i], points[12 + i]]);
-                for j in 0..4 {
-                    quarters[side].points[4 * j + i] = low[j];
-                    quarters[2 + side].points[4 * j + i] = high[j];
+                for (j, (low, high)) in low.into_iter().zip(high).enumerate() {
+                    quarters[side].points[4 * j + i] = low;
+                    quarters[2 + side].points[4 * j + i] = high;
                 }
             }
         }
