@@ -55,7 +55,7 @@ mod work;
 pub use access::{Access, AccessViolation, RefusedFile, Right, folders_to_allow, refusals, resolved};
 pub use animated::{Animated, Interpolation};
 pub use bound::{Bound, LITERAL, NoBound, REFERENCE};
-pub use bounding::Bounding;
+pub use bounding::{Bounding, Spans};
 pub use build::{Builder, Mask, Value, Weights, load};
 pub use check::{FORMAT_VERSION, check, expected};
 pub use checked::{

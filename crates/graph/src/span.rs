@@ -30,11 +30,13 @@ impl Span {
     pub const ANY: Self = Self { low: f64::NAN, high: f64::NAN, clear: false };
 
     /// Returns the interval of a single number.
+    #[inline]
     pub fn exactly(number: f64) -> Self {
         Self { low: number, high: number, clear: true }
     }
 
     /// Returns the interval around a number within a bound.
+    #[inline]
     pub fn around(number: f64, bound: Bound) -> Self {
         if bound.size == 0.0 {
             return Self::exactly(number).with(bound.clear);
@@ -43,6 +45,7 @@ impl Span {
     }
 
     /// Returns the largest distance of a number from those in the interval.
+    #[inline]
     pub fn bound(self, number: f64) -> Bound {
         if number.is_nan() && !self.is_exact() {
             return Bound::UNKNOWN;
@@ -57,6 +60,7 @@ impl Span {
 
     /// Returns the interval, clear only if `clear` is true too.
     #[must_use]
+    #[inline]
     pub fn with(self, clear: bool) -> Self {
         Self { clear: self.clear && clear, ..self }
     }
@@ -68,6 +72,7 @@ impl Span {
 
     /// Returns the smallest interval that contains both.
     #[must_use]
+    #[inline]
     pub fn or(self, other: Self) -> Self {
         if self.is_any() || other.is_any() {
             return Self::ANY;
@@ -78,6 +83,7 @@ impl Span {
 
     /// Returns the interval clamped to two numbers, or all between them if nothing is known.
     #[must_use]
+    #[inline]
     pub fn within(self, low: f64, high: f64) -> Self {
         if self.low.is_nan() || self.high.is_nan() {
             return Self::unclear(low, high);
@@ -87,6 +93,7 @@ impl Span {
 
     /// Returns the interval widened on both sides.
     #[must_use]
+    #[inline]
     pub fn wider(self, by: f64) -> Self {
         Self { low: self.low - by, high: self.high + by, ..self }
     }
@@ -98,31 +105,37 @@ impl Span {
     }
 
     /// Returns the middle.
+    #[inline]
     pub fn middle(self) -> f64 {
         if self.low == self.high { self.low } else { self.low / 2.0 + self.high / 2.0 }
     }
 
     /// Returns half the length; 0 for a single number.
+    #[inline]
     pub fn half(self) -> f64 {
         if self.low == self.high { 0.0 } else { self.high / 2.0 - self.low / 2.0 }
     }
 
     /// Returns whether the interval contains a number.
+    #[inline]
     pub fn holds(self, number: f64) -> bool {
         self.low <= number && number <= self.high
     }
 
     /// Returns whether nothing is known. A NaN that is certain is known.
+    #[inline]
     pub fn is_any(self) -> bool {
         (self.low.is_nan() || self.high.is_nan()) && !self.is_exact()
     }
 
     /// Returns whether it is a single number, and certain.
+    #[inline]
     pub fn is_exact(self) -> bool {
         self.clear && self.low.to_bits() == self.high.to_bits()
     }
 
     /// Returns the smallest interval that contains some numbers, widened for rounding.
+    #[inline]
     pub fn of(numbers: &[f64]) -> Self {
         if numbers.iter().any(|number| number.is_nan()) {
             return Self::ANY;
@@ -151,6 +164,7 @@ impl Span {
     }
 
     /// Returns the interval of a function of two numbers: exact if both are certain, else from `span`.
+    #[inline]
     fn of_two(self, other: Self, of: fn(f64, f64) -> f64, span: impl FnOnce() -> Self) -> Self {
         if self.is_exact() && other.is_exact() {
             return Self::exactly(of(self.low, other.low));
@@ -163,12 +177,14 @@ impl Span {
     }
 
     /// Returns whether both ends are finite.
+    #[inline]
     pub fn is_bounded(self) -> bool {
         self.low.is_finite() && self.high.is_finite()
     }
 
     /// Returns whether the interval reaches an infinity, and another, times `sign`, the same: then their difference
     /// may be NaN.
+    #[inline]
     fn reaches(self, other: Self, sign: f64) -> bool {
         let infinities = |span: Self| [span.low, span.high].into_iter().filter(|end| end.is_infinite());
         infinities(self).any(|end| infinities(other).any(|there| there * sign == end))
@@ -176,6 +192,7 @@ impl Span {
 
     /// Returns the interval of a function that is monotonic in each of two numbers, from its values at the corners.
     #[must_use]
+    #[inline]
     pub fn corners(self, other: Self, of: fn(f64, f64) -> f64) -> Self {
         let (a, b) = (self, other);
         Self::of(&[of(a.low, b.low), of(a.low, b.high), of(a.high, b.low), of(a.high, b.high)])
@@ -185,6 +202,7 @@ impl Span {
 impl Add for Span {
     type Output = Self;
 
+    #[inline]
     fn add(self, other: Self) -> Self {
         let sum = || match self.reaches(other, -1.0) {
             true => Self::ANY,
@@ -197,6 +215,7 @@ impl Add for Span {
 impl Sub for Span {
     type Output = Self;
 
+    #[inline]
     fn sub(self, other: Self) -> Self {
         let difference = || match self.reaches(other, 1.0) {
             true => Self::ANY,
@@ -209,6 +228,7 @@ impl Sub for Span {
 impl Mul for Span {
     type Output = Self;
 
+    #[inline]
     fn mul(self, other: Self) -> Self {
         // 0·∞ is NaN.
         let is_open = (self.holds(0.0) && !other.is_bounded()) || (other.holds(0.0) && !self.is_bounded());
@@ -227,6 +247,7 @@ impl Mul<f64> for Span {
 impl Div for Span {
     type Output = Self;
 
+    #[inline]
     fn div(self, other: Self) -> Self {
         let quotients = || if other.holds(0.0) { Self::ANY } else { self.corners(other, |a, b| a / b) };
         self.of_two(other, |a, b| a / b, quotients)

@@ -3,12 +3,9 @@
 use crate::GridSurface;
 use crate::grid_values::Number;
 
-/// Number of cells along each side of a block.
-pub(crate) const BLOCK: usize = 16;
-/// Share of the range of its neighbors by which a cell's interpolation may exceed it: Catmull–Rom weights sum to 1 with at
-/// most ⅛ below 0 along each axis.
-const BEYOND: f64 = 0.5625;
-/// Rounding of heights in a ray's coordinates, relative to their size.
+/// Numbers of cells along each side of a block, from large to small blocks.
+pub(crate) const SIZES: [usize; 2] = [16, 4];
+/// Rounding of heights in a ray's coordinates, and of control points, relative to their size.
 const ROUNDING: f64 = 1e-9;
 
 /// Least and greatest heights over a level, in meters.
@@ -16,6 +13,22 @@ const ROUNDING: f64 = 1e-9;
 pub(crate) struct Range {
     pub(crate) low: f64,
     pub(crate) high: f64,
+}
+
+/// The same, rounded outward: half the memory.
+#[derive(Clone, Copy, Debug)]
+struct Stored([f32; 2]);
+
+impl Stored {
+    fn of(range: Range) -> Self {
+        Self([(range.low as f32).next_down(), (range.high as f32).next_up()])
+    }
+
+    #[inline]
+    fn range(self) -> Range {
+        let [low, high] = self.0.map(f64::from);
+        Range { low, high }
+    }
 }
 
 impl Range {
@@ -31,41 +44,61 @@ impl Range {
     }
 }
 
-/// Ranges of all cells, and of blocks of cells.
+/// Returns the Bézier control points of the Catmull–Rom interpolation between the inner two of four neighbors.
+#[inline]
+fn controls([a, b, c, d]: [f64; 4]) -> [f64; 4] {
+    [b, b + (c - a) / 6.0, c - (d - b) / 6.0, c]
+}
+
+/// Ranges of all cells, and of blocks of cells of each of the [`SIZES`].
 #[derive(Debug)]
 pub(crate) struct Ranges {
     columns: usize,
-    cells: Vec<Range>,
-    blocks: Vec<Range>,
+    cells: Vec<Stored>,
+    blocks: [Vec<Stored>; SIZES.len()],
 }
 
 impl Ranges {
     pub(crate) fn new<T: Number>(grid: &GridSurface<T>) -> Self {
         let [columns, rows] = grid.size().map(|count| count - 1);
         let range = |[i, j]: [usize; 2]| {
-            let heights = grid.neighbors([i, j]);
-            let all = heights.as_flattened().iter();
-            let Range { low, high } = all.fold(Range::NONE, |all, &at| all.union(Range { low: at, high: at }));
-            let beyond = BEYOND * (high - low) + ROUNDING * (low.abs() + high.abs());
+            // A polynomial lies within the range of its control points.
+            let rows = grid.neighbors([i, j]).map(controls);
+            let mut all = Range::NONE;
+            for column in 0..4 {
+                for at in controls([0, 1, 2, 3].map(|row| rows[row][column])) {
+                    all = all.union(Range { low: at, high: at });
+                }
+            }
+            let Range { low, high } = all;
+            let beyond = ROUNDING * (low.abs() + high.abs());
             Range { low: low - beyond, high: high + beyond }
         };
         let cells: Vec<Range> = (0..rows).flat_map(|j| (0..columns).map(move |i| range([i, j]))).collect();
-        let (across, down) = (columns.div_ceil(BLOCK), rows.div_ceil(BLOCK));
-        let mut blocks = vec![Range::NONE; across * down];
-        for (index, cell) in cells.iter().enumerate() {
-            let block = &mut blocks[index / columns / BLOCK * across + index % columns / BLOCK];
-            *block = block.union(*cell);
-        }
+        let blocks = SIZES.map(|size| {
+            let across = columns.div_ceil(size);
+            let mut blocks = vec![Range::NONE; across * rows.div_ceil(size)];
+            for (j, row) in cells.chunks_exact(columns).enumerate() {
+                for (i, cell) in row.iter().enumerate() {
+                    let block = &mut blocks[j / size * across + i / size];
+                    *block = block.union(*cell);
+                }
+            }
+            blocks.into_iter().map(Stored::of).collect()
+        });
+        let cells = cells.into_iter().map(Stored::of).collect();
         Self { columns, cells, blocks }
     }
 
     /// Returns the range of a cell.
     pub(crate) fn cell(&self, [i, j]: [usize; 2]) -> Range {
-        self.cells[j * self.columns + i]
+        self.cells[j * self.columns + i].range()
     }
 
-    /// Returns the range of the block that contains a cell.
-    pub(crate) fn block(&self, [i, j]: [usize; 2]) -> Range {
-        self.blocks[j / BLOCK * self.columns.div_ceil(BLOCK) + i / BLOCK]
+    /// Returns the range of the block of the given one of the [`SIZES`] that contains a cell.
+    #[inline]
+    pub(crate) fn block(&self, level: usize, [i, j]: [usize; 2]) -> Range {
+        let size = SIZES[level];
+        self.blocks[level][j / size * self.columns.div_ceil(size) + i / size].range()
     }
 }

@@ -5,13 +5,13 @@ use rayon::prelude::*;
 
 use crate::channel::CURVED;
 use crate::grid_ranges::Ranges;
-use crate::grid_ray::first_of_grid;
+use crate::grid_ray::{Crossing, first_of_grid};
 use crate::grid_values::{GridDoubt, Number, Trails, Weights, second, square, weights};
 use crate::meet_near::meet_grid;
 use crate::on_heights::HeightField;
 use crate::points::MeshHit;
 use crate::shading::unit_or_up;
-use crate::surface::{Anchor, Between, Exact, GivenUp, Hit, Mesh, Surface, Topology};
+use crate::surface::{Anchor, Asked, Between, Exact, GivenUp, Hit, Mesh, Met, OneSheet, Sight, Surface, Topology};
 use crate::{ChannelSet, Projector, Ray, Resting};
 
 /// Largest chord error of a cell, in pixels, at its nearest point and at a crest three times as sharp as the root
@@ -147,6 +147,7 @@ impl<T: Number> GridSurface<T> {
     }
 
     /// Returns the traces of bursts at a position on the grid.
+    #[allow(clippy::needless_range_loop, reason = "loops over several arrays")]
     fn trails(&self, x: f64, z: f64) -> [f64; 6] {
         let (u, v) = ((x - self.origin[0]) / self.spacing, (z - self.origin[1]) / self.spacing);
         let (i, j) = ((u as usize).min(self.columns - 2), (v as usize).min(self.rows - 2));
@@ -154,16 +155,21 @@ impl<T: Number> GridSurface<T> {
         let (wz, _) = weights(v - j as f64);
         let columns: [usize; 4] = std::array::from_fn(|m| (i + m).saturating_sub(1).min(self.columns - 1));
         let rows: [usize; 4] = std::array::from_fn(|n| (j + n).saturating_sub(1).min(self.rows - 1) * self.columns);
-        std::array::from_fn(|index| {
+        let mut trails = [0.0; 6];
+        for (index, trail) in trails.iter_mut().enumerate() {
             let values = self.trails.values(index);
             if values.is_empty() {
-                return 0.0;
+                continue;
             }
-            let blend = |(wz, row): (f64, usize)| {
-                wz * wx.into_iter().zip(columns).map(|(wx, column)| wx * values[row + column].into()).sum::<f64>()
-            };
-            wz.into_iter().zip(rows).map(blend).sum()
-        })
+            for n in 0..4 {
+                let mut sum = 0.0;
+                for m in 0..4 {
+                    sum += wx[m] * values[rows[n] + columns[m]].into();
+                }
+                *trail += wz[n] * sum;
+            }
+        }
+        trails
     }
 
     /// Returns the numbers of columns and rows.
@@ -379,12 +385,22 @@ impl<T: Number> Surface for GridSurface<T> {
         mesh
     }
 
+    fn first(&self, projector: &Projector, ray: &Ray, end: f64, _asked: Asked) -> Sight {
+        let point = self.before(projector, ray, end).map(|(hit, crossing)| Met {
+            sheet: crossing.only.map(|cell| self.sheet(cell)),
+            hit,
+            off: 0.0,
+            deep: 0.0,
+        });
+        point.map_or(Sight::Nothing, Sight::Point)
+    }
+
     fn meet_near(&self, projector: &Projector, ray: &Ray, near: &MeshHit) -> Option<Hit> {
         meet_grid(self, projector, ray, near)
     }
 
     fn trace(&self, projector: &Projector, ray: &Ray, end: f64) -> Result<Option<Hit>, GivenUp> {
-        Ok(self.before(projector, ray, end))
+        Ok(self.before(projector, ray, end).map(|(hit, _)| hit))
     }
 
     /// Beyond the grid, the heights of its edge continue. A grid holds no detail finer than its cells.
@@ -427,11 +443,20 @@ impl<T: Number> Surface for GridSurface<T> {
 
 impl<T: Number> GridSurface<T> {
     /// Returns the first point on a ray before a distance.
-    fn before(&self, projector: &Projector, ray: &Ray, end: f64) -> Option<Hit> {
+    fn before(&self, projector: &Projector, ray: &Ray, end: f64) -> Option<(Hit, Crossing)> {
         let [start, last] = self.within_slab(ray)?;
-        let distance = first_of_grid(self, ray, [start, last.min(end)])?;
+        let crossing = first_of_grid(self, ray, [start, last.min(end)])?;
+        let distance = crossing.distance;
         let inside = self.submerged(projector.position);
-        Some(self.hit(projector, ray, distance, self.place_of(ray.at(distance)), inside))
+        Some((self.hit(projector, ray, distance, self.place_of(ray.at(distance)), inside), crossing))
+    }
+
+    /// Returns a cell as a sheet, for a ray that meets it only once.
+    fn sheet(&self, cell: [usize; 2]) -> OneSheet {
+        // A little smaller than the cell, since a sheet holds what is beyond it by no more than rounding.
+        let half = 0.5 * self.spacing * (1.0 - 1e-6);
+        let middle = [0, 1].map(|axis| self.origin[axis] + (cell[axis] as f64 + 0.5) * self.spacing);
+        OneSheet { middle, heading: [1.0, 0.0], half: [half; 2] }
     }
 
     pub(crate) fn hit(&self, projector: &Projector, ray: &Ray, distance: f64, [x, z]: [f64; 2], inside: bool) -> Hit {

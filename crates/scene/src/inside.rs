@@ -7,7 +7,7 @@ pub use crate::patches::point_of;
 use crate::bezier::stitch::Cut;
 use crate::edges::{Edges, Whole};
 use crate::extent::{Bounds, Sector};
-use crate::grid_ranges::{Range, Ranges};
+use crate::grid_ranges::{Range, Ranges, SIZES};
 use crate::project::ScreenVertex;
 use crate::raster::NOTHING;
 use crate::shading::power;
@@ -89,7 +89,7 @@ pub const HORIZON_M: f64 = crate::extent::HORIZON_M;
 /// Returns the distance where a ray first crosses a height field, at most so far into its slab.
 pub fn first_of_grid(grid: &GridSurface, ray: &Ray, most: f64) -> Option<f64> {
     let [start, end] = grid.within_slab(ray)?;
-    crate::grid_ray::first_of_grid(grid, ray, [start, end.min(most)])
+    crate::grid_ray::first_of_grid(grid, ray, [start, end.min(most)]).map(|crossing| crossing.distance)
 }
 
 /// Ranges of a height field over its cells and blocks of cells.
@@ -107,10 +107,12 @@ impl GridRanges {
         [low, high]
     }
 
-    /// Returns those over the block that contains a cell.
-    pub fn block(&self, cell: [usize; 2]) -> [f64; 2] {
-        let Range { low, high } = self.0.block(cell);
-        [low, high]
+    /// Returns those over the blocks that contain a cell, from the largest block.
+    pub fn blocks(&self, cell: [usize; 2]) -> [[f64; 2]; SIZES.len()] {
+        std::array::from_fn(|level| {
+            let Range { low, high } = self.0.block(level, cell);
+            [low, high]
+        })
     }
 }
 

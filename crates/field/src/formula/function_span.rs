@@ -1,9 +1,28 @@
 //! Spans of FieldMath's functions over spans of their arguments.
 
 use super::Function;
+use std::ops::{Add, Div, Mul, Sub};
 use trochoid_graph::Span;
 
 impl Function {
+    /// Computes the spans of a run of samples.
+    pub(super) fn fill_spans(self, [a, b, c]: [&[Span]; 3], out: &mut [Span]) {
+        let of_two = |of: fn(Span, Span) -> Span, out: &mut [Span]| {
+            out.iter_mut().zip(a).zip(b).for_each(|((out, a), b)| *out = of(*a, *b));
+        };
+        match self {
+            Self::Add => of_two(Add::add, out),
+            Self::Subtract => of_two(Sub::sub, out),
+            Self::Multiply => of_two(Mul::mul, out),
+            Self::Divide => of_two(Div::div, out),
+            _ => {
+                for (((out, a), b), c) in out.iter_mut().zip(a).zip(b).zip(c) {
+                    *out = self.span([*a, *b, *c]);
+                }
+            }
+        }
+    }
+
     /// Returns a span of all values that the function can have for arguments within the spans.
     pub(super) fn span(self, [a, b, c]: [Span; 3]) -> Span {
         let count = self.arguments();
@@ -99,13 +118,20 @@ impl Function {
             Self::Mix if ![a, b, c].iter().all(|span| span.is_bounded()) => Span::ANY,
             Self::Mix => {
                 // Linear in each argument, so the extremes lie in the corners.
-                let all: [f64; 8] = std::array::from_fn(|corner| {
-                    let end = |span: Span, bit: usize| if corner >> bit & 1 == 0 { span.low } else { span.high };
-                    self.of(&[end(a, 0), end(b, 1), end(c, 2)])
-                });
+                let mix = |a: f64, b: f64, t: f64| (1.0 - t) * a + t * b;
+                let mut all = [mix(a.low, b.low, c.low), mix(a.low, b.low, c.high), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+                let all = if a.low == a.high && b.low == b.high {
+                    &all[..2]
+                } else {
+                    let pairs = [(a.low, b.high), (a.high, b.low), (a.high, b.high)];
+                    for (index, (a, b)) in pairs.into_iter().enumerate() {
+                        all[2 + 2 * index..4 + 2 * index].copy_from_slice(&[mix(a, b, c.low), mix(a, b, c.high)]);
+                    }
+                    &all[..]
+                };
                 // Beyond t = 0 and 1, products that are much larger than their sum are rounded.
                 let most = |span: Span| span.low.abs().max(span.high.abs());
-                Span::of(&all).wider(Span::ROUNDING * ((1.0 + most(c)) * most(a) + most(c) * most(b)))
+                Span::of(all).wider(Span::ROUNDING * ((1.0 + most(c)) * most(a) + most(c) * most(b)))
             }
             Self::If => unreachable!("dealt with above"),
         };

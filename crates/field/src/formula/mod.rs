@@ -15,4 +15,4 @@ use expression::Tree;
 pub use fault::{Expected, Fault, Found, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH, Remedy};
 use function::Function;
 pub use grammar::parse;
-pub use program::{Program, ProgramSpans};
+pub use program::Program;

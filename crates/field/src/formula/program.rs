@@ -88,9 +88,16 @@ impl Program {
         }
     }
 
-    /// Returns a computation of spans, sample by sample.
-    pub fn spans(&self) -> ProgramSpans<'_> {
-        let mut spans: Vec<Span> = Vec::with_capacity(self.steps.len());
+    /// Computes the spans of `count` samples, run by run. `load(first, input, component, run)` loads a run of spans of an
+    /// input that starts at sample `first`; `store(first, component, run)` stores a run of the result.
+    pub fn spans(
+        &self,
+        count: usize,
+        mut load: impl FnMut(usize, usize, usize, &mut [Span]),
+        mut store: impl FnMut(usize, usize, &[Span]),
+    ) {
+        let mut memory: Vec<[Span; RUN]> = Vec::with_capacity(self.steps.len());
+        // Steps that depend on inputs.
         let mut varying = Vec::new();
         for (place, step) in self.steps.iter().enumerate() {
             let fixed = match step {
@@ -99,39 +106,31 @@ impl Program {
                 // Of arguments that no input changes: a result that depends on an input is among `varying`.
                 Step::Apply(function, arguments) => {
                     let is_fixed = arguments.iter().all(|argument| varying.binary_search(argument).is_err());
-                    is_fixed.then(|| function.span(arguments.map(|argument| spans[argument])))
+                    is_fixed.then(|| function.span(arguments.map(|argument| memory[argument][0])))
                 }
             };
             if fixed.is_none() {
                 varying.push(place);
             }
-            spans.push(fixed.unwrap_or(Span::ANY));
+            memory.push([fixed.unwrap_or(Span::ANY); RUN]);
         }
-        ProgramSpans { program: self, varying, spans }
-    }
-}
-
-/// The spans of a program's steps, of which only those that depend on inputs are computed for each sample.
-#[derive(Clone, Debug)]
-pub struct ProgramSpans<'p> {
-    program: &'p Program,
-    /// Steps that depend on inputs, in order.
-    varying: Vec<usize>,
-    spans: Vec<Span>,
-}
-
-impl ProgramSpans<'_> {
-    /// Returns the spans of the result's components at one sample, from the spans of the inputs:
-    /// `input(input, component)`.
-    pub fn at(&mut self, input: impl Fn(usize, usize) -> Span) -> impl Iterator<Item = Span> {
-        for place in &self.varying {
-            self.spans[*place] = match &self.program.steps[*place] {
-                Step::Constant(bits) => Span::exactly(f64::from_bits(*bits)),
-                Step::Input { input: port, component } => input(*port, *component),
-                Step::Apply(function, arguments) => function.span(arguments.map(|argument| self.spans[argument])),
-            };
+        for start in (0..count).step_by(RUN) {
+            let length = RUN.min(count - start);
+            for place in &varying {
+                let (before, rest) = memory.split_at_mut(*place);
+                let out = &mut rest[0][..length];
+                match &self.steps[*place] {
+                    Step::Constant(bits) => out.fill(Span::exactly(f64::from_bits(*bits))),
+                    Step::Input { input, component } => load(start, *input, *component, out),
+                    Step::Apply(function, arguments) => {
+                        function.fill_spans(arguments.map(|argument| &before[argument][..length]), out);
+                    }
+                }
+            }
+            for (component, place) in self.results.iter().enumerate() {
+                store(start, component, &memory[*place][..length]);
+            }
         }
-        self.program.results.iter().map(|place| self.spans[*place])
     }
 }
 

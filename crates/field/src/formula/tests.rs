@@ -1,6 +1,7 @@
 //! Valid and invalid formulas.
 
 use super::{MAX_LENGTH, Program, parse};
+use trochoid_graph::Span;
 
 const INPUTS: [Vec<f64>; 4] = [Vec::new(), Vec::new(), Vec::new(), Vec::new()];
 
@@ -147,4 +148,59 @@ fn weights_of_many_classes_have_four_letters() {
     assert_eq!(parse("a.wx", widths).map(|read| read.width), Ok(2));
     let fault = parse("a.b", widths).expect_err("no such letter");
     assert!(fault.expected.to_string().contains("letters xyzw"), "{}", fault.expected);
+}
+
+#[test]
+fn spans_of_runs_hold_the_values_of_every_sample() {
+    const SAMPLES: usize = 150;
+    let mut state = 1_u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 24)
+    };
+    let texts = [
+        "a.x + b*a.y - 3",
+        "mix(a.x, b, a.y)",
+        "mix(4.7, 9.8, smoothstep(0.2, 0.7, a.y))",
+        "a.x/mix(b, 2 + b, 1)",
+        "if(a.x < 0.4, 1.4*a.y + 0.03*b, sqrt(2)*0.6)",
+        "max(a.x, b) + max(0.2 - abs(a.x - b), 0)*max(0.2 - abs(a.x - b), 0)/0.8",
+        "[sin(9*a.x), a.x^2 - a.y^2, floor(5*b)]",
+    ];
+    for text in texts {
+        let expression =
+            parse(text, [Some(2), Some(1), None, None]).unwrap_or_else(|fault| panic!("{text}: {fault:?}"));
+        // Some samples are certain.
+        let mut around = |middle: f64| match random() {
+            size if size < 0.2 => [middle; 2],
+            size => [middle - 1e-3 * size, middle + 0.1 * size * random()],
+        };
+        let inputs: Vec<[[f64; 2]; 3]> = (0..SAMPLES).map(|_| [around(0.5), around(0.3), around(0.8)]).collect();
+        let mut spans = vec![Vec::new(); expression.width];
+        let load = |first: usize, input: usize, component: usize, run: &mut [Span]| {
+            for (span, inputs) in run.iter_mut().zip(&inputs[first..]) {
+                let [low, high] = inputs[2 * input + component];
+                *span = Span { low, high, clear: true };
+            }
+        };
+        Program::new(&expression).spans(SAMPLES, load, |first, component, run| {
+            assert_eq!(spans[component].len(), first);
+            spans[component].extend_from_slice(run);
+        });
+        for (sample, inputs) in inputs.iter().enumerate() {
+            for part in [[0.0; 3], [1.0; 3], [random(), random(), random()], [0.0, 1.0, 0.5], [1.0, 0.0, random()]] {
+                let [x, y, b]: [f64; 3] =
+                    std::array::from_fn(|axis| inputs[axis][0] + (inputs[axis][1] - inputs[axis][0]) * part[axis]);
+                let values = expression.value(&[vec![x, y], vec![b], Vec::new(), Vec::new()]);
+                for (value, spans) in values.iter().zip(&spans) {
+                    let span = spans[sample];
+                    assert!(
+                        span.holds(*value),
+                        "{text} of {x}, {y}, {b} is {value}, beyond {span:?} of sample {sample}"
+                    );
+                    assert!(span.high - span.low < 2.5, "{text}: {span:?}");
+                }
+            }
+        }
+    }
 }

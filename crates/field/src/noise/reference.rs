@@ -14,9 +14,9 @@ impl Noise {
             let kept = kept(octave, footprint);
             let place = place(self, octave, point.iter().copied());
             let value = match self.kind {
-                NoiseKind::Fbm => gradient_noise(octave.seed, &place).0,
+                NoiseKind::Fbm => gradient_value(octave.seed, &place),
                 NoiseKind::Ridged => {
-                    let valley = 1.0 - gradient_noise(octave.seed, &place).0.abs();
+                    let valley = 1.0 - gradient_value(octave.seed, &place).abs();
                     valley * valley
                 }
                 NoiseKind::Cellular => distances(octave.seed, &place)[0],
@@ -56,11 +56,31 @@ pub(super) fn kept(octave: &Octave, footprint: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
+/// A place in cells: its coordinates, filled up to the most, and how many they are.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    all: [f64; MOST_AXES],
+    axes: usize,
+}
+
+impl std::ops::Deref for Place {
+    type Target = [f64];
+
+    fn deref(&self) -> &[f64] {
+        &self.all[..self.axes]
+    }
+}
+
 /// Converts a point to cells of an octave.
-pub(super) fn place(noise: &Noise, octave: &Octave, point: impl Iterator<Item = f64>) -> Vec<f64> {
+pub(super) fn place(noise: &Noise, octave: &Octave, point: impl Iterator<Item = f64>) -> Place {
     let along = point.map(|coordinate| coordinate * octave.frequency).chain(noise.evolution);
-    let shifted = along.zip(octave.shift).map(|(along, shift)| along + shift);
-    shifted.map(|along| if along.is_finite() { along } else { 0.0 }).collect()
+    let mut place = Place { all: [0.0; MOST_AXES], axes: 0 };
+    for (along, shift) in along.zip(octave.shift) {
+        let shifted = along + shift;
+        place.all[place.axes] = if shifted.is_finite() { shifted } else { 0.0 };
+        place.axes += 1;
+    }
+    place
 }
 
 /// Most coordinates: three of space, and the evolution.
@@ -75,32 +95,64 @@ fn hash(seed: u32, place: &[f64], step: impl Fn(usize) -> i64) -> u32 {
 /// Returns Σ over the corners of Π fade · gradient · offset, in [−1, 1], and its slope along each axis before clamping.
 ///
 /// # Panics
-/// If the place has more than [`MOST_AXES`] coordinates.
+/// If the place has fewer than two coordinates or more than four.
 pub(super) fn gradient_noise(seed: u32, place: &[f64]) -> (f64, [f64; MOST_AXES]) {
-    let axes = place.len();
-    let (mut fractions, mut fades) = ([0.0; MOST_AXES], [0.0; MOST_AXES]);
-    for (axis, along) in place.iter().enumerate() {
-        let t = along - along.floor();
-        (fractions[axis], fades[axis]) = (t, t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
+    of_axes::<true>(seed, place)
+}
+
+/// Returns the same without its slopes.
+///
+/// # Panics
+/// If the place has fewer than two coordinates or more than four.
+pub(super) fn gradient_value(seed: u32, place: &[f64]) -> f64 {
+    of_axes::<false>(seed, place).0
+}
+
+fn of_axes<const SLOPES: bool>(seed: u32, place: &[f64]) -> (f64, [f64; MOST_AXES]) {
+    match *place {
+        [x, y] => on_axes::<2, SLOPES>(seed, [x, y]),
+        [x, y, z] => on_axes::<3, SLOPES>(seed, [x, y, z]),
+        [x, y, z, w] => on_axes::<4, SLOPES>(seed, [x, y, z, w]),
+        _ => panic!("noise has two to four axes"),
+    }
+}
+
+#[allow(clippy::needless_range_loop, reason = "loops over several arrays")]
+fn on_axes<const D: usize, const SLOPES: bool>(seed: u32, place: [f64; D]) -> (f64, [f64; MOST_AXES]) {
+    let (mut cells, mut fractions, mut shares, mut fading) = ([0_i64; D], [0.0; D], [[0.0; 2]; D], [0.0; D]);
+    for axis in 0..D {
+        let floor = place[axis].floor();
+        let t = place[axis] - floor;
+        let fade = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
+        (cells[axis], fractions[axis], shares[axis]) = (floor as i64, t, [1.0 - fade, fade]);
+        fading[axis] = 30.0 * t * t * (t - 1.0) * (t - 1.0);
     }
     let (mut sum, mut slopes) = (0.0, [0.0; MOST_AXES]);
-    for corner in 0..1usize << axes {
+    for corner in 0..1_usize << D {
         let upper = |axis: usize| (corner >> axis) & 1;
-        let hash = hash(seed, place, |axis| upper(axis) as i64);
-        let share = |axis: usize| if upper(axis) == 1 { fades[axis] } else { 1.0 - fades[axis] };
-        let (mut weight, mut dot) = (1.0, 0.0);
-        for (axis, t) in fractions[..axes].iter().enumerate() {
-            weight *= share(axis);
-            dot += f64::from(gradient(hash, axis)) * (t - upper(axis) as f64);
+        let mut hash = seed;
+        for axis in 0..D {
+            hash = extend(hash, cells[axis].wrapping_add(upper(axis) as i64));
+        }
+        let (mut weight, mut dot, mut gradients) = (1.0, 0.0, [0.0; D]);
+        for axis in 0..D {
+            weight *= shares[axis][upper(axis)];
+            gradients[axis] = f64::from(gradient(hash, axis));
+            dot += gradients[axis] * (fractions[axis] - upper(axis) as f64);
         }
         sum += weight * dot;
-        for (axis, (slope, t)) in slopes[..axes].iter_mut().zip(&fractions).enumerate() {
-            let others: f64 = (0..axes).filter(|other| *other != axis).map(share).product();
-            let fading = 30.0 * t * t * (t - 1.0) * (t - 1.0) * if upper(axis) == 1 { 1.0 } else { -1.0 };
-            *slope += weight * f64::from(gradient(hash, axis)) + others * fading * dot;
+        for axis in 0..if SLOPES { D } else { 0 } {
+            let mut others = 1.0;
+            for other in 0..D {
+                if other != axis {
+                    others *= shares[other][upper(other)];
+                }
+            }
+            let fading = if upper(axis) == 1 { fading[axis] } else { -fading[axis] };
+            slopes[axis] += weight * gradients[axis] + others * fading * dot;
         }
     }
-    let amplitude = f64::from(AMPLITUDE[axes]);
+    let amplitude = f64::from(AMPLITUDE[D]);
     slopes.iter_mut().for_each(|slope| *slope *= amplitude);
     ((amplitude * sum).clamp(-1.0, 1.0), slopes)
 }

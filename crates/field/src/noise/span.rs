@@ -1,6 +1,6 @@
 //! Spans of noise over uncertain points and footprints.
 
-use super::reference::{distances, gradient_noise, kept, place};
+use super::reference::{MOST_AXES, distances, gradient_noise, gradient_value, kept, place};
 use super::{AMPLITUDE, Noise, NoiseKind, Octave};
 use trochoid_graph::Span;
 
@@ -35,11 +35,14 @@ const LOST: f64 = 1e-14;
 fn octave_span(noise: &Noise, octave: &Octave, point: &[Span]) -> Span {
     let place = place(noise, octave, point.iter().map(|along| along.middle()));
     // Uncertainty along each axis of space, in cells, including the rounding to cells.
-    let reach = |(along, place): (&Span, &f64)| match along.half() {
-        0.0 => 0.0,
-        half => half * octave.frequency + 1e-15 * (1.0 + place.abs()),
-    };
-    let reach: Vec<f64> = point.iter().zip(&place).map(reach).collect();
+    let mut reaches = [0.0; MOST_AXES];
+    for ((reach, along), place) in reaches.iter_mut().zip(point).zip(&*place) {
+        *reach = match along.half() {
+            0.0 => 0.0,
+            half => half * octave.frequency + 1e-15 * (1.0 + place.abs()),
+        };
+    }
+    let reach = &reaches[..point.len()];
     let (least, most) = noise.kind.range();
     if !reach.iter().all(|reach| reach.is_finite()) {
         return Span::unclear(least, most);
@@ -47,9 +50,9 @@ fn octave_span(noise: &Noise, octave: &Octave, point: &[Span]) -> Span {
     let around = |value: f64, by: f64| Span { low: value - by, high: value + by, clear: true }.within(least, most);
     let straight = reach.iter().map(|reach| reach * reach).sum::<f64>().sqrt();
     match noise.kind {
-        NoiseKind::Fbm => gradients(octave, &place, &reach),
+        NoiseKind::Fbm => gradients(octave, &place, reach),
         NoiseKind::Ridged => {
-            let Span { low, high, .. } = gradients(octave, &place, &reach);
+            let Span { low, high, .. } = gradients(octave, &place, reach);
             let farthest = high.abs().max(low.abs());
             let nearest = if low <= 0.0 && high >= 0.0 { 0.0 } else { high.abs().min(low.abs()) };
             let ends = [farthest, nearest].map(|height| (1.0 - height) * (1.0 - height));
@@ -67,6 +70,9 @@ fn octave_span(noise: &Noise, octave: &Octave, point: &[Span]) -> Span {
 
 /// Returns the span of gradient noise within `reach` of a place, from its slopes there and a bound of their change.
 fn gradients(octave: &Octave, place: &[f64], reach: &[f64]) -> Span {
+    if reach.iter().all(|reach| *reach == 0.0) {
+        return Span::exactly(gradient_value(octave.seed, place));
+    }
     let (value, slopes) = gradient_noise(octave.seed, place);
     let straight: f64 = slopes.iter().zip(reach).map(|(slope, reach)| slope.abs() * reach).sum();
     // No second derivative exceeds the amplitude times 225/16 · axes + 15/2: the fade's slope is at most 15/8 and its

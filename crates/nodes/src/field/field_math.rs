@@ -183,23 +183,25 @@ impl Prepared for PreparedFieldMath {
         let [values, bounds] = [bounding.inputs, bounding.bounds]
             .map(|inputs| ports.map(|port| inputs.all(port).first().map_or(&[][..], |connection| &connection.planes)));
         let mut wanted: Vec<_> = (0..program.width()).map(|component| outputs.only(component)).collect();
-        let mut spans = program.spans();
-        for sample in 0..bounding.block.window.area() {
-            let spans = spans.at(|port, component| {
-                let of = |planes: &[Option<&[f32]>]| Some(planes.get(component).copied()??[sample]);
-                let bound = of(bounds[port]).map_or(Bound::EXACT, Bound::decode);
-                Span::around(of(values[port]).map_or(0.0, f64::from), bound)
-            });
-            for (component, (span, wanted)) in spans.zip(&mut wanted).enumerate() {
-                let (Some(wanted), Some(filled)) = (wanted, bounding.filled[0][component]) else { continue };
+        let load = |first: usize, port: usize, component: usize, run: &mut [Span]| {
+            let [values, bounds] = [values[port], bounds[port]].map(|planes| planes.get(component).copied().flatten());
+            let [values, bounds] = [values, bounds].map(|plane| plane.map(|plane| &plane[first..]));
+            for (index, span) in run.iter_mut().enumerate() {
+                let bound = bounds.map_or(Bound::EXACT, |bounds| Bound::decode(bounds[index]));
+                *span = Span::around(values.map_or(0.0, |values| f64::from(values[index])), bound);
+            }
+        };
+        program.spans(bounding.block.window.area(), load, |first, component, run| {
+            let (Some(wanted), Some(filled)) = (&mut wanted[component], bounding.filled[0][component]) else { return };
+            for ((wanted, filled), span) in wanted[first..].iter_mut().zip(&filled[first..]).zip(run) {
                 let bound = if span.low.is_nan() && !span.is_any() {
                     Bound::of(literal_error(literal(self.node.nan)))
                 } else {
-                    span.bound(f64::from(filled[sample]))
+                    span.bound(f64::from(*filled))
                 };
-                wanted[sample] = bound.encode();
+                *wanted = bound.encode();
             }
-        }
+        });
         Ok(())
     }
 

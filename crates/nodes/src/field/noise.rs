@@ -254,22 +254,28 @@ impl Prepared for PreparedNoise {
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let (view, channels) = (&self.node.view, self.node.space.channels());
         let mut places = bounding.block.places();
+        let [coverage, depths] = [Channel::Coverage, Channel::Depth].map(|channel| bounding.channel(view, channel));
+        let axes: Vec<_> = channels.iter().map(|channel| bounding.channel(view, *channel)).collect();
         bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let at = places.next().unwrap_or_default();
-            let moved = |(axis, along): (usize, Span)| {
-                let by = self.moved(axis);
-                Span { low: along.low - by, high: along.high - by, ..along }
+            // All axes of the space, and others behind them.
+            let place = |along: [Span; 3]| {
+                [0, 1, 2].map(|axis| {
+                    let by = self.moved(axis);
+                    Span { low: along[axis].low - by, high: along[axis].high - by, ..along[axis] }
+                })
             };
             if channels.is_empty() {
-                let place: Vec<Span> =
-                    self.screen.at(at).map(Span::exactly).into_iter().enumerate().map(moved).collect();
-                return self.octaves.span(&place, self.footprints.span(at, Span::exactly(0.0)));
+                let [x, y] = self.screen.at(at).map(Span::exactly);
+                let place = place([x, y, y]);
+                return self.octaves.span(&place[..2], self.footprints.span(at, Span::exactly(0.0)));
             }
-            bounding.where_covered(view, sample, || {
-                let along = channels.iter().map(|channel| bounding.certain(view, *channel, sample));
-                let place: Vec<Span> = along.enumerate().map(moved).collect();
-                let depth = bounding.certain(view, Channel::Depth, sample);
-                self.octaves.span(&place, self.footprints.span(at, depth))
+            coverage.covered(sample, || {
+                let mut along = [Span::exactly(0.0); 3];
+                for (along, axis) in along.iter_mut().zip(&axes) {
+                    *along = axis.at(sample);
+                }
+                self.octaves.span(&place(along)[..channels.len()], self.footprints.span(at, depths.at(sample)))
             })
         });
         Ok(())

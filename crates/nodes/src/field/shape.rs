@@ -162,6 +162,12 @@ impl Drawn {
         [x * cos + y * sin, y * cos - x * sin]
     }
 
+    /// Returns whether a point of the picture lies within a distance of the bounding box.
+    fn may_reach(&self, at: [f64; 2], reach: f64) -> bool {
+        let [low, high] = self.bounds;
+        (0..2).all(|axis| at[axis] >= low[axis] - reach && at[axis] <= high[axis] + reach)
+    }
+
     /// Returns the signed distance in pixels, negative inside.
     fn distance(&self, at: [f64; 2]) -> f64 {
         let place = self.place(at);
@@ -181,7 +187,8 @@ impl Polygon {
     /// Returns the signed distance to the nearest of the given sides, negative inside the polygon.
     fn signed(&self, place: [f64; 2], sides: impl IntoIterator<Item = usize>) -> f64 {
         let of = |side: usize| (self.corners[side], self.corners[side + 1]);
-        let nearest = sides.into_iter().map(of).map(|(a, b)| away(place, a, b)).fold(f64::INFINITY, f64::min);
+        let nearest = sides.into_iter().map(of).map(|(a, b)| squared_away(place, a, b)).fold(f64::INFINITY, f64::min);
+        let nearest = nearest.sqrt();
         let inside = self.corners.windows(2).fold(false, |inside, side| inside ^ crosses(place, side[0], side[1]));
         if inside { -nearest } else { nearest }
     }
@@ -208,12 +215,13 @@ fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// Returns the distance from a point to a side.
-fn away(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+/// Returns the square of the distance from a point to a side.
+fn squared_away(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (side, from) = ([b[0] - a[0], b[1] - a[1]], [place[0] - a[0], place[1] - a[1]]);
     let squared = side[0] * side[0] + side[1] * side[1];
     let part = if squared > 0.0 { ((from[0] * side[0] + from[1] * side[1]) / squared).clamp(0.0, 1.0) } else { 0.0 };
-    length([from[0] - part * side[0], from[1] - part * side[1]])
+    let [x, y] = [from[0] - part * side[0], from[1] - part * side[1]];
+    x * x + y * y
 }
 
 /// Returns whether the ray to the right of a point crosses a side.
@@ -227,9 +235,16 @@ struct PreparedShape {
 }
 
 impl PreparedShape {
+    /// Returns the distance from a shape's bounding box beyond which it is not drawn: half the edge, and one more pixel
+    /// for rounding.
+    fn reach(&self) -> f64 {
+        self.edge / 2.0 + 1.0
+    }
+
     /// Returns the mask at a position in pixels, in f64.
     fn truth(&self, at: [f64; 2]) -> f64 {
-        self.mask(self.drawn.iter().map(|shape| shape.distance(at)).fold(f64::INFINITY, f64::min))
+        let near = self.drawn.iter().filter(|shape| shape.may_reach(at, self.reach()));
+        self.mask(near.map(|shape| shape.distance(at)).fold(f64::INFINITY, f64::min))
     }
 
     fn mask(&self, distance: f64) -> f64 {
@@ -249,8 +264,8 @@ impl Prepared for PreparedShape {
         mask.fill(0.0);
         let window = block.window;
         for shape in &self.drawn {
-            // Skip pixels beyond the shape and its edge, with one more pixel for rounding.
-            let reach = self.edge / 2.0 + 1.0;
+            // Skip pixels beyond the shape and its edge.
+            let reach = self.reach();
             let [low, high] = shape.bounds;
             let within = |axis: usize, first: i64, end: i64| {
                 let from = (low[axis] - reach - block.offset[axis]).floor().max(first as f64) as i64;

@@ -110,14 +110,12 @@ struct PreparedDriftLines {
     lines: Lines,
 }
 
-impl PreparedDriftLines {
-    /// Returns the phase of a sample within its bounds, and whether these are clear.
-    fn near_phase(&self, bounding: &Bounding<'_>, sample: usize) -> (NearPhase, bool) {
-        let spans = self.phase.map(|channel| bounding.certain(&self.view, channel, sample));
-        let within = spans.map(Span::half);
-        let phase = NearPhase::new(spans.map(Span::middle), libm::hypot(within[0], within[1]));
-        (phase, spans.iter().all(|span| span.clear))
-    }
+/// Returns the phase of a sample within the spans of its components, and whether these are clear.
+fn near_phase(cos: Span, sin: Span) -> (NearPhase, bool) {
+    // The last term is more than what small squares lose.
+    let (a, b) = (cos.half(), sin.half());
+    let within = if a == 0.0 && b == 0.0 { 0.0 } else { (a * a + b * b).sqrt() * (1.0 + 1e-15) + 1e-150 };
+    (NearPhase::new([cos.middle(), sin.middle()], within), cos.clear && sin.clear)
 }
 
 impl Prepared for PreparedDriftLines {
@@ -154,19 +152,22 @@ impl Prepared for PreparedDriftLines {
         let (around, mut pixels) = (Neighborhood::of(bounding.inputs, &self.view), bounding.block.pixels());
         // Each phase, and whether it is clear, once it has been needed: for its own pixel, and for the four beside it.
         let mut phases: Vec<Option<(NearPhase, bool)>> = vec![None; around.area()];
+        let coordinates = self.phase.map(|channel| bounding.channel(&self.view, channel));
+        let [coverage, weights, heights] = [Channel::Coverage, Channel::DriftWeight, Channel::Height]
+            .map(|channel| bounding.channel(&self.view, channel));
         bounding.bound_by(outputs, SoleOutput, 0, |_| {
             let [x, y] = pixels.next().unwrap_or_default();
             let here = around.index(x, y);
-            bounding.where_covered(&self.view, here, || {
-                let [weight, height] =
-                    [Channel::DriftWeight, Channel::Height].map(|channel| bounding.certain(&self.view, channel, here));
+            coverage.covered(here, || {
+                let (weight, height) = (weights.at(here), heights.at(here));
                 if self.lines.hides(weight.high) {
                     return Span::exactly(0.0);
                 }
                 let mut clear = true;
                 let mut phase = |x: i64, y: i64| {
                     let at = around.index(x, y);
-                    let (phase, is_clear) = *phases[at].get_or_insert_with(|| self.near_phase(bounding, at));
+                    let near = || near_phase(coordinates[0].at(at), coordinates[1].at(at));
+                    let (phase, is_clear) = *phases[at].get_or_insert_with(near);
                     clear &= is_clear;
                     phase
                 };

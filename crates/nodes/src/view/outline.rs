@@ -234,10 +234,8 @@ impl SeenRange {
 }
 
 impl PreparedOutline {
-    /// Returns what a sample may see.
-    fn near(&self, bounding: &Bounding<'_>, sample: usize) -> SeenRange {
-        let [coverage, surface, depth] = [Channel::Coverage, Channel::Surface, Channel::Depth]
-            .map(|channel| bounding.certain(&self.node.view, channel, sample));
+    /// Returns what a sample may see, from its coverage, surface and depth.
+    fn near(&self, [coverage, surface, depth]: [Span; 3]) -> SeenRange {
         if coverage.high <= 0.0 {
             return SeenRange { surface: Some(-1.0), w: [0.0; 2] };
         }
@@ -290,6 +288,33 @@ impl PreparedOutline {
             Owner::First => listed,
             Owner::Last => not(listed),
         }
+    }
+}
+
+/// Which pixels of a window may have an edge, as sums over all pixels above and to the left.
+struct Busy {
+    sums: Vec<u32>,
+    stride: usize,
+}
+
+impl Busy {
+    fn new(width: usize, edges: impl Iterator<Item = bool>) -> Self {
+        let stride = width + 1;
+        let mut sums = vec![0; stride];
+        for (index, is_edge) in edges.enumerate() {
+            if index % width == 0 {
+                sums.push(0);
+            }
+            let end = sums.len();
+            sums.push(u32::from(is_edge) + sums[end - 1] + sums[end - stride] - sums[end - stride - 1]);
+        }
+        Self { sums, stride }
+    }
+
+    /// Returns whether any pixel of a square may have an edge.
+    fn any(&self, [x, y]: [usize; 2], side: usize) -> bool {
+        let at = |x: usize, y: usize| self.sums[y * self.stride + x];
+        at(x + side, y + side) + at(x, y) != at(x + side, y) + at(x, y + side)
     }
 }
 
@@ -347,7 +372,11 @@ impl Prepared for PreparedOutline {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let around = Neighborhood::of(bounding.inputs, &self.node.view);
-        let seen: Vec<SeenRange> = (0..around.area()).map(|sample| self.near(bounding, sample)).collect();
+        let [coverage, surface, depth] = [Channel::Coverage, Channel::Surface, Channel::Depth]
+            .map(|channel| bounding.channel(&self.node.view, channel));
+        let seen: Vec<SeenRange> = (0..around.area())
+            .map(|sample| self.near([coverage.at(sample), surface.at(sample), depth.at(sample)]))
+            .collect();
         let at = |x: i64, y: i64| &seen[around.index(x, y)];
         let reach = self.node.reach();
         // Visit every horizontal and vertical edge with an owner that may draw within the window.
@@ -361,6 +390,7 @@ impl Prepared for PreparedOutline {
             .flat_map(|y| (edges.x0..edges.x1).map(move |x| (x, y)))
             .map(|(x, y)| part(x, y))
             .collect();
+        let busy = Busy::new(edges.width(), parted.iter().map(|parted| *parted != [NO; 2]));
         let mut pixels = bounding.block.pixels();
         bounding.bound_by(outputs, SoleOutput, 0, |sample| {
             let [px, py] = pixels.next().unwrap_or_default();
@@ -368,6 +398,8 @@ impl Prepared for PreparedOutline {
             let width = thickness.through(|thickness| self.node.width * thickness);
             // Coverage that is certain, and coverage that is possible.
             let (mut sure, mut most) = (0.0_f64, 0.0_f64);
+            let corner = [px - reach - 1 - edges.x0, py - reach - 1 - edges.y0].map(|along| along as usize);
+            let reach = if busy.any(corner, 2 * reach as usize + 2) { reach } else { -1 };
             for (x, y) in (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| (x, y))) {
                 let away = libm::sqrt((x * x + y * y) as f64);
                 let drawn = [width.low, width.high].map(|width| (width - away).clamp(0.0, 1.0));

@@ -71,14 +71,24 @@ impl Bicubic {
 
     /// Returns the four quarters: [low u, low v], [high u, low v], [low u, high v], [high u, high v].
     pub fn quarters(&self) -> [Self; 4] {
-        let rows: [[[DVec3; 4]; 2]; 4] = std::array::from_fn(|j| curve::halves(self.row(j)));
-        let half = |side: usize| {
-            let columns: [[[DVec3; 4]; 2]; 4] =
-                std::array::from_fn(|i| curve::halves(std::array::from_fn(|j| rows[j][side][i])));
-            [0, 1].map(|end| Self { points: std::array::from_fn(|index| columns[index % 4][end][index / 4]) })
-        };
-        let ([a, c], [b, d]) = (half(0), half(1));
-        [a, b, c, d]
+        let mut sides = [[DVec3::ZERO; 16]; 2];
+        for j in 0..4 {
+            let halves = curve::halves(self.row(j));
+            for (side, half) in sides.iter_mut().zip(halves) {
+                side[4 * j..4 * j + 4].copy_from_slice(&half);
+            }
+        }
+        let mut quarters = [Self { points: [DVec3::ZERO; 16] }; 4];
+        for (side, points) in sides.iter().enumerate() {
+            for i in 0..4 {
+                let [low, high] = curve::halves([points[i], points[4 + i], points[8 + i], points[12 + i]]);
+                for (j, (low, high)) in low.into_iter().zip(high).enumerate() {
+                    quarters[side].points[4 * j + i] = low;
+                    quarters[2 + side].points[4 * j + i] = high;
+                }
+            }
+        }
+        quarters
     }
 
     /// Returns the curve along an edge: 0 at v = 0, 1 at u = 1, 2 at v = 1, 3 at u = 0. All edges run

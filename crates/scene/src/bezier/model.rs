@@ -1,9 +1,12 @@
 //! Models made of patches, placed in the world.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::ball::Ball;
 use super::{Bicubic, Bilinear};
+use crate::boxes::Tree;
 
 /// Most patches of one model.
 pub const MAX_PATCHES: usize = 1 << 16;
@@ -128,6 +131,8 @@ impl PlacedPatch {
 #[derive(Clone, Debug)]
 pub struct PatchModel {
     pub(super) placed: Vec<PlacedPatch>,
+    /// Boxes around the patches; `None` if there are none.
+    pub(super) boxes: Option<Arc<Tree>>,
     pub(super) ball: Ball,
     pub(super) tessellation: Tessellation,
     /// Whether the normal of the placed control points points to the inner side.
@@ -147,10 +152,11 @@ impl PatchModel {
                 PlacedPatch { shape, for_normals: shape.for_normals(), rest: patch.shape, uv: patch.uv, ball }
             })
             .collect::<Vec<_>>();
-        let bounds = placed.iter().map(|placed| placed.shape.bounds());
-        let (low, high) = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
-        let ball = Ball::around(low, high);
-        Self { placed, ball, tessellation, turned: placement.mirrors() != flip, level: 0.0 }
+        let bounds: Vec<[DVec3; 2]> = placed.iter().map(|placed| placed.shape.bounds().into()).collect();
+        let all = bounds.iter().copied().reduce(|[low, high], [a, b]| [low.min(a), high.max(b)]);
+        let [low, high] = all.unwrap_or_default();
+        let (ball, boxes) = (Ball::around(low, high), Tree::new(&bounds).map(Arc::new));
+        Self { placed, boxes, ball, tessellation, turned: placement.mirrors() != flip, level: 0.0 }
     }
 
     /// Returns the patches in the world.

@@ -5,6 +5,7 @@ use glam::{DMat2, DVec2, DVec3};
 
 use super::ball::SLACK;
 use super::{Bicubic, PatchModel};
+use crate::boxes::Line;
 use crate::surface::Hit;
 use crate::{Projector, Ray};
 
@@ -31,20 +32,27 @@ struct PatchHit {
 /// A part of a patch lies in the convex hull of its control points: if the hull misses the ray, or lies behind a
 /// point already found, so does the part. Every other part is divided into quarters.
 pub(super) fn trace(model: &PatchModel, projector: &Projector, ray: &Ray, [from, to]: [f64; 2]) -> Option<Hit> {
-    if !model.ball.may_meet(ray, [from, to]) {
-        return None;
-    }
+    let boxes = model.boxes.as_deref().filter(|_| model.ball.may_meet(ray, [from, to]))?;
+    let mut near: Vec<usize> = Vec::new();
+    boxes.visit(&Line::new(ray.origin, ray.direction), to, |index| {
+        near.push(index);
+        to
+    });
+    // Where patches meet, the first one in the list counts.
+    near.sort_unstable();
     let (right, up) = ray.direction.any_orthonormal_pair();
     let mut nearest: Option<(usize, PatchHit)> = None;
-    for (index, placed) in model.placed.iter().enumerate() {
+    for index in near {
+        let placed = &model.placed[index];
         let limit = nearest.as_ref().map_or(to, |(_, met)| met.distance);
         if !placed.ball.may_meet(ray, [from, limit]) {
             continue;
         }
-        let lined = placed.shape.map(|point| {
-            let offset = point - ray.origin;
-            DVec3::new(offset.dot(right), offset.dot(up), offset.dot(ray.direction))
-        });
+        let mut lined = placed.shape;
+        for point in &mut lined.points {
+            let offset = *point - ray.origin;
+            *point = DVec3::new(offset.dot(right), offset.dot(up), offset.dot(ray.direction));
+        }
         if let Some(met) = meet(lined, from, limit) {
             nearest = Some((index, met));
         }
@@ -80,44 +88,57 @@ pub(super) fn trace(model: &PatchModel, projector: &Projector, ray: &Ray, [from,
 fn meet(shape: Bicubic, from: f64, limit: f64) -> Option<PatchHit> {
     let (low, high) = shape.bounds();
     let slack = SLACK * (low.abs().max_element() + high.abs().max_element());
-    let mut limit = limit;
-    let mut found = None;
-    let mut open = vec![RaySpacePatch { shape, u: 0.0, v: 0.0, depth: 0 }];
-    while let Some(part) = open.pop() {
+    let mut search = PatchSearch { slack, from, limit, found: None };
+    search.look(&RaySpacePatch { shape, u: 0.0, v: 0.0, depth: 0 });
+    search.found
+}
+
+/// A search for the first point of a patch on the ray.
+struct PatchSearch {
+    slack: f64,
+    from: f64,
+    /// Distance of the nearest point up to now.
+    limit: f64,
+    found: Option<PatchHit>,
+}
+
+impl PatchSearch {
+    /// Searches a part of the patch, its nearest quarter first.
+    fn look(&mut self, part: &RaySpacePatch) {
         let (low, high) = part.shape.bounds();
+        let slack = self.slack;
         let misses = low.x > slack || low.y > slack || high.x < -slack || high.y < -slack;
-        if misses || high.z < from || low.z >= limit {
-            continue;
+        if misses || high.z < self.from || low.z >= self.limit {
+            return;
         }
         let width = 1.0 / f64::from(1_u32 << part.depth);
         if part.depth == HALVINGS {
-            let distance = 0.5 * (low.z + high.z);
-            if (from..limit).contains(&distance) {
-                limit = distance;
-                found = Some(PatchHit { distance, place: [part.u + 0.5 * width, part.v + 0.5 * width] });
-            }
-            continue;
+            self.take(0.5 * (low.z + high.z), [part.u + 0.5 * width, part.v + 0.5 * width]);
+            return;
         }
         if let Some([u, v]) = crossing(&part.shape) {
-            let distance = part.shape.evaluate(u, v).z;
-            if (from..limit).contains(&distance) {
-                limit = distance;
-                found = Some(PatchHit { distance, place: [part.u + u * width, part.v + v * width] });
-            }
-            continue;
+            self.take(part.shape.evaluate(u, v).z, [part.u + u * width, part.v + v * width]);
+            return;
         }
         let quarters = part.shape.quarters();
         let near = quarters.each_ref().map(|shape| shape.bounds().0.z);
         let mut order = [0, 1, 2, 3];
-        // The nearest quarter is visited first: it is pushed last, so it is popped first.
-        order.sort_by(|a, b| near[*b].total_cmp(&near[*a]));
-        open.extend(order.map(|quarter| {
+        // Of quarters at equal distances, the last one comes first.
+        order.sort_by(|a, b| near[*a].total_cmp(&near[*b]).then(b.cmp(a)));
+        for quarter in order {
             let place = |start: f64, half: usize| start + half as f64 * 0.5 * width;
             let (u, v) = (place(part.u, quarter % 2), place(part.v, quarter / 2));
-            RaySpacePatch { shape: quarters[quarter], u, v, depth: part.depth + 1 }
-        }));
+            self.look(&RaySpacePatch { shape: quarters[quarter], u, v, depth: part.depth + 1 });
+        }
     }
-    found
+
+    /// Takes a point if it is the nearest one.
+    fn take(&mut self, distance: f64, place: [f64; 2]) {
+        if (self.from..self.limit).contains(&distance) {
+            self.limit = distance;
+            self.found = Some(PatchHit { distance, place });
+        }
+    }
 }
 
 /// Distance by which a point may lie outside of its part: rounding must not open gaps between parts.

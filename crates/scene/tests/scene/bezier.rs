@@ -10,7 +10,7 @@ use trochoid_scene::bezier::{
     continuity,
 };
 use trochoid_scene::{
-    Camera, Channel, ChannelSet, DVec3, Projection, Samples, Surface, Topology, TriangleModel, Triangles,
+    Camera, Channel, ChannelSet, DVec3, Projection, Ray, Samples, Surface, Topology, TriangleModel, Triangles,
     TrianglesError, Visible, reference,
 };
 
@@ -297,6 +297,44 @@ fn the_view_agrees_with_rays() {
     let model = PatchModel::new(&rails(points.collect(), false, false), Placement::default(), false, ADAPTIVE);
     let share = agreement(&look([2.0, -5.0, 1.0], [2.0, 0.0, -2.0]), &model, 2e-3);
     assert!(share > 0.97, "{share}");
+}
+
+#[test]
+fn rays_meet_every_patch_of_a_model_that_lies_before_them() {
+    let mut draw = Draw(23);
+    let projector = look([0.0, 3.0, 9.0], [0.0; 3]).projector(format());
+    for _ in 0..60 {
+        // Flat patches at right angles to the axes, some in the planes of the origin, and curved ones.
+        let shapes: Vec<Bicubic> = (0..40)
+            .map(|index| {
+                let (middle, size) = (draw.point(4.0), 0.1 + draw.next());
+                let mut shape = random_patch(&mut draw, size);
+                for (place, point) in shape.points.iter_mut().enumerate() {
+                    let flat = [(place % 4) as f64 - 1.5, (place / 4) as f64 - 1.5].map(|along| size * along);
+                    *point = match index % 4 {
+                        0 => DVec3::new(0.0, middle.y + flat[0], middle.z + flat[1]),
+                        1 => DVec3::new(middle.x + flat[0], 0.0, middle.z + flat[1]),
+                        2 => DVec3::new(middle.x + flat[0], middle.y + flat[1], middle.z),
+                        _ => middle + *point,
+                    };
+                }
+                shape
+            })
+            .collect();
+        let patches: Vec<Patch> = shapes.iter().copied().map(Patch::new).collect();
+        let model = PatchModel::new(&patches, Placement::default(), false, Tessellation::Uniform { segments: 4 });
+        for (index, shape) in shapes.iter().enumerate() {
+            let point = shape.evaluate(0.05 + 0.9 * draw.next(), 0.05 + 0.9 * draw.next());
+            let away = match draw.next() {
+                part if part < 0.3 => [DVec3::X, DVec3::Y, DVec3::Z, DVec3::X][index % 4] * 5.0,
+                _ => draw.point(30.0),
+            };
+            let ray = Ray { origin: point + away, direction: -away.normalize() };
+            let met = model.trace(&projector, &ray, f64::INFINITY).expect("never given up");
+            let met = met.unwrap_or_else(|| panic!("patch {index} lies before {ray:?}"));
+            assert!(met.distance <= away.length() * (1.0 + 1e-6) + 1e-6, "patch {index} is nearer than {met:?}");
+        }
+    }
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Tests of rays on height fields.
 
+use crate::random::Draw;
+use trochoid_image::Format;
 use trochoid_scene::inside::first_of_grid;
-use trochoid_scene::{DVec3, GridSurface, Ray};
+use trochoid_scene::{Asked, Camera, DVec3, GridSurface, Projection, Ray, Sight, Surface};
 
 fn grid() -> GridSurface {
     let heights = (0..7 * 9).map(|cell| 0.8 * (f64::from(cell) * 0.618).fract() as f32 - 0.4).collect();
@@ -55,4 +57,46 @@ fn rays_cross_where_tiny_steps_first_find_them_below() {
         }
     }
     assert!(met > 200 && missed > 50, "{met} met, {missed} missed");
+}
+
+#[test]
+fn rays_cross_the_sheets_of_their_points_only_once() {
+    let mut draw = Draw(5);
+    let camera =
+        Camera { position: DVec3::Y, target: DVec3::X, roll: 0.0, projection: Projection::Perspective { fov: 0.9 } };
+    let projector = camera.projector(Format::new(16, 9, 1).expect("valid"));
+    let (mut with, mut without) = (0, 0);
+    for round in 0..4000 {
+        let (columns, rows) = (6, 5);
+        // Rough, or smooth and met at grazing angles.
+        let rough = [1.0, 0.3, 0.05][round % 3];
+        let heights = (0..columns * rows).map(|_| (rough * (draw.next() - 0.5)) as f32).collect();
+        let grid = GridSurface::new(heights, columns, 0.5, [0.0, 0.0], 0.0);
+        let origin = DVec3::new(3.0 * draw.next() - 0.3, 0.6 * rough * draw.next(), 2.4 * draw.next() - 0.3);
+        let target = DVec3::new(2.5 * draw.next(), 0.8 * rough * (draw.next() - 0.5), 2.0 * draw.next());
+        let ray = Ray { origin, direction: (target - origin).normalize() };
+        let end = if round % 4 == 0 { 2.0 * draw.next() } else { f64::INFINITY };
+        let Sight::Point(met) = grid.first(&projector, &ray, end, Asked::Values) else { continue };
+        let Some(sheet) = met.sheet else {
+            without += 1;
+            continue;
+        };
+        with += 1;
+        assert!(sheet.holds([met.hit.position.x, met.hit.position.z]) || !near_middle(&met.hit.position), "{round}");
+        let mut sides = Vec::new();
+        for step in 0..8000 {
+            let point = ray.at(f64::from(step) * 5e-4);
+            if let Some([height, ..]) = grid.height(point.x, point.z).filter(|_| sheet.holds([point.x, point.z])) {
+                sides.push(point.y > height);
+            }
+        }
+        let crossings = sides.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        assert!(crossings <= 1, "round {round}: {crossings} crossings");
+    }
+    assert!(with > 500 && without > 20, "{with} with a sheet, {without} without");
+}
+
+/// Returns whether a point does not lie on an edge of its cell.
+fn near_middle(point: &DVec3) -> bool {
+    [point.x, point.z].iter().all(|along| ((along / 0.5).fract() - 0.5).abs() < 0.499)
 }

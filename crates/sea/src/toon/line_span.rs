@@ -34,10 +34,15 @@ const LOST: f64 = 1e-15;
 impl NearPhase {
     /// Makes a phase from weight × (cos, sin), and the largest distance of the true phase from it.
     pub fn new(phase: [f64; 2], within: f64) -> Self {
-        let length = libm::hypot(phase[0], phase[1]);
+        let squared = phase[0] * phase[0] + phase[1] * phase[1];
+        // Small squares lose digits.
+        let length = if squared > 1e-250 { squared.sqrt() } else { libm::hypot(phase[0], phase[1]) };
         let sine = within / length;
         let turn = if within == 0.0 {
             0.0
+        } else if sine < 0.1 {
+            // The series of the arcsine is s + s³/6 + 3s⁵/40 + …
+            sine + sine * sine * sine / 5.0
         } else if sine < 0.999_999 {
             libm::asin(sine)
         } else {
@@ -63,7 +68,7 @@ impl NearPhase {
 pub fn density_span(here: NearPhase, beside: [[NearPhase; 2]; 2]) -> ([f64; 2], bool) {
     let mut clear = true;
     let [x, z] = beside.map(|sides| {
-        // Values from neighbors that certainly determine an angle, and from those that may.
+        // Angles of neighbors that certainly determine one, and of those that may.
         let (mut sure, mut low, mut high) = (None::<f64>, f64::INFINITY, 0.0_f64);
         for there in sides {
             let (NearPhase { angle: a, turn: own, .. }, NearPhase { angle: b, turn: other, .. }) = (here, there);
@@ -74,17 +79,20 @@ pub fn density_span(here: NearPhase, beside: [[NearPhase; 2]; 2]) -> ([f64; 2], 
             if least >= PI / 2.0 || norms[1] * (1.0 + 1e-12) <= LEAST_NORM {
                 continue;
             }
-            let lines = |angle: f64| f64::from(Drift::LINES) / TAU * libm::sin(angle.min(PI / 2.0));
-            (low, high) = (low.min(lines(least)), high.max(lines(most)));
+            // An angle that is not a number may be any.
+            (low, high) = (low.min(least), high.max(most.min(PI / 2.0)));
             if most < PI / 2.0 && norms[0] * (1.0 - 1e-12) > LEAST_NORM {
-                sure = Some(sure.unwrap_or(0.0).max(lines(least)));
+                sure = Some(sure.unwrap_or(0.0).max(least));
             } else {
                 clear = false;
             }
         }
+        // More lines the larger the angle.
+        let lines = |angle: f64| f64::from(Drift::LINES) / TAU * libm::sin(angle);
         match sure {
-            Some(least) => [least, high],
-            None => [low.min(TOO_MANY), TOO_MANY],
+            Some(least) => [lines(least), lines(high)],
+            None if low.is_finite() => [lines(low), TOO_MANY],
+            None => [TOO_MANY; 2],
         }
     });
     let of = |end: usize| libm::sqrt(x[end] * x[end] + z[end] * z[end]).max(LEAST_DENSITY);
@@ -126,7 +134,8 @@ impl Lines {
         }
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut jump = [0.0; 2];
-        for half in [halves[0], halves[1]] {
+        let both = [halves[0], halves[1]];
+        for &half in &both[..if halves[0] == halves[1] { 1 } else { 2 }] {
             let span = [(at - by).max(half / 2.0), (at + by).min(half / 2.0 + 0.5)];
             let line = (half / 2.0).floor();
             let index = line.rem_euclid(count) as u32 % Drift::LINES;

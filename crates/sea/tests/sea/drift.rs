@@ -1,8 +1,11 @@
 //! Tests of drift lines over time: they move, but never jump.
 
 use crate::random::Random;
+use std::f64::consts::PI;
 use trochoid_sea::toon::lines::{LinePoint, Lines, density};
-use trochoid_sea::toon::{Basin, Behavior, Boundary, Burst, Drift, LineRow, Motion, ToonFrame, ToonSea, TrailFields};
+use trochoid_sea::toon::{
+    Basin, Behavior, Boundary, Burst, Drift, LineRow, Motion, NearPhase, ToonFrame, ToonSea, TrailFields, density_span,
+};
 
 const BASIN: Basin = Basin { columns: 180, rows: 150, spacing: 0.2, boundary: Boundary::Replicate };
 /// Cells per side of the tiles in which changes are measured.
@@ -147,4 +150,35 @@ fn rows_are_places() {
             assert!(off <= tolerance, "round {round}, {index}: {} for {expected}, density {density}", found[index]);
         }
     }
+}
+
+#[test]
+fn densities_stay_within_their_bounds_as_far_as_phases_may_move() {
+    let mut random = Random(9);
+    let mut closest = f64::INFINITY;
+    for round in 0..30_000 {
+        let reach = [0.0, 1e-12, 1e-4, 0.05, 0.0999, 0.3][round % 6];
+        let size = [1.0, 0.2, 3e-8, 1e-9, 1e-140, 1e-170][round / 6 % 6];
+        let angle = random.between(-PI, PI);
+        // A phase, and one that is as far away as it may be, and turned as far as that allows.
+        let mut phase = |angle: f64| {
+            let length = size * random.between(0.2, 1.0);
+            let within = length * reach * (1.0 - 1e-12);
+            let turn = angle + (PI / 2.0 + (within / length).asin()).copysign(random.unit() - 0.5);
+            let at = [length * angle.cos(), length * angle.sin()];
+            let moved = [at[0] + within * turn.cos(), at[1] + within * turn.sin()];
+            (NearPhase::new(at, within), moved)
+        };
+        let here = phase(angle);
+        let beside = [-0.4, 0.4, 0.3, -0.2].map(|by| phase(angle + by));
+        let near = [[beside[0].0, beside[1].0], [beside[2].0, beside[3].0]];
+        let ([low, high], _) = density_span(here.0, near);
+        let moved = [[beside[0].1, beside[1].1], [beside[2].1, beside[3].1]];
+        let found = density(here.1, moved);
+        assert!(low <= found && found <= high, "round {round}: {found} beyond {low} to {high}");
+        if reach == 0.0999 && size == 1.0 {
+            closest = closest.min((high - found) / found);
+        }
+    }
+    assert!(closest < 1e-3, "bounds are {closest} too large at least");
 }

@@ -29,8 +29,8 @@ use trochoid_graph::{CheckedGraph, Kind, NodeId, Purpose};
 use trochoid_image::{Rgb, Window};
 use trochoid_kernel::Chunks;
 
-/// Size of the tiles that are certified one by one.
-const TILE: (usize, usize) = (128, 32);
+/// Size of the tiles that are certified one by one: so large that little is certified twice in the halos of filters.
+const TILE: (usize, usize) = (128, 64);
 
 /// Certifies some outputs at a frame.
 ///

@@ -24,11 +24,13 @@ pub(super) struct Step<'a> {
 pub(super) struct Sums(Vec<f64>);
 
 impl Sums {
-    /// Returns zeros for some fields of a row, and the length of each.
-    fn cleared(&mut self, fields: usize, columns: usize) -> (&mut [f64], usize) {
+    /// Returns zeros for some fields of a row, and the length of each. Beyond `reached`, they may be anything.
+    fn cleared(&mut self, fields: usize, columns: usize, reached: &Range<usize>) -> (&mut [f64], usize) {
         let length = columns.next_multiple_of(LANES);
-        self.0.clear();
         self.0.resize(fields * length, 0.0);
+        for field in self.0.chunks_exact_mut(length) {
+            field[reached.start..reached.end.next_multiple_of(LANES)].fill(0.0);
+        }
         (&mut self.0, length)
     }
 }
@@ -54,13 +56,19 @@ impl<'a> Step<'a> {
         near.filter(|(.., columns)| !columns.is_empty())
     }
 
+    /// Returns columns that contain all that bursts may reach in a row, from a multiple of [`LANES`].
+    fn reached(&self, row: usize) -> Range<usize> {
+        let all = self.reaching(row).map(|(.., columns)| columns);
+        all.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
+    }
+
     /// Computes the force of the step on a row. Returns the largest.
     pub(super) fn force(&self, level: Level, row: usize, sums: &mut Sums, out: &mut [f64]) -> f64 {
         if self.reaching(row).next().is_none() {
             out.fill(0.0);
             return 0.0;
         }
-        let (sums, _) = sums.cleared(1, out.len());
+        let (sums, _) = sums.cleared(1, out.len(), &(0..out.len()));
         dispatch!(level, simd => simd.vectorize(#[inline(always)] || self.force_on(simd, row, sums, out)))
     }
 
@@ -112,7 +120,7 @@ impl<'a> Step<'a> {
         if !is_reached && most == 0.0 {
             return 0.0;
         }
-        let (sums, _) = sums.cleared(1, values.len());
+        let (sums, _) = sums.cleared(1, values.len(), &(0..values.len()));
         dispatch!(level, simd => simd.vectorize(#[inline(always)] || self.rift_on(simd, seconds, row, sums, values)))
     }
 
@@ -152,16 +160,16 @@ impl<'a> Step<'a> {
         values: &mut [f64],
         most: f64,
     ) -> f64 {
-        let is_reached = self.reaching(row).next().is_some();
-        if !is_reached && most == 0.0 {
+        let reached = self.reached(row);
+        if reached.is_empty() && most == 0.0 {
             return 0.0;
         }
-        let (sums, length) = sums.cleared(DRIFTS, self.sea.basin.columns);
+        let (sums, length) = sums.cleared(DRIFTS, self.sea.basin.columns, &reached);
         dispatch!(level, simd => simd.vectorize(
             #[inline(always)]
             || {
                 self.draw(simd, row, sums, length);
-                self.drift_on(simd, seconds, sums, length, values)
+                self.drift_on(simd, seconds, sums, length, &reached, values)
             }
         ))
     }
@@ -192,16 +200,24 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// Lets an interval, in seconds, pass under sums in fields of a length.
+    /// Lets an interval, in seconds, pass under sums in fields of a length, which are 0 beyond the columns reached.
     #[inline(always)]
-    fn drift_on<S: Simd>(&self, simd: S, seconds: f64, sums: &[f64], length: usize, values: &mut [f64]) -> f64 {
+    fn drift_on<S: Simd>(
+        &self,
+        simd: S,
+        seconds: f64,
+        sums: &[f64],
+        length: usize,
+        reached: &Range<usize>,
+        values: &mut [f64],
+    ) -> f64 {
         let (drift, columns) = (self.sea.behavior.drift, self.sea.basin.columns);
         let [left, added] = decayed(drift.decay, seconds);
         let renewal = drift.renewal * seconds * LITERAL_HZ;
         let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
         let mut most = zero;
         for at in (0..columns).step_by(LANES) {
-            let weight = load(simd, &sums[at..columns]);
+            let weight = if reached.contains(&at) { load(simd, &sums[at..columns]) } else { zero };
             let is_new = weight.simd_ne(zero).any_true();
             let renewed = weight * renewal + one;
             for field in 0..DRIFTS {
