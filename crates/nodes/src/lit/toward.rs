@@ -18,8 +18,13 @@ pub(crate) struct BoundedVector {
 impl BoundedVector {
     /// Reads a vector from three channels of the view.
     pub(crate) fn of(bounding: &Bounding<'_>, view: &One<port::View>, channels: [Channel; 3], sample: usize) -> Self {
-        let spans = channels.map(|channel| bounding.certain(view, channel, sample));
-        let (vector, within) = (DVec3::from(spans.map(Span::middle)), DVec3::from(spans.map(Span::half)).length());
+        // No closures of arrays, which are not inlined.
+        let [a, b, c] = channels;
+        let certain = |channel| bounding.certain(view, channel, sample);
+        let spans = [certain(a), certain(b), certain(c)];
+        let [x, y, z] = &spans;
+        let vector = DVec3::new(x.middle(), y.middle(), z.middle());
+        let within = DVec3::new(x.half(), y.half(), z.half()).length();
         Self { vector, within, clear: spans.iter().all(|span| span.clear) }.rounded(vector.length())
     }
 

@@ -1,5 +1,6 @@
 //! Polynomials of two variables over the unit square in Bézier form.
 
+use fearless_simd::{Simd, f64x8, prelude::*};
 use std::sync::OnceLock;
 
 /// Degree in each variable.
@@ -162,47 +163,50 @@ pub(super) fn evaluate<const N: usize>(nets: &[Net; N], [s, t]: [f64; 2]) -> [(f
 /// Divides a net into halves along s or along t: returns the lower one if `takes_low`, otherwise the upper one, and leaves
 /// the other one in its place.
 #[inline(always)]
-#[allow(clippy::needless_range_loop, reason = "loops over neighbors")]
-pub fn split(net: &mut Net, along_s: bool, takes_low: bool) -> Net {
-    let mut other = [[0.0; SIDE]; SIDE];
+pub(super) fn split<S: Simd>(simd: S, net: &mut Net, along_s: bool, takes_low: bool) -> Net {
     // De Casteljau's algorithm leaves the half at which it ends in the place of the whole.
-    for step in 0..SIDE {
-        match (along_s, takes_low) {
-            (true, true) => {
-                other[step] = net[0];
-                for row in 0..DEGREE - step {
-                    for column in 0..SIDE {
-                        net[row][column] = 0.5 * (net[row][column] + net[row + 1][column]);
-                    }
-                }
-            }
-            (true, false) => {
-                other[DEGREE - step] = net[DEGREE];
-                for row in (step + 1..SIDE).rev() {
-                    for column in 0..SIDE {
-                        net[row][column] = 0.5 * (net[row][column] + net[row - 1][column]);
-                    }
-                }
-            }
-            (false, true) => {
-                for row in 0..SIDE {
-                    other[row][step] = net[row][0];
-                    for column in 0..DEGREE - step {
-                        net[row][column] = 0.5 * (net[row][column] + net[row][column + 1]);
-                    }
-                }
-            }
-            (false, false) => {
-                for row in 0..SIDE {
-                    other[row][DEGREE - step] = net[row][DEGREE];
-                    for column in (step + 1..SIDE).rev() {
-                        net[row][column] = 0.5 * (net[row][column] + net[row][column - 1]);
-                    }
-                }
-            }
-        }
+    let mut other = if along_s { lower_along_s(net) } else { lower_along_t(simd, net) };
+    if !takes_low {
+        std::mem::swap(net, &mut other);
     }
     other
+}
+
+/// Returns the lower half along s, and leaves the upper one.
+#[inline(always)]
+fn lower_along_s(net: &mut Net) -> Net {
+    let mut lower = [[0.0; SIDE]; SIDE];
+    for (step, lower) in lower.iter_mut().enumerate() {
+        *lower = net[0];
+        // All rows that are left, as one.
+        let all = net.as_flattened_mut();
+        for index in 0..SIDE * (DEGREE - step) {
+            all[index] = 0.5 * (all[index] + all[index + SIDE]);
+        }
+    }
+    lower
+}
+
+/// Returns the lower half along t, and leaves the upper one. Written in vectors, because loops become gathers and
+/// scatters of single numbers, which take several times as long.
+#[inline(always)]
+fn lower_along_t<S: Simd>(simd: S, net: &mut Net) -> Net {
+    let places = f64x8::load_array(simd, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+    let mut lower = [[0.0; SIDE]; SIDE];
+    for (row, lower) in net.iter_mut().zip(&mut lower) {
+        let last = f64x8::splat(simd, row[DEGREE]);
+        let mut line = f64x8::from_slice(simd, &row[..DEGREE]);
+        lower[0] = row[0];
+        for (step, lower) in lower.iter_mut().enumerate().skip(1) {
+            let means = (line + line.slide::<1>(last)) * 0.5;
+            // Coefficients of the upper half are ready and stay.
+            let changes = simd.simd_lt_f64x8(places, f64x8::splat(simd, (SIDE - step) as f64));
+            line = simd.select_f64x8(changes, means, line);
+            *lower = line.to_array()[0];
+        }
+        line.store_slice(&mut row[..DEGREE]);
+    }
+    lower
 }
 
 /// Returns the part of a net over a rectangle of the unit square.
@@ -261,7 +265,14 @@ pub fn range(net: &Net) -> [f64; 2] {
             high[lane] = larger(high[lane], block[lane]);
         }
     }
-    [low.into_iter().fold(rest[0], smaller), high.into_iter().fold(rest[0], larger)]
+    // Halves against halves: eight numbers one after another take longer than all blocks.
+    for half in [4, 2, 1] {
+        for lane in 0..half {
+            low[lane] = smaller(low[lane], low[lane + half]);
+            high[lane] = larger(high[lane], high[lane + half]);
+        }
+    }
+    [smaller(rest[0], low[0]), larger(rest[0], high[0])]
 }
 
 /// Returns the larger of two numbers, in one instruction; infinite coefficients, which make NaN, do not occur.

@@ -1,6 +1,7 @@
 //! Derivatives of the polynomials of a part, which are combinations of the differences of their coefficients.
 
 use super::bernstein::{DEGREE, Net, SIDE, larger};
+use fearless_simd::{Simd, f64x8, prelude::*};
 use glam::{DMat2, DVec2};
 
 /// Derivatives of two components over a part.
@@ -25,29 +26,22 @@ impl Derivatives {
     /// Returns by how much Y times the derivatives differ from the unit vectors: the largest sizes of both rows, for
     /// the derivatives by s and by t.
     #[inline(always)]
-    pub(super) fn changes(p: &Net, q: &Net, mean: &DMat2, inverse: &DMat2) -> [DVec2; 2] {
-        let (mut by_s, mut by_t) = ([[0.0_f64; DEGREE]; 2], [[0.0_f64; DEGREE]; 2]);
-        let [a, b, c, d] = [inverse.x_axis.x, inverse.y_axis.x, inverse.x_axis.y, inverse.y_axis.y];
+    pub(super) fn changes<S: Simd>(simd: S, p: &Net, q: &Net, mean: &DMat2, inverse: &DMat2) -> [DVec2; 2] {
         let degree = DEGREE as f64;
+        let (mut by_s, mut by_t) = ([f64x8::splat(simd, 0.0); 2], [f64x8::splat(simd, 0.0); 2]);
         // Row after row, so that the differences of neighbors along s fill whole vectors.
         let ((p_low, p_high), (q_low, q_high)) = (neighbors(p), neighbors(q));
         for ((p_low, p_high), (q_low, q_high)) in p_low.iter().zip(p_high).zip(q_low.iter().zip(q_high)) {
-            for j in 0..DEGREE {
-                let x = degree * (p_high[j] - p_low[j]) - mean.x_axis.x;
-                let y = degree * (q_high[j] - q_low[j]) - mean.x_axis.y;
-                by_s[0][j] = larger(by_s[0][j], (a * x + b * y).abs());
-                by_s[1][j] = larger(by_s[1][j], (c * x + d * y).abs());
-            }
+            let x = difference(simd, p_low, p_high) * degree - mean.x_axis.x;
+            let y = difference(simd, q_low, q_high) * degree - mean.x_axis.y;
+            raise(simd, &mut by_s, inverse, [x, y]);
         }
-        for i in 0..SIDE {
-            for j in 0..DEGREE {
-                let x = degree * (p[i][j + 1] - p[i][j]) - mean.y_axis.x;
-                let y = degree * (q[i][j + 1] - q[i][j]) - mean.y_axis.y;
-                by_t[0][j] = larger(by_t[0][j], (a * x + b * y).abs());
-                by_t[1][j] = larger(by_t[1][j], (c * x + d * y).abs());
-            }
+        for (p, q) in p.iter().zip(q) {
+            let x = difference(simd, &p[..DEGREE], &p[1..]) * degree - mean.y_axis.x;
+            let y = difference(simd, &q[..DEGREE], &q[1..]) * degree - mean.y_axis.y;
+            raise(simd, &mut by_t, inverse, [x, y]);
         }
-        [DVec2::from_array(by_s.map(largest)), DVec2::from_array(by_t.map(largest))]
+        [most(by_s), most(by_t)]
     }
 
     /// Returns the value in the middle: the mean of the coefficients, weighted by the binomial ones.
@@ -72,6 +66,32 @@ fn neighbors(net: &Net) -> (&[[f64; DEGREE]], &[[f64; DEGREE]]) {
 }
 
 #[inline(always)]
-fn largest<const N: usize>(values: [f64; N]) -> f64 {
-    values.into_iter().fold(0.0, larger)
+fn difference<S: Simd>(simd: S, low: &[f64], high: &[f64]) -> f64x8<S> {
+    f64x8::from_slice(simd, high) - f64x8::from_slice(simd, low)
+}
+
+/// Raises the largest sizes known of both rows of Y times some columns.
+#[inline(always)]
+fn raise<S: Simd>(simd: S, known: &mut [f64x8<S>; 2], inverse: &DMat2, [x, y]: [f64x8<S>; 2]) {
+    let [first, second] = known;
+    let sizes =
+        [(x * inverse.x_axis.x + y * inverse.y_axis.x).abs(), (x * inverse.x_axis.y + y * inverse.y_axis.y).abs()];
+    *first = simd.select_f64x8(simd.simd_gt_f64x8(sizes[0], *first), sizes[0], *first);
+    *second = simd.select_f64x8(simd.simd_gt_f64x8(sizes[1], *second), sizes[1], *second);
+}
+
+/// Returns the largest number of each vector.
+#[inline(always)]
+fn most<S: Simd>(vectors: [f64x8<S>; 2]) -> DVec2 {
+    let mut most = [0.0; 2];
+    for (most, vector) in most.iter_mut().zip(vectors) {
+        let mut lanes = vector.to_array();
+        for half in [4, 2, 1] {
+            for lane in 0..half {
+                lanes[lane] = larger(lanes[lane], lanes[lane + half]);
+            }
+        }
+        *most = lanes[0];
+    }
+    DVec2::from_array(most)
 }

@@ -1,6 +1,6 @@
 //! What tests see of cells, and of what they are made of.
 
-pub use super::bernstein::{Net, SIDE, interpolated, nodes, off, part, range, split};
+pub use super::bernstein::{Net, SIDE, interpolated, nodes, off, part, range};
 pub use super::first::{First, FirstPoint, Thoroughness};
 pub use super::squares::{FINE, LONG_POINTS, LONG_ROUNDING, PARTS, POINTS, ROUNDING};
 
@@ -20,6 +20,15 @@ use trochoid_sea::FramedSea;
 pub fn evaluate(net: &Net, at: [f64; 2]) -> (f64, [f64; 2]) {
     let [value] = bernstein::evaluate(&[*net], at);
     value
+}
+
+/// Divides a net into halves along s or along t: returns the lower one if `takes_low`, otherwise the upper one, and leaves
+/// the other one in its place.
+pub fn split(net: &mut Net, along_s: bool, takes_low: bool) -> Net {
+    dispatch!(Level::new(), simd => simd.vectorize(
+        #[inline(always)]
+        || bernstein::split(simd, net, along_s, takes_low)
+    ))
 }
 
 /// Returns [`range`], computed with all instructions of the machine.

@@ -16,6 +16,7 @@ mod first;
 mod footprints;
 pub mod inside;
 mod kept;
+mod part;
 mod region;
 mod remainder;
 mod search;

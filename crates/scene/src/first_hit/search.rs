@@ -1,15 +1,15 @@
 //! Finds the first point of a sea on a ray among its cells.
 
-use super::bernstein::{DEGREE, Net, evaluate, part, range, split};
+use super::bernstein::{DEGREE, Net, evaluate, part, range};
 use super::cells::{Cell, SeaCells};
 use super::derivatives::Derivatives;
 use super::first::{First, FirstPoint, Thoroughness};
+use super::part::Part;
 use crate::boxes::Line;
 use crate::first_point::{newton, stepped};
-use crate::surface::OneSheet;
 use crate::{Projector, Ray, SeaSurface};
 use fearless_simd::{Simd, dispatch};
-use glam::{DMat2, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 /// Most times that a patch is halved, and the size of a part, in distances of the sea from its patch, from which halving
 /// does not help any more; then a smaller cell replaces it.
@@ -22,10 +22,6 @@ const LEVELS: u32 = 6;
 /// [`ALL_STEPS`]·δ = δ/(1 − κ) of it.
 const ONE_TO_ONE: f64 = 0.75;
 const ALL_STEPS: f64 = 1.0 / (1.0 - ONE_TO_ONE);
-/// Most steps of Newton's method on a patch before those on the sea itself, and the size of a step, relative to the part,
-/// that is the last one.
-const ON_PATCH: usize = 8;
-const LAST: f64 = 1e-6;
 /// Most steps of the projected iteration, each of which leaves κ of the distance at most: 1e-10 of it, all together.
 const STEPS: usize = 80;
 /// Share by which the part of a ray that is searched is longer at both ends.
@@ -34,17 +30,6 @@ const WIDER: f64 = 1e-9;
 const SAME: f64 = 1e-9;
 /// Distance of a point found from the middle of a part, in sizes of the part, from which it has nothing to do with it.
 const FAR: f64 = 2.0;
-
-/// A part of a cell, in a ray's coordinates.
-#[derive(Clone, Debug)]
-struct Part {
-    /// Offsets aside of the ray, by its two directions.
-    aside: [Net; 2],
-    /// Start and size in the cell's unit square.
-    start: [f64; 2],
-    size: [f64; 2],
-    halvings: u32,
-}
 
 /// A cell in a ray's coordinates.
 struct SeenCell<'c> {
@@ -155,13 +140,13 @@ impl Search<'_> {
     fn look(&mut self, cell: &Cell, level: u32) {
         dispatch!(self.cells.level, simd => simd.vectorize(
             #[inline(always)]
-            || self.cell(cell, level)
+            || self.cell(simd, cell, level)
         ));
     }
 
     /// Looks at a cell that lies within some other ones.
     #[inline(always)]
-    fn cell(&mut self, cell: &Cell, level: u32) {
+    fn cell<S: Simd>(&mut self, simd: S, cell: &Cell, level: u32) {
         let slacks = self.aside.map(|way| cell.slack(way));
         // Most cells lie above or below the ray.
         let q = cell.seen_along(self.origin, self.aside[1]);
@@ -194,7 +179,7 @@ impl Search<'_> {
                 self.leave(&seen, part);
             } else {
                 self.parts -= 1;
-                match self.solutions(&seen, part) {
+                match self.solutions(simd, &seen, part) {
                     Solutions::None => {}
                     Solutions::One(guess) => {
                         let start = part.on_patch(guess);
@@ -202,7 +187,7 @@ impl Search<'_> {
                     }
                     Solutions::Several { along_s } => {
                         // The nearer half is looked at first.
-                        let nearer = part.halve(along_s, seen.grows[usize::from(!along_s)]);
+                        let nearer = part.halve(simd, along_s, seen.grows[usize::from(!along_s)]);
                         open.push(nearer);
                         continue;
                     }
@@ -237,7 +222,7 @@ impl Search<'_> {
     }
 
     #[inline(always)]
-    fn solutions(&self, seen: &SeenCell<'_>, part: &Part) -> Solutions {
+    fn solutions<S: Simd>(&self, simd: S, seen: &SeenCell<'_>, part: &Part) -> Solutions {
         let mut is_distinct = part.halvings > 0;
         for (net, slack) in part.aside.iter().zip(seen.slacks) {
             let [low, high] = range(net);
@@ -246,12 +231,27 @@ impl Search<'_> {
             }
             is_distinct &= high - low > INDISTINCT * slack;
         }
-        let reach = |ends: [f64; 2]| ends[0] > self.end || ends[1] < 0.0;
         let whole = [seen.near - seen.deep, seen.far + seen.deep];
-        let is_cut = whole[1] > self.end || whole[0] < 0.0;
-        if reach(whole) || (is_cut && reach(seen.reach(part))) {
+        if self.is_beyond(whole) {
             return Solutions::None;
         }
+        match Self::crossings(simd, seen, part, is_distinct) {
+            Solutions::None => Solutions::None,
+            // Last, because few parts come so far, and it takes longer than all others.
+            _ if (whole[1] > self.end || whole[0] < 0.0) && self.is_beyond(seen.reach(part)) => Solutions::None,
+            found => found,
+        }
+    }
+
+    /// Returns whether no distance of a range matters.
+    #[inline(always)]
+    fn is_beyond(&self, [near, far]: [f64; 2]) -> bool {
+        near > self.end || far < 0.0
+    }
+
+    /// Returns what is known about the points of a part on the ray's line.
+    #[inline(always)]
+    fn crossings<S: Simd>(simd: S, seen: &SeenCell<'_>, part: &Part, is_distinct: bool) -> Solutions {
         // Derivatives by s and t of the part, as columns: their mean J, and by how much Y·(J − mean), Y = J⁻¹, changes.
         let [p, q] = &part.aside;
         let mean = Derivatives::mean(p, q);
@@ -261,7 +261,7 @@ impl Search<'_> {
         if !inverse.is_finite() {
             return several(is_long);
         }
-        let [by_s, by_t] = Derivatives::changes(p, q, &mean, &inverse);
+        let [by_s, by_t] = Derivatives::changes(simd, p, q, &mean, &inverse);
         // The derivatives of the sea itself turn a little more.
         let norm = inverse.x_axis.abs() + inverse.y_axis.abs();
         let turn = 2.0 * seen.cell.remainder.turn * (part.size[0] + part.size[1]);
@@ -427,64 +427,10 @@ fn misses([low, high]: [f64; 2], slack: f64) -> bool {
 
 impl SeenCell<'_> {
     /// Returns the range of distances of a part.
-    #[inline(always)]
+    #[cold]
+    #[inline(never)]
     fn reach(&self, within: &Part) -> [f64; 2] {
         let [near, far] = range(&part(&self.along, within.start, within.size));
         [near - self.deep, far + self.deep]
-    }
-}
-
-impl Part {
-    /// Leaves the farther half in its place, and returns the nearer one; `grows` says whether distances grow along the side
-    /// that is halved.
-    #[inline(always)]
-    fn halve(&mut self, along_s: bool, grows: bool) -> Self {
-        let [p, q] = &mut self.aside;
-        let aside = [split(p, along_s, grows), split(q, along_s, grows)];
-        let axis = usize::from(!along_s);
-        self.size[axis] *= 0.5;
-        self.halvings -= 1;
-        let mut start = self.start;
-        let upper = if grows { &mut self.start } else { &mut start };
-        upper[axis] += self.size[axis];
-        Self { aside, start, size: self.size, halvings: self.halvings }
-    }
-
-    /// Returns the patch's point on the ray by Newton's method from a guess, or a place near it on the part's border. A
-    /// step on the patch costs much less than one on the sea.
-    #[inline(always)]
-    fn on_patch(&self, guess: [f64; 2]) -> DVec2 {
-        let mut start = DVec2::from(guess).clamp(DVec2::ZERO, DVec2::ONE);
-        for _ in 0..ON_PATCH {
-            let [(p, by_p), (q, by_q)] = evaluate(&self.aside, start.to_array());
-            let ways = DMat2::from_cols(DVec2::new(by_p[0], by_q[0]), DVec2::new(by_p[1], by_q[1]));
-            let to = start - ways.inverse() * DVec2::new(p, q);
-            if !to.is_finite() {
-                break;
-            }
-            let to = to.clamp(DVec2::ZERO, DVec2::ONE);
-            let moved = (to - start).abs().max_element();
-            start = to;
-            if moved <= LAST {
-                break;
-            }
-        }
-        start
-    }
-
-    /// Returns the place in the cell's unit square of a place in the part's.
-    fn whole(&self, local: DVec2) -> [f64; 2] {
-        (DVec2::from(self.start) + DVec2::from(self.size) * local).to_array()
-    }
-
-    /// Returns the place in the part's unit square of a place in the cell's.
-    fn local(&self, whole: [f64; 2]) -> DVec2 {
-        (DVec2::from(whole) - DVec2::from(self.start)) / DVec2::from(self.size)
-    }
-
-    /// Returns the part's rest points in the world.
-    fn sheet(&self, cell: &Cell, cells: &SeaCells) -> OneSheet {
-        let middle = cells.axes.rest(cell.rest(self.whole(DVec2::splat(0.5))));
-        OneSheet { middle, heading: cells.axes.heading, half: self.size.map(|size| cell.half * size) }
     }
 }
