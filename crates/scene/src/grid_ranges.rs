@@ -65,10 +65,8 @@ impl Ranges {
             // A polynomial lies within the range of its control points.
             let rows = grid.neighbors([i, j]).map(controls);
             let mut all = Range::NONE;
-            for column in 0..4 {
-                for at in controls([0, 1, 2, 3].map(|row| rows[row][column])) {
-                    all = all.union(Range { low: at, high: at });
-                }
+            for at in (0..4).flat_map(|column| controls([0, 1, 2, 3].map(|row| rows[row][column]))) {
+                all = all.union(Range { low: at, high: at });
             }
             let Range { low, high } = all;
             let beyond = ROUNDING * (low.abs() + high.abs());

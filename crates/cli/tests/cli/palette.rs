@@ -83,7 +83,7 @@ fn files_that_do_not_fit_are_refused_with_their_places() {
     let scene = Scene::new(NAMED);
     let fails = |file: &str, text: &str, code: i32, words: &[&str]| {
         fs::write(scene.path(file), text).unwrap();
-        scene.run(&["render", "a.json", "--palette", file]).fails(code, words)
+        scene.run(&["render", "a.json", "--palette", file]).fails(code, words);
     };
     fails(
         "n.json",
