@@ -63,10 +63,12 @@ impl Ranges {
         let [columns, rows] = grid.size().map(|count| count - 1);
         let range = |[i, j]: [usize; 2]| {
             // A polynomial lies within the range of its control points.
-            let rows = grid.neighbors([i, j]).map(controls);
+            let [a, b, c, d] = grid.neighbors([i, j]).map(controls);
             let mut all = Range::NONE;
-            for at in (0..4).flat_map(|column| controls([0, 1, 2, 3].map(|row| rows[row][column]))) {
-                all = all.union(Range { low: at, high: at });
+            for (((a, b), c), d) in a.into_iter().zip(b).zip(c).zip(d) {
+                for at in controls([a, b, c, d]) {
+                    all = all.union(Range { low: at, high: at });
+                }
             }
             let Range { low, high } = all;
             let beyond = ROUNDING * (low.abs() + high.abs());
