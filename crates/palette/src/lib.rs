@@ -9,14 +9,17 @@
 
 mod cloud;
 mod corner;
+mod decompose;
 mod extract;
 mod grid;
 mod mesh;
 mod order;
 mod program;
+mod simplex;
 mod together;
 mod vector;
 
 pub use cloud::Cloud;
+pub use decompose::{Decomposer, MOST_COLORS};
 pub use extract::{Enclosing, Extraction, Short, extract};
 pub use order::oklab;

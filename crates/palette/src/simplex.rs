@@ -1,0 +1,210 @@
+//! Simplices of a palette: segments, triangles or tetrahedra, as many dimensions as its colors span.
+
+use crate::vector::{Point, add, dot, length, scale, sub, unit};
+
+/// Smallest distance from what other colors span, in display values, that counts as another dimension.
+const FLAT: f64 = 1e-9;
+
+/// Coordinates in the space that some colors span.
+#[derive(Clone, Debug)]
+pub(crate) struct Frame {
+    origin: Point,
+    axes: Vec<Point>,
+}
+
+impl Frame {
+    /// Returns the frame of some colors. Its axes are orthogonal and have length 1.
+    pub(crate) fn new(colors: &[Point]) -> Self {
+        let mut frame = Self { origin: colors.first().copied().unwrap_or_default(), axes: Vec::new() };
+        while frame.axes.len() < 3 {
+            let rest = colors.iter().map(|color| frame.rest(*color));
+            let farthest = rest.max_by(|a, b| dot(*a, *a).total_cmp(&dot(*b, *b)));
+            match farthest.filter(|rest| length(*rest) > FLAT).and_then(unit) {
+                Some(axis) => frame.axes.push(axis),
+                None => break,
+            }
+        }
+        frame
+    }
+
+    /// Returns the number of dimensions.
+    pub(crate) fn dimension(&self) -> usize {
+        self.axes.len()
+    }
+
+    /// Returns what the axes leave of a color.
+    fn rest(&self, color: Point) -> Point {
+        let from = sub(color, self.origin);
+        self.axes.iter().fold(from, |rest, axis| sub(rest, scale(*axis, dot(from, *axis))))
+    }
+
+    /// Returns the coordinates of a color; those beyond the dimension are 0.
+    pub(crate) fn of(&self, color: Point) -> Point {
+        let from = sub(color, self.origin);
+        let mut coordinates = [0.0; 3];
+        coordinates.iter_mut().zip(&self.axes).for_each(|(coordinate, axis)| *coordinate = dot(from, *axis));
+        coordinates
+    }
+}
+
+/// Solves a square system of at most four equations by elimination; `None` if it has no single solution.
+pub(crate) fn solve(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
+    let count = rows.len();
+    for at in 0..count {
+        let pivot = (at..count).max_by(|a, b| rows[*a][at].abs().total_cmp(&rows[*b][at].abs()))?;
+        rows.swap(at, pivot);
+        if rows[at][at].abs() < 1e-13 {
+            return None;
+        }
+        for below in at + 1..count {
+            let factor = rows[below][at] / rows[at][at];
+            for column in at..=count {
+                rows[below][column] -= factor * rows[at][column];
+            }
+        }
+    }
+    let mut solution = vec![0.0; count];
+    for at in (0..count).rev() {
+        let known: f64 = (at + 1..count).map(|column| rows[at][column] * solution[column]).sum();
+        solution[at] = (rows[at][count] - known) / rows[at][at];
+    }
+    Some(solution)
+}
+
+/// A simplex: its corners by index, in ascending order, and the affine functions that are their barycentric coordinates.
+#[derive(Clone, Debug)]
+pub(crate) struct Simplex {
+    pub(crate) corners: Vec<usize>,
+    /// For each corner, the factors of the coordinates, and the constant.
+    forms: Vec<[f64; 4]>,
+}
+
+impl Simplex {
+    /// Makes a simplex of some points; `None` if these span less.
+    fn new(corners: &[usize], points: &[Point], dimension: usize) -> Option<Self> {
+        let form = |own: usize| {
+            let row = |index: usize| {
+                let point = points[corners[index]];
+                let mut row: Vec<f64> = point[..dimension].to_vec();
+                row.extend([1.0, if index == own { 1.0 } else { 0.0 }]);
+                row
+            };
+            let solution = solve((0..corners.len()).map(row).collect())?;
+            let mut form = [0.0; 4];
+            form[..dimension].copy_from_slice(&solution[..dimension]);
+            form[3] = solution[dimension];
+            Some(form)
+        };
+        let forms = (0..corners.len()).map(form).collect::<Option<_>>()?;
+        Some(Self { corners: corners.to_vec(), forms })
+    }
+
+    /// Returns the barycentric coordinates of a point.
+    pub(crate) fn coordinates(&self, point: Point) -> impl Iterator<Item = f64> {
+        self.forms.iter().map(move |form| form[0] * point[0] + form[1] * point[1] + form[2] * point[2] + form[3])
+    }
+}
+
+/// Calls `visit` with every set of `size` of `count` indices, in ascending order.
+pub(crate) fn subsets(count: usize, size: usize, visit: &mut impl FnMut(&[usize])) {
+    fn extend(from: usize, count: usize, size: usize, chosen: &mut Vec<usize>, visit: &mut impl FnMut(&[usize])) {
+        if chosen.len() == size {
+            visit(chosen);
+            return;
+        }
+        for next in from..count {
+            chosen.push(next);
+            extend(next + 1, count, size, chosen, visit);
+            chosen.pop();
+        }
+    }
+    extend(0, count, size, &mut Vec::with_capacity(size), visit);
+}
+
+/// Returns the simplices of a triangulation of points, the Delaunay triangulation if the heights are the squared distances
+/// from any point: those above which no other point's height lies below the plane through their own.
+pub(crate) fn triangulate(points: &[Point], heights: &[f64], dimension: usize) -> Vec<Simplex> {
+    // Points on a sphere have several triangulations; small differences by index choose one.
+    let lifted: Vec<f64> =
+        heights.iter().enumerate().map(|(index, height)| height + 1e-9 * ((index * index) as f64 + index as f64)).collect();
+    let mut simplices = Vec::new();
+    subsets(points.len(), dimension + 1, &mut |corners| {
+        let Some(simplex) = Simplex::new(corners, points, dimension) else { return };
+        let is_below = |index: usize| {
+            let plane: f64 =
+                simplex.coordinates(points[index]).zip(&simplex.corners).map(|(part, corner)| part * lifted[*corner]).sum();
+            lifted[index] < plane
+        };
+        if !(0..points.len()).any(|index| !corners.contains(&index) && is_below(index)) {
+            simplices.push(simplex);
+        }
+    });
+    simplices
+}
+
+/// Returns the weights of the nearest point of the hull of points, found among all their corners, edges and triangles.
+pub(crate) fn nearest(points: &[Point], to: Point) -> Vec<f64> {
+    let mut best = (f64::INFINITY, Vec::new());
+    for size in 1..=3.min(points.len()) {
+        subsets(points.len(), size, &mut |corners| {
+            let first = points[corners[0]];
+            let sides: Vec<Point> = corners[1..].iter().map(|corner| sub(points[*corner], first)).collect();
+            let from = sub(to, first);
+            // The foot on what the corners span.
+            let row = |side: &Point| {
+                let mut row: Vec<f64> = sides.iter().map(|other| dot(*side, *other)).collect();
+                row.push(dot(*side, from));
+                row
+            };
+            let Some(parts) = solve(sides.iter().map(row).collect()) else { return };
+            let rest = 1.0 - parts.iter().sum::<f64>();
+            if rest < 0.0 || parts.iter().any(|part| *part < 0.0) {
+                return;
+            }
+            let foot = sides.iter().zip(&parts).fold(first, |foot, (side, part)| add(foot, scale(*side, *part)));
+            let distance = length(sub(foot, to));
+            if distance < best.0 {
+                let mut weights = vec![0.0; points.len()];
+                weights[corners[0]] = rest;
+                corners[1..].iter().zip(&parts).for_each(|(corner, part)| weights[*corner] = *part);
+                best = (distance, weights);
+            }
+        });
+    }
+    best.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_have_the_dimension_of_their_colors() {
+        let of = |colors: &[Point]| Frame::new(colors).dimension();
+        assert_eq!((of(&[]), of(&[[0.5; 3]]), of(&[[0.1; 3], [0.9; 3], [0.4; 3]])), (0, 0, 1));
+        assert_eq!(of(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 0.0]]), 2);
+        assert_eq!(of(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 0.1]]), 3);
+    }
+
+    #[test]
+    fn triangulations_fill_the_hull_once() {
+        // The corners of the cube lie on a sphere.
+        let cube: Vec<Point> = (0..8).map(|i| [0, 1, 2].map(|c| f64::from(i >> c & 1))).collect();
+        let heights: Vec<f64> = cube.iter().map(|p| dot(sub(*p, [0.5; 3]), sub(*p, [0.5; 3]))).collect();
+        let simplices = triangulate(&cube, &heights, 3);
+        let volume = |simplex: &Simplex| {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|i| cube[simplex.corners[i]]);
+            dot(crate::vector::cross(sub(b, a), sub(c, a)), sub(d, a)).abs() / 6.0
+        };
+        assert!((simplices.iter().map(volume).sum::<f64>() - 1.0).abs() < 1e-12, "{simplices:?}");
+    }
+
+    #[test]
+    fn the_nearest_point_is_on_a_corner_an_edge_or_a_face() {
+        let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let near = |to: Point| nearest(&points, to).iter().map(|w| (w * 100.0).round() / 100.0).collect::<Vec<_>>();
+        assert_eq!(near([-1.0, -1.0, -1.0]), [1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(near([0.25, -1.0, -1.0]), [0.75, 0.25, 0.0, 0.0]);
+        assert_eq!(near([0.25, 0.5, -1.0]), [0.25, 0.25, 0.5, 0.0]);
+    }
+}
