@@ -73,7 +73,8 @@ impl Decomposer {
         let weights = nodes.flat_map(|(simplex, parts)| {
             let mut plain = vec![0.0; colors.len()];
             simplex.corners.iter().zip(&parts).for_each(|(corner, part)| plain[*corner] = *part as f64 / cuts as f64);
-            let used: Vec<usize> = simplex.corners.iter().zip(&parts).filter(|(_, part)| **part > 0).map(|(c, _)| *c).collect();
+            let used: Vec<usize> =
+                simplex.corners.iter().zip(&parts).filter(|(_, part)| **part > 0).map(|(c, _)| *c).collect();
             // On the surface of the hull, only the colors of the facet mix.
             let is_outer = cuts == 1 || boundary.iter().any(|facet| used.iter().all(|corner| facet.contains(corner)));
             if is_outer { plain } else { gibbs(&found.points, &heights, softness, &plain) }
@@ -217,8 +218,11 @@ fn gibbs(points: &[Point], heights: &[f64], softness: f64, plain: &[f64]) -> Vec
     let offsets: Vec<Point> = points.iter().map(|point| sub(*point, target)).collect();
     // The function's value, and the weights.
     let at = |multipliers: Point| {
-        let exponents: Vec<f64> =
-            offsets.iter().zip(heights).map(|(offset, height)| (dot(multipliers, *offset) - height) / softness).collect();
+        let exponents: Vec<f64> = offsets
+            .iter()
+            .zip(heights)
+            .map(|(offset, height)| (dot(multipliers, *offset) - height) / softness)
+            .collect();
         let most = exponents.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let parts: Vec<f64> = exponents.iter().map(|exponent| libm::exp(exponent - most)).collect();
         let sum: f64 = parts.iter().sum();
@@ -321,7 +325,12 @@ mod tests {
     fn softness_spreads_weights_and_sharpness_keeps_four() {
         let gray = [0.5, 0.45, 0.42];
         let count = |softness: f64| {
-            Decomposer::new(&INKS, softness).unwrap().weights(gray).iter().filter(|weight| **weight > 1.0 / 255.0).count()
+            Decomposer::new(&INKS, softness)
+                .unwrap()
+                .weights(gray)
+                .iter()
+                .filter(|weight| **weight > 1.0 / 255.0)
+                .count()
         };
         assert!(count(0.0) <= 4 && count(1.0) > 4, "{} {}", count(0.0), count(1.0));
     }

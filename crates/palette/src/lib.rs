@@ -16,6 +16,7 @@ mod mesh;
 mod order;
 mod program;
 mod simplex;
+mod stored;
 mod together;
 mod vector;
 
@@ -23,3 +24,4 @@ pub use cloud::Cloud;
 pub use decompose::{Decomposer, MOST_COLORS};
 pub use extract::{Enclosing, Extraction, Short, extract};
 pub use order::oklab;
+pub use stored::Storing;

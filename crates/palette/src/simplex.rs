@@ -125,14 +125,20 @@ pub(crate) fn subsets(count: usize, size: usize, visit: &mut impl FnMut(&[usize]
 /// from any point: those above which no other point's height lies below the plane through their own.
 pub(crate) fn triangulate(points: &[Point], heights: &[f64], dimension: usize) -> Vec<Simplex> {
     // Points on a sphere have several triangulations; small differences by index choose one.
-    let lifted: Vec<f64> =
-        heights.iter().enumerate().map(|(index, height)| height + 1e-9 * ((index * index) as f64 + index as f64)).collect();
+    let lifted: Vec<f64> = heights
+        .iter()
+        .enumerate()
+        .map(|(index, height)| height + 1e-9 * ((index * index) as f64 + index as f64))
+        .collect();
     let mut simplices = Vec::new();
     subsets(points.len(), dimension + 1, &mut |corners| {
         let Some(simplex) = Simplex::new(corners, points, dimension) else { return };
         let is_below = |index: usize| {
-            let plane: f64 =
-                simplex.coordinates(points[index]).zip(&simplex.corners).map(|(part, corner)| part * lifted[*corner]).sum();
+            let plane: f64 = simplex
+                .coordinates(points[index])
+                .zip(&simplex.corners)
+                .map(|(part, corner)| part * lifted[*corner])
+                .sum();
             lifted[index] < plane
         };
         if !(0..points.len()).any(|index| !corners.contains(&index) && is_below(index)) {
