@@ -8,6 +8,7 @@
 
 mod changes;
 mod check;
+mod decompose;
 mod edit;
 mod explain;
 mod failure;
@@ -22,6 +23,7 @@ mod palette;
 mod plan;
 mod preview;
 mod progress;
+mod recolor;
 mod remedies;
 mod render;
 mod report;
@@ -84,6 +86,10 @@ enum Command {
     Info(info::Args),
     /// Find few colors whose hull encloses every pixel of pictures
     Palette(palette::Args),
+    /// Take pictures apart into weights over the colors of a palette
+    Decompose(decompose::Args),
+    /// Paint what was taken apart in other colors
+    Recolor(recolor::Args),
     /// Find the settings that meet a tolerance
     Plan(plan::Args),
     /// Compare settings by error and run time, as a page of plots
@@ -113,6 +119,8 @@ fn main() -> ExitCode {
         Command::Schema => schema::run(),
         Command::Info(args) => info::run(args),
         Command::Palette(args) => palette::run(args),
+        Command::Decompose(args) => decompose::run(args),
+        Command::Recolor(args) => recolor::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Report(args) => report::run(args),
         Command::Verify(args) => verify::run(args),

@@ -67,6 +67,8 @@ mod naming;
 mod output;
 #[cfg(feature = "io")]
 mod output_file;
+#[cfg(feature = "io")]
+mod recipe;
 mod report;
 #[cfg(feature = "io")]
 mod resume;
@@ -98,6 +100,8 @@ pub use naming::{CompanionPattern, UNNAMED_FILE, companion_files, output_files};
 pub use output::write_output;
 #[cfg(feature = "io")]
 pub use output_file::{ForeignFile, NameFault, NamePlace, NoDestination, OutputError, OutputFile};
+#[cfg(feature = "io")]
+pub use recipe::{Recipe, RecipeError};
 pub use report::{RunReport, RunStatus, frame_report};
 #[cfg(feature = "io")]
 pub use resume::Fingerprints;
@@ -120,7 +124,9 @@ pub use trochoid_graph::{
     StepErrors, Term, Tolerance, Verdict, Work, counted, escape_frame, expand_frame, expected, folders_to_allow,
     in_bytes, nearest, quoted, quoted_path, refusal, refusals, resolved, schema,
 };
-pub use trochoid_image::{Format, FormatError, Plane, Rgb, Shading, Window, WorkingSpace, srgb_decode, srgb_encode};
+pub use trochoid_image::{
+    Format, FormatError, HexError, Plane, Rgb, Shading, Window, WorkingSpace, parse_hex, srgb_decode, srgb_encode,
+};
 #[cfg(feature = "io")]
 pub use trochoid_io as io;
 #[cfg(feature = "io")]

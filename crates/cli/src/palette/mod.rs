@@ -8,7 +8,8 @@
 //! largest, rms}`, palettes of fewer colors: the share of the pixels outside of their hull, and distances from it in steps
 //! of 8 bits; `palette`, the palette that is written.
 
-mod source;
+pub(crate) mod named;
+pub(crate) mod source;
 mod text;
 mod write;
 

@@ -5,7 +5,7 @@ use crate::remedies;
 use serde_json::json;
 use std::path::Path;
 use trochoid::io::{self, Limits};
-use trochoid::{Access, Buffers, Cache, Monitor, Plan, Settings, escape_frame, parse_within};
+use trochoid::{Access, Buffers, Cache, Monitor, Plan, Settings, Window, escape_frame, parse_within};
 use trochoid_palette::Cloud;
 
 /// Part of a picture, in pixels.
@@ -46,6 +46,32 @@ impl Region {
 /// # Errors
 /// The picture cannot be read, has illegal values, or has no pixel in the regions.
 pub(super) fn read(path: &Path, regions: &[Region], cloud: &mut Cloud, monitor: &dyn Monitor) -> Result<u64, Failure> {
+    let (window, colors) = self::colors(path, monitor)?;
+    let width = window.width();
+    let before = cloud.pixels();
+    let mut brighter = 0;
+    for (index, color) in colors.iter().enumerate() {
+        let place = [index % width, index / width];
+        if !regions.is_empty() && !regions.iter().any(|region| region.contains(place)) {
+            continue;
+        }
+        let color = color.map(|channel| 255.0 * f64::from(channel));
+        brighter += u64::from(color.iter().any(|channel| *channel > 255.0 + 1e-4));
+        cloud.add_between(color);
+    }
+    if cloud.pixels() == before {
+        let (name, height) = (path.display(), window.height());
+        let message = format!("{name}: found {width} × {height} pixels, none of them in a --region");
+        return Err(Failure::usage(message, "correct the region: x and y are of its upper left corner, in pixels"));
+    }
+    Ok(brighter)
+}
+
+/// Returns the colors of a picture as displayed, row by row.
+///
+/// # Errors
+/// The picture cannot be read, or has illegal values.
+pub(crate) fn colors(path: &Path, monitor: &dyn Monitor) -> Result<(Window, Vec<[f32; 3]>), Failure> {
     let info = io::info(path, &Limits::default()).map_err(|error| Failure::new(FAILED, error))?;
     let part = &info.parts[0];
     let [width, height] = [part.display.width(), part.display.height()];
@@ -64,22 +90,8 @@ pub(super) fn read(path: &Path, regions: &[Region], cloud: &mut Cloud, monitor: 
         .map_err(|error| Failure::new(FAILED, error))?;
     let frame = plan.evaluate(&Buffers::new(), &mut Cache::new(), monitor).map_err(|error| failed(&error))?;
     let [r, g, b] = [0, 1, 2].map(|channel| frame.pictures[0].planes[channel].samples());
-    let before = cloud.pixels();
-    let mut brighter = 0;
-    for (index, ((r, g), b)) in r.iter().zip(g).zip(b).enumerate() {
-        let place = [index % width, index / width];
-        if !regions.is_empty() && !regions.iter().any(|region| region.contains(place)) {
-            continue;
-        }
-        let color = [r, g, b].map(|channel| 255.0 * f64::from(*channel));
-        brighter += u64::from(color.iter().any(|channel| *channel > 255.0 + 1e-4));
-        cloud.add_between(color);
-    }
-    if cloud.pixels() == before {
-        let message = format!("{name}: found {width} × {height} pixels, none of them in a --region");
-        return Err(Failure::usage(message, "correct the region: x and y are of its upper left corner, in pixels"));
-    }
-    Ok(brighter)
+    let colors = r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]).collect();
+    Ok((frame.window, colors))
 }
 
 #[cfg(test)]

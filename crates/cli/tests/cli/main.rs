@@ -20,6 +20,7 @@ mod overwrite;
 mod painting;
 mod palette;
 mod plan;
+mod recolor;
 mod refusals;
 #[cfg(unix)]
 mod remedies;
