@@ -55,7 +55,8 @@ pub struct Extraction {
     pub distinct: usize,
     /// Number of corners of their hull.
     pub corners: usize,
-    /// Palettes that enclose every pixel, of up to 12 colors, by their number of colors.
+    /// Palettes that enclose every pixel, of up to 12 colors, by their number of colors: each in a smaller hull than those
+    /// of fewer colors.
     pub enclosing: Vec<Enclosing>,
     /// Palettes of fewer colors than these, by their number of colors.
     pub short: Vec<Short>,
@@ -63,11 +64,13 @@ pub struct Extraction {
 
 impl Extraction {
     /// Returns the palette to take if nobody asks for a number of colors: the one of the fewest colors whose hull has at
-    /// most 2.5 times the volume of the pixels' hull, or else the one of the least volume.
+    /// most 2.5 times the volume of the pixels' hull, in whole steps of 8 bits if there is one; or else the one of the
+    /// least volume.
     #[must_use]
     pub fn usual(&self) -> Option<&Enclosing> {
-        let quiet = self.enclosing.iter().find(|palette| palette.volume <= QUIET);
-        quiet.or_else(|| self.enclosing.iter().min_by(|a, b| a.volume.total_cmp(&b.volume)))
+        let quiet = || self.enclosing.iter().filter(|palette| palette.volume <= QUIET);
+        let whole = quiet().find(|palette| palette.units == 1);
+        whole.or_else(|| quiet().next()).or_else(|| self.enclosing.iter().min_by(|a, b| a.volume.total_cmp(&b.volume)))
     }
 
     /// Returns the palette of a number of colors that encloses every pixel.
@@ -196,7 +199,14 @@ impl<'c> Solid<'c> {
             .into_par_iter()
             .map(|(_, hull)| self.rounded(hull, cloud))
             .collect();
-        let found: Vec<Enclosing> = rounded.into_iter().flatten().collect();
+        let mut found: Vec<Enclosing> = rounded.into_iter().flatten().collect();
+        // More colors are of no use in a larger hull.
+        let mut least = f64::INFINITY;
+        found.retain(|palette| {
+            let is_smaller = palette.volume < least;
+            least = least.min(palette.volume);
+            is_smaller
+        });
         let least = found.first().map_or(MOST + 1, |palette| palette.colors.len());
         let short = beyond.iter().filter(|(count, _)| **count < least).rev().take(2);
         let mut short: Vec<Short> = short.filter_map(|(_, fit)| self.short(fit, cloud)).collect();

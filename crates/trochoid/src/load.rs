@@ -84,6 +84,10 @@ fn text_of(path: &Path, most: usize, what: &str, shorter: &str) -> Result<String
 
 /// Reads a palette file.
 fn palette_of(path: &Path) -> Result<String, LoadError> {
+    if trochoid_io::kind(path).is_ok() {
+        let remedy = "`trochoid palette` reads a palette off it";
+        return Err(invalid(path.display().to_string(), (0, 0), "a picture".into(), "a palette".into(), remedy));
+    }
     text_of(path, MAX_PALETTE_BYTES, "a palette", "name a file that has the colors and little else")
 }
 
@@ -128,14 +132,18 @@ pub fn parse_within(
     if let Some(file) = document.palette_file() {
         let path = folder.join(file);
         access.check(&path).map_err(|outside| LoadError::Invalid(vec![document.refused_palette(outside)]))?;
-        document.read_palette(&path, &palette_of(&path)?).map_err(invalid)?;
+        let text = palette_of(&path).map_err(|error| match error {
+            LoadError::Io(error) => LoadError::Invalid(vec![document.unread_palette(error.to_string())]),
+            invalid => invalid,
+        })?;
+        document.read_palette(&path, &text).map_err(invalid)?;
     }
     let mut faults: Vec<Diagnostic> = Vec::new();
     for assignment in set {
         match assignment.strip_prefix("palette=") {
             Some(file) => {
                 let path = Path::new(file);
-                faults.extend(document.replace_palette(path, &palette_of(path)?).err().into_iter().flatten());
+                faults.extend(document.replace_palette(path, &palette_of(path)?).err().map(|fault| *fault));
             }
             None => faults.extend(document.set(assignment).err().map(|fault| *fault)),
         }

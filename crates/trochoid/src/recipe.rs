@@ -87,12 +87,12 @@ impl Recipe {
             "colors": self.colors,
             "working_space": self.space.name(),
         });
-        let channel = |(name, plane): (&String, &Vec<f32>)| {
-            let (name, samples) = (format!("{LAYER}.{name}"), Samples::contiguous(plane));
-            if is_float { ExrChannel::float(name, samples) } else { ExrChannel::half(name, samples) }
-        };
+        let stored = if is_float { ExrChannel::float } else { ExrChannel::half };
+        let channels = self.names.iter().zip(&self.weights);
         let image = ExrImage {
-            channels: self.names.iter().zip(&self.weights).map(channel).collect(),
+            channels: channels
+                .map(|(name, plane)| stored(format!("{LAYER}.{name}"), Samples::contiguous(plane)))
+                .collect(),
             metadata: with_mark(&[(KEY.into(), text.to_string())]),
             ..ExrImage::new(self.window)
         };

@@ -30,6 +30,9 @@ A palette encloses a picture if no pixel lies outside of the convex hull of its 
 That is counted in whole numbers, on the colors as displayed, which are those of the working space \"srgb\". Pictures \
 between the steps of 8 bits are enclosed by the steps around them.
 
+Colors are whole steps of 8 bits if such a palette is found; otherwise they lie on a grid of 1/16 or 1/256 of a step, are \
+printed as numbers from 0 to 1, and fit only into .json.
+
 With few colors, the palette is loud: its colors lie far from every pixel. By default it has the fewest colors whose \
 hull is at most 2.5 times as large as that of the pixels.
 
@@ -40,7 +43,7 @@ Examples:
   trochoid palette painting.jpg --colors 7 --out painting.json --out swatches.png
   trochoid palette shot.0001.png shot.0096.png --out shot.gpl
   trochoid palette painting.jpg --region 0,0,1920,400 --out sky.json
-  trochoid render storm.json --palette painting.json")]
+  trochoid decompose painting.jpg --palette painting.json --out painting.recipe.exr")]
 pub(crate) struct Args {
     /// The pictures: EXR, PNG, JPEG or TIFF
     #[arg(value_name = "PICTURE", required = true)]
@@ -95,6 +98,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     progress.finish();
     let found = extract(&cloud);
     let chosen = choose(args, &found)?;
+    Failure::all(args.out.iter().filter_map(|out| write::unfit(out, chosen)))?;
     for out in &args.out {
         write::write(out, chosen, &args.files.over)?;
     }

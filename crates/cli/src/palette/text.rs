@@ -6,12 +6,13 @@ use trochoid_palette::{Cloud, Enclosing, Extraction};
 
 /// Formats what was found, and the palette that was chosen.
 pub(super) fn text(pictures: usize, cloud: &Cloud, brighter: u64, found: &Extraction, chosen: &Enclosing) -> String {
-    let plural = if pictures == 1 { "" } else { "s" };
+    let counted = |count: u64, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     let mut text = format!(
-        "{} colors in {pictures} picture{plural} of {} pixels; their hull has {} corners\n",
-        found.distinct,
-        cloud.pixels(),
-        found.corners
+        "{} in {} of {}; their hull has {}\n",
+        counted(found.distinct as u64, "color"),
+        counted(pictures as u64, "picture"),
+        counted(cloud.pixels(), "pixel"),
+        counted(found.corners as u64, "corner")
     );
     if brighter > 0 {
         let _ = writeln!(text, "{brighter} pixels are brighter than white, and count as white there");
@@ -37,7 +38,11 @@ pub(super) fn text(pictures: usize, cloud: &Cloud, brighter: u64, found: &Extrac
     text.push_str("hull: volume, relative to the pixels' hull; farthest: of its colors from the nearest pixel, in steps of 255\n\n");
     let width = chosen.names.iter().map(String::len).max().unwrap_or(0);
     for (name, color) in chosen.names.iter().zip(&chosen.colors) {
-        let _ = writeln!(text, "  {name:width$}  {}", hex(*color));
+        let color = match chosen.units {
+            1 => hex(*color),
+            _ => format!("[{:.6}, {:.6}, {:.6}]", color[0], color[1], color[2]),
+        };
+        let _ = writeln!(text, "  {name:width$}  {color}");
     }
     text
 }

@@ -28,10 +28,21 @@ pub(super) fn no_form(path: &Path) -> Failure {
     Failure::usage(message, format!("name it {}", quoted_path(&path.with_extension("json"))))
 }
 
+/// Returns the failure of a file whose form cannot hold the colors.
+pub(super) fn unfit(path: &Path, palette: &Enclosing) -> Option<Failure> {
+    (form(path) == Some(Form::Gimp) && palette.units != 1).then(|| {
+        let message = format!(
+            "{}: found colors between the steps of 8 bits; expected whole steps, which are all that .gpl holds",
+            path.display()
+        );
+        Failure::usage(message, "write .json, or ask for another number of --colors")
+    })
+}
+
 /// Writes a palette.
 ///
 /// # Errors
-/// The form cannot hold the colors, or the file cannot be written.
+/// The file cannot be written.
 pub(super) fn write(path: &Path, palette: &Enclosing, over: &OverwriteOptions) -> Result<(), Failure> {
     match form(path) {
         Some(Form::Swatches) => {
@@ -42,7 +53,7 @@ pub(super) fn write(path: &Path, palette: &Enclosing, over: &OverwriteOptions) -
             write_png8(over.target(path, Form::Swatches), &image).map_err(cannot)
         }
         Some(Form::Gimp) => {
-            let text = gimp(path, palette)?;
+            let text = gimp(path, palette);
             Ok(trochoid::write_guarded(path, text.as_bytes(), Form::Gimp, over.overwrite)?)
         }
         _ => {
@@ -78,21 +89,14 @@ pub(super) fn hex(color: [f64; 3]) -> String {
 }
 
 /// Returns the text of a palette of GIMP.
-fn gimp(path: &Path, palette: &Enclosing) -> Result<String, Failure> {
-    if palette.units != 1 {
-        let message = format!(
-            "{}: found colors between the steps of 8 bits; expected whole steps, which are all that .gpl holds",
-            path.display()
-        );
-        return Err(Failure::usage(message, "write .json, or ask for another number of --colors"));
-    }
+fn gimp(path: &Path, palette: &Enclosing) -> String {
     let name = path.file_stem().map_or("palette".into(), |stem| stem.to_string_lossy().replace(char::is_control, " "));
     let mut text = format!("GIMP Palette\nName: {name}\nColumns: {}\n# {GENERATOR}{VERSION}\n", palette.colors.len());
     for (name, color) in palette.names.iter().zip(&palette.colors) {
         let [r, g, b] = color.map(|channel| (255.0 * channel).round() as u8);
         let _ = writeln!(text, "{r:3} {g:3} {b:3}\t{name}");
     }
-    Ok(text)
+    text
 }
 
 /// Width and height of a swatch, in pixels.

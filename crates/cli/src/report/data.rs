@@ -200,7 +200,7 @@ impl<'a> Report<'a> {
         let mut all = vec![format!("{drawn}{apart}.")];
         if at.given_up > 0 {
             all.push(format!(
-                "Of {} of them no error is measured: there, a surface is so rough that it takes too long to find what a \
+                "At {} of them no error is measured: there, a surface is so rough that it takes too long to find what a \
                  reference's ray meets.",
                 thousands(at.given_up)
             ));

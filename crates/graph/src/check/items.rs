@@ -270,6 +270,7 @@ impl<'a> Checker<'a> {
             let name = if is_number { text } else { name };
             let remedy = match near {
                 _ if is_number => format!("write numbers without quotes: {text}"),
+                _ if or_color && let Some(named) = self.meant(text) => format!("did you mean \"{named}\"?"),
                 _ if or_color && is_hex => format!("did you mean \"#{name}\"?"),
                 Some(near) => format!("did you mean \"{near}\"?"),
                 None if or_color => "add the node, or correct the name; a color is written \"#rrggbb\"".into(),

@@ -205,6 +205,11 @@ impl<'a> Checker<'a> {
             FaultLocation::top(0, "document"),
             "an object with \"trochoid\", \"format\", \"nodes\" and \"outputs\"",
         )?;
+        if root.iter().any(|entry| entry.key == "trochoid_palette") {
+            let remedy = "give a document; it names this file as its \"palette\"";
+            self.error(FaultLocation::top(0, "document"), "a palette", "a document", remedy);
+            return None;
+        }
         let top = self.top(&root);
         self.palette(&root);
         let entries = match root.iter().find(|entry| entry.key == "nodes") {

@@ -39,7 +39,12 @@ pub(super) fn is_name(text: &str) -> bool {
 impl<'a> Checker<'a> {
     /// Reads the palette of a document, after its working space.
     pub(super) fn palette(&mut self, root: &[&'a Entry]) {
-        let Some(entry) = root.iter().find(|entry| entry.key == "palette") else { return };
+        let Some(entry) = root.iter().find(|entry| entry.key == "palette") else {
+            // A misspelt key is told by itself.
+            let is_slip = |entry: &&&Entry| nearest(&entry.key, super::top::KEYS) == Some("palette");
+            self.palette.is_unread = root.iter().any(|entry| is_slip(&entry));
+            return;
+        };
         let place = FaultLocation::top(entry.value.offset, "palette");
         self.palette.is_unread = true;
         if let Json::String(path) = &entry.value.json {
@@ -66,11 +71,20 @@ impl<'a> Checker<'a> {
                 self.palette.faulty.push(name);
                 continue;
             }
+            let named = format!("{PREFIX}{}", shorten(name));
+            let place = FaultLocation { port: Some(&named), ..place };
             match self.animated(&entry.value, place, Self::color) {
                 Some(color) => self.palette.colors.push(Named { name, offset: entry.offset, color }),
                 None => self.palette.faulty.push(name),
             }
         }
+    }
+
+    /// Returns the name in the palette that a text was probably meant to be.
+    pub(super) fn meant(&self, text: &str) -> Option<String> {
+        let name = text.rsplit('.').next().unwrap_or_default();
+        let known = self.palette.colors.iter().find(|known| known.name.eq_ignore_ascii_case(name));
+        known.map(|known| format!("{PREFIX}{}", known.name))
     }
 
     /// Reads a color, a keyed color, or the name of one in the palette.

@@ -17,7 +17,7 @@ pub(super) struct Top {
 /// Version of the document format; the only one so far.
 pub const FORMAT_VERSION: u32 = 1;
 
-const KEYS: [&str; 10] =
+pub(super) const KEYS: [&str; 10] =
     ["trochoid", "format", "working_space", "frames", "tolerance", "palette", "nodes", "outputs", "ui", "notes"];
 /// Largest absolute frame number, so that times stay exact.
 const MAX_FRAME: f64 = 1e7;

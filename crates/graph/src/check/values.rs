@@ -104,7 +104,10 @@ impl<'a> Checker<'a> {
             Json::String(text) => match parse_hex(text) {
                 Ok(color) => Some(self.space.from_linear_srgb(color.map(srgb_decode)).map(|v| v.max(0.0)).to_vec()),
                 Err(_) => {
-                    let remedy = "write #rrggbb or #rgb with hexadecimal digits; it is read as sRGB";
+                    let remedy = match self.meant(text) {
+                        Some(named) => format!("did you mean \"{named}\"?"),
+                        None => "write #rrggbb or #rgb with hexadecimal digits; it is read as sRGB".into(),
+                    };
                     self.error(place, value.brief(), "a color", remedy);
                     None
                 }

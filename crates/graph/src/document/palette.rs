@@ -42,32 +42,36 @@ impl Document {
     /// [`read_palette`](Self::read_palette). Colors that the file lacks stay as they are.
     ///
     /// # Errors
-    /// The text is not a palette, or names colors that the document does not: a fault for each.
-    pub fn replace_palette(&mut self, path: &Path, text: &str) -> Result<(), Vec<Diagnostic>> {
-        let colors = self.colors(path, text).map_err(|fault| vec![*fault])?;
+    /// The text is not a palette, or names colors that the document does not.
+    pub fn replace_palette(&mut self, path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
+        let colors = self.colors(path, text)?;
         let name = &path.display().to_string();
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let Some(Spanned { json: Json::Object(own), .. }) = self.top("palette") else {
             let remedy = "give its colors names: add \"palette\": { … }, and write \"palette.NAME\" for them";
             let found = format!("no palette in the document that {} could replace", shorten(name));
-            return Err(vec![*fault(&self.name, (0, 0), found, "\"palette\"", remedy)]);
+            return Err(fault(&self.name, (0, 0), found, "\"palette\"", remedy));
         };
-        let mut faults = Vec::new();
+        let known = |color: &Entry, own: &[Entry]| own.iter().position(|entry| entry.key == color.key);
+        let strange: Vec<&Entry> = colors.iter().filter(|color| known(color, own).is_none()).collect();
+        if let Some(first) = strange.first() {
+            let near = nearest(&first.key, own.iter().map(|entry| entry.key.as_str()));
+            let remedy = match near {
+                Some(near) if strange.len() == 1 => format!("did you mean \"{near}\"?"),
+                _ => "rename them as the colors that they replace, or remove them".into(),
+            };
+            let listed: Vec<&str> = strange.iter().map(|color| color.key.as_str()).collect();
+            let found = format!("{}, which the document does not name", list(&listed));
+            let own: Vec<&str> = own.iter().map(|entry| entry.key.as_str()).collect();
+            let place = line_and_column(text, (first.offset - FILED) % STRIDE);
+            return Err(fault(name, place, found, format!("colors of its palette: {}", list(&own)), remedy));
+        }
         for color in colors {
-            match own.iter_mut().find(|entry| entry.key == color.key) {
-                Some(entry) => *entry = color,
-                None => {
-                    let remedy = match nearest(&color.key, own.iter().map(|entry| entry.key.as_str())) {
-                        Some(near) => format!("did you mean \"{near}\"?"),
-                        None => "remove it, or rename it as the document's color that it replaces".into(),
-                    };
-                    let found = format!("the color \"{}\"", shorten(&color.key));
-                    let place = line_and_column(text, (color.offset - FILED) % STRIDE);
-                    faults.push(*fault(name, place, found, "colors of the document's palette", remedy));
-                }
+            if let Some(index) = known(&color, own) {
+                own[index] = color;
             }
         }
-        if faults.is_empty() { Ok(()) } else { Err(faults) }
+        Ok(())
     }
 
     /// Reads the colors of a file, with the offsets that the file gets.
@@ -78,7 +82,27 @@ impl Document {
             let (found, expected) = (format!("{} bytes", text.len()), format!("at most {MAX_PALETTE_BYTES} bytes"));
             return Err(fault(name, (0, 0), found, expected, "name a file that has the colors and little else"));
         }
+        let is_gimp = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gpl"));
+        if is_gimp && !text.starts_with(GIMP) {
+            let found = format!("the line \"{}\"", shorten(text.lines().next().unwrap_or_default()));
+            return Err(fault(
+                name,
+                (1, 1),
+                found,
+                format!("\"{GIMP}\", as .gpl begins"),
+                "name such a file, or .json",
+            ));
+        }
         let mut colors = if text.starts_with(GIMP) { gimp(name, text)? } else { named(name, text, self.space())? };
+        let mut seen = HashSet::new();
+        if let Some(second) = colors.iter().find(|color| !seen.insert(color.key.as_str())) {
+            let found = format!("a second \"{}\"", shorten(&second.key));
+            let place = line_and_column(text, second.offset);
+            return Err(fault(name, place, found, "each name once", "rename or remove one of them"));
+        }
+        if colors.is_empty() {
+            return Err(fault(name, (1, 1), "no colors".into(), "some", "write the colors, or name another file"));
+        }
         let first = FILED + STRIDE * self.files.len();
         for color in &mut colors {
             color.offset += first;
@@ -107,6 +131,15 @@ impl Document {
         *fault
     }
 
+    /// Returns the fault of a palette file that cannot be read, for some reason.
+    pub fn unread_palette(&self, why: String) -> Diagnostic {
+        let origin = self.origin(self.palette_value().map_or(0, |value| value.offset));
+        let remedy = "correct the path, which is relative to the document";
+        let mut fault = fault(&self.name, (origin.line, origin.column), why, "a palette file", remedy);
+        fault.port = Some("palette".into());
+        *fault
+    }
+
     fn palette_value(&self) -> Option<&Spanned> {
         let Json::Object(entries) = &self.root.json else { return None };
         entries.iter().find(|entry| entry.key == "palette").map(|entry| &entry.value)
@@ -126,8 +159,14 @@ fn named(name: &str, text: &str, space: Option<&str>) -> Result<Vec<Entry>, Box<
     let stated = entries.iter().find(|entry| entry.key == "working_space").map(|entry| entry.value.json.clone());
     let (inner, outer): (Vec<Entry>, Vec<Entry>) = entries.into_iter().partition(|entry| entry.key == "palette");
     let colors = match inner.into_iter().next() {
+        None if outer.iter().any(|entry| entry.key == "nodes") => {
+            return Err(other("a document without a palette".into()));
+        }
         None => outer,
         Some(Entry { value: Spanned { json: Json::Object(colors), .. }, .. }) => colors,
+        Some(Entry { value: Spanned { json: Json::String(file), .. }, .. }) => {
+            return Err(other(format!("a document whose palette is another file, \"{}\"", shorten(&file))));
+        }
         Some(_) => return Err(other(found)),
     };
     let space = space.unwrap_or(WorkingSpace::default().name());
@@ -141,6 +180,15 @@ fn named(name: &str, text: &str, space: Option<&str>) -> Result<Vec<Entry>, Box<
         return Err(fault(name, line_and_column(text, color), found, expected, remedy));
     }
     Ok(colors)
+}
+
+/// Lists names, the first ones of many.
+fn list(names: &[&str]) -> String {
+    let mut text: String = names.iter().take(12).map(|name| shorten(name)).collect::<Vec<_>>().join(", ");
+    if names.len() > 12 {
+        text.push_str(&format!(" and {} more", names.len() - 12));
+    }
+    text
 }
 
 /// Returns the place of a color that is written as numbers: a list without other lists or texts.
@@ -273,15 +321,16 @@ mod tests {
         let mut document = document(DOCUMENT);
         document.replace_palette(Path::new("n.json"), r##"{"glow": "#abc"}"##).expect("known names");
         assert!(document.canonical().contains(r##"{"deep":"#000","glow":"#abc"}"##));
-        let faults = document
-            .replace_palette(Path::new("m.json"), "{\n \"glwo\": \"#abc\", \"other\": 1}")
-            .expect_err("unknown");
-        let said: Vec<String> = faults.iter().map(Diagnostic::to_string).collect();
-        assert!(said[0].contains("m.json:2:2: found the color \"glwo\"") && said[0].contains("did you mean \"glow\"?"));
-        assert!(said[1].contains("m.json:2:18: found the color \"other\""), "{said:?}");
-        let faults =
-            super::Document::parse("d", r#"{"nodes": {}}"#).expect("valid").replace_palette(Path::new("n.json"), "{}");
-        assert!(faults.expect_err("no palette")[0].to_string().contains("no palette in the document"));
+        let mut fails = |text: &str| document.replace_palette(Path::new("m.json"), text).expect_err(text).to_string();
+        let one = fails("{\n \"glwo\": \"#abc\"}");
+        assert!(one.contains("m.json:2:2: found glwo") && one.contains("did you mean \"glow\"?"), "{one}");
+        let two = fails("{ \"glwo\": \"#abc\", \"glow\": \"#111\", \"other\": 1 }");
+        assert!(two.contains("found glwo, other, which the document does not name"), "{two}");
+        assert!(two.contains("colors of its palette: deep, glow"), "{two}");
+        assert!(document.canonical().contains("#abc"), "nothing is replaced if a name is unknown");
+        let mut without = super::Document::parse("d", r#"{"nodes": {}}"#).expect("valid");
+        let fault = without.replace_palette(Path::new("n.json"), r##"{"a": "#fff"}"##).expect_err("no palette");
+        assert!(fault.to_string().contains("no palette in the document"));
     }
 
     #[test]
@@ -291,6 +340,10 @@ mod tests {
             ("[1]", "p:1:1: found a list of 1; expected an object of colors by name"),
             (r#"{"palette": 3}"#, "expected an object of colors by name"),
             ("{", "expected JSON"),
+            ("{}", "p:1:1: found no colors"),
+            (r##"{"a": "#fff", "b": "#000", "a": "#111"}"##, "p:1:27: found a second \"a\""),
+            (r#"{"trochoid": 1, "nodes": {}}"#, "found a document without a palette"),
+            (r#"{"palette": "other.json", "nodes": {}}"#, "whose palette is another file, \"other.json\""),
             ("GIMP Palette\nName: x\n1 2 deep\n", "p:3:1: found the line \"1 2 deep\"; expected three numbers"),
             ("GIMP Palette\n1 2 256 deep\n", "p:2:1"),
             (
@@ -301,6 +354,8 @@ mod tests {
             let said = document(DOCUMENT).read_palette(Path::new("p"), text).expect_err(text).to_string();
             assert!(said.contains(words), "{text}: {said}");
         }
+        let empty = document(DOCUMENT).read_palette(Path::new("p.GPL"), "").expect_err("not of GIMP").to_string();
+        assert!(empty.contains("expected \"GIMP Palette\", as .gpl begins"), "{empty}");
         let long = format!("GIMP Palette\n{}", "#\n".repeat(MAX_PALETTE_BYTES / 2));
         assert!(document(DOCUMENT).read_palette(Path::new("p"), &long).is_err());
     }
