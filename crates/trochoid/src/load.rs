@@ -133,6 +133,9 @@ pub fn parse_within(
         let path = folder.join(file);
         access.check(&path).map_err(|outside| LoadError::Invalid(vec![document.refused_palette(outside)]))?;
         let text = palette_of(&path).map_err(|error| match error {
+            LoadError::Io(_) if !path.exists() => {
+                LoadError::Invalid(vec![document.unread_palette(format!("no file {}", path.display()))])
+            }
             LoadError::Io(error) => LoadError::Invalid(vec![document.unread_palette(error.to_string())]),
             invalid => invalid,
         })?;

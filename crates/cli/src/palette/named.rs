@@ -1,6 +1,6 @@
 //! Palettes that are given as files.
 
-use crate::failure::Failure;
+use crate::failure::{FAILED, Failure};
 use serde_json::json;
 use std::path::Path;
 use trochoid::{Access, PaletteColor, WorkingSpace, parse_within};
@@ -17,6 +17,9 @@ pub(crate) struct Named {
 /// # Errors
 /// The file cannot be read, or is no palette.
 pub(crate) fn read(path: &Path, space: WorkingSpace) -> Result<Named, Failure> {
+    if let Err(error) = std::fs::metadata(path) {
+        return Err(Failure::new(FAILED, format!("{}: cannot open the file: {error}", path.display())));
+    }
     let document = json!({
         "trochoid": 1,
         "format": { "width": 1, "height": 1 },

@@ -247,15 +247,18 @@ mod tests {
     #[test]
     fn parts_are_replaced_and_the_rest_stays() {
         let text = set(&["storm.groups[1].x=5", "storm.groups[0].seed=3", "storm.groups[1].path[2]=7"]);
-        assert!(text.contains(r#""groups":[{"seed":3,"x":1},{"path":[0,1,7],"x":5}]"#), "{text}");
+        assert!(text.contains(r#""groups":[{"seed":3.0,"x":1.0},{"path":[0.0,1.0,7.0],"x":5.0}]"#), "{text}");
         let text = set(&["storm.groups[0]={\"x\": 9}"]);
-        assert!(text.contains(r#""groups":[{"x":9},{"#), "{text}");
+        assert!(text.contains(r#""groups":[{"x":9.0},{"#), "{text}");
     }
 
     #[test]
     fn colors_of_the_palette_are_replaced() {
         let text = set(&["palette.deep=#14262e", "palette.glow.keys[1][1]=#c00"]);
-        assert!(text.contains(r##""palette":{"deep":"#14262e","glow":{"keys":[[1,"#fff"],[9,"#c00"]]}}"##), "{text}");
+        assert!(
+            text.contains(r##""palette":{"deep":"#14262e","glow":{"keys":[[1.0,"#fff"],[9.0,"#c00"]]}}"##),
+            "{text}"
+        );
     }
 
     #[test]

@@ -291,7 +291,7 @@ mod tests {
             assert_eq!(document.palette_file(), None);
             assert_eq!(
                 document.canonical(),
-                r##"{"nodes":{},"palette":{"deep":"#123","glow":{"keys":[[1,"#fff"]]}}}"##
+                r##"{"nodes":{},"palette":{"deep":"#123","glow":{"keys":[[1.0,"#fff"]]}}}"##
             );
         }
     }
@@ -341,14 +341,14 @@ mod tests {
             (r#"{"palette": 3}"#, "expected an object of colors by name"),
             ("{", "expected JSON"),
             ("{}", "p:1:1: found no colors"),
-            (r##"{"a": "#fff", "b": "#000", "a": "#111"}"##, "p:1:27: found a second \"a\""),
+            (r##"{"a": "#fff", "b": "#000", "a": "#111"}"##, "p:1:28: found a second \"a\""),
             (r#"{"trochoid": 1, "nodes": {}}"#, "found a document without a palette"),
             (r#"{"palette": "other.json", "nodes": {}}"#, "whose palette is another file, \"other.json\""),
             ("GIMP Palette\nName: x\n1 2 deep\n", "p:3:1: found the line \"1 2 deep\"; expected three numbers"),
             ("GIMP Palette\n1 2 256 deep\n", "p:2:1"),
             (
                 r#"{"working_space": "srgb", "palette": {"deep": [0, 0.5, 1]}}"#,
-                "p:1:46: found a color as numbers of the working space srgb; expected numbers of the document's, linear-srgb",
+                "p:1:47: found a color as numbers of the working space srgb; expected numbers of the document's, linear-srgb",
             ),
         ] {
             let said = document(DOCUMENT).read_palette(Path::new("p"), text).expect_err(text).to_string();
