@@ -261,6 +261,8 @@ fn gibbs(points: &[Point], heights: &[f64], softness: f64, plain: &[f64]) -> Vec
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may panic")]
+
     use super::*;
 
     const INKS: [[f64; 3]; 7] = [

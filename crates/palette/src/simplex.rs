@@ -56,11 +56,11 @@ pub(crate) fn solve(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
         if rows[at][at].abs() < 1e-13 {
             return None;
         }
-        for below in at + 1..count {
-            let factor = rows[below][at] / rows[at][at];
-            for column in at..=count {
-                rows[below][column] -= factor * rows[at][column];
-            }
+        let (above, below) = rows.split_at_mut(at + 1);
+        let chosen = &above[at];
+        for row in below {
+            let factor = row[at] / chosen[at];
+            row.iter_mut().zip(chosen).skip(at).for_each(|(entry, by)| *entry -= factor * by);
         }
     }
     let mut solution = vec![0.0; count];

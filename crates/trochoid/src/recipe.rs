@@ -131,6 +131,8 @@ fn said(text: &str) -> Option<(Vec<String>, Vec<[f64; 3]>, WorkingSpace)> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may panic")]
+
     use super::*;
 
     fn recipe() -> Recipe {
