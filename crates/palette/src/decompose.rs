@@ -107,17 +107,12 @@ impl Decomposer {
     #[must_use]
     pub fn weights(&self, color: [f64; 3]) -> Vec<f64> {
         let point = self.frame.of(color);
-        let inside = self.located(point).filter(|(_, least)| *least >= -ROUNDING);
-        let index = match inside {
-            Some((index, _)) => return self.interpolated(index, point),
-            None => {
-                let weights = nearest(&self.points, point);
-                let onto = self.points.iter().zip(&weights).fold([0.0; 3], |sum, (p, w)| add(sum, scale(*p, *w)));
-                let Some((index, _)) = self.located(onto) else { return weights };
-                (index, onto)
-            }
-        };
-        self.interpolated(index.0, index.1)
+        if let Some((simplex, _)) = self.located(point).filter(|(_, least)| *least >= -ROUNDING) {
+            return self.interpolated(simplex, point);
+        }
+        let weights = nearest(&self.points, point);
+        let onto = self.points.iter().zip(&weights).fold([0.0; 3], |sum, (p, w)| add(sum, scale(*p, *w)));
+        self.located(onto).map_or(weights, |(simplex, _)| self.interpolated(simplex, onto))
     }
 
     /// Returns the simplex whose least barycentric coordinate of a point is the greatest, and that coordinate.
