@@ -168,8 +168,8 @@ impl Target<'_> {
     }
 }
 
-/// Formats a plan as one line: `tolerance 1/64: view.points=surface  beauty: display error ≤ 8.5e-3, 1.45 % ambiguous,
-/// 5.9 s predicted`.
+/// Formats a plan as one line: `tolerance 1/64: view.points=surface  beauty: unambiguous samples off by ≤ 8.5e-3 in
+/// displayed values, 1.45 % of the samples ambiguous, 5.9 s predicted`.
 pub(crate) fn described(graph: &CheckedGraph, asked: Tolerance, planned: &PlannedSettings) -> String {
     let set = if planned.set.is_empty() { "nothing to choose".to_owned() } else { planned.set.join(", ") };
     let mut facts: Vec<String> = planned
@@ -180,11 +180,11 @@ pub(crate) fn described(graph: &CheckedGraph, asked: Tolerance, planned: &Planne
             let name = printable(&graph.outputs()[certified.output].name);
             let share = 100.0 * (all - clear) as f64 / all.max(1) as f64;
             let max = certified.clear.max();
-            let (what, max) = match accuracy::displayed_of(certified.kind, max, graph.space()) {
-                Some(shown) => ("display error", shown),
-                None => ("error of the field", max),
+            let (max, unit) = match accuracy::displayed_of(certified.kind, max, graph.space()) {
+                Some(shown) => (shown, " in displayed values"),
+                None => (max, ""),
             };
-            format!("{name}: {what} ≤ {max:.1e}, {share:.2} % ambiguous")
+            format!("{name}: unambiguous samples off by ≤ {max:.1e}{unit}, {share:.2} % of the samples ambiguous")
         })
         .collect();
     facts.push(format!("{:.2} s predicted", planned.predicted));

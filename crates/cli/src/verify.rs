@@ -201,9 +201,15 @@ fn checked(output: &Findings) -> String {
         "{name}: {} derived again, each with its own bound",
         count(output.looked_at, output.pixels, "pixels")
     )];
-    facts.push(format!("at most {:.1e} from the references beyond the rounding of the file", output.distance));
+    facts.push(match output.distance {
+        0.0 => "no farther from the references than the file rounds".into(),
+        distance => format!("at most {distance:.1e} from the references beyond the rounding of the file"),
+    });
     if output.ambiguous > 0 {
-        facts.push(format!("{} ambiguous, at most {:.1e} from them", output.ambiguous, output.distance_ambiguous));
+        facts.push(match output.distance_ambiguous {
+            0.0 => format!("{} ambiguous, no farther either", output.ambiguous),
+            distance => format!("{} ambiguous, at most {distance:.1e} from them", output.ambiguous),
+        });
     }
     if output.given_up > 0 {
         let surfaces = "where surfaces are too rough to find what their rays meet";
@@ -213,7 +219,10 @@ fn checked(output: &Findings) -> String {
         facts.push("none outside the hull".into());
     }
     if output.weight_min.is_finite() {
-        facts.push(format!("sums of weights 1 within {:.1e}", output.weight_sum_max_deviation));
+        facts.push(match output.weight_sum_max_deviation {
+            0.0 => "sums of weights exactly 1".into(),
+            deviation => format!("sums of weights 1 within {deviation:.1e}"),
+        });
     }
     facts.join("; ")
 }

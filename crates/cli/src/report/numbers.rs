@@ -69,7 +69,7 @@ pub(super) fn interval(estimate: Option<Estimate>, format: fn(f64) -> String) ->
     let Some(Estimate { value, low, high }) = estimate else { return "–".into() };
     match low == high {
         true => format(value),
-        false if high.is_infinite() => format!("{} [{}, ?]", format(value), format(low)),
+        false if high.is_infinite() => format!("{} [≥ {}]", format(value), format(low)),
         false => format!("{} [{}, {}]", format(value), format(low), format(high)),
     }
 }
@@ -118,6 +118,6 @@ mod tests {
         );
         let estimate = |low: f64, high: f64| interval(Some(Estimate { value: 0.5, low, high }), short);
         assert_eq!([estimate(0.25, 1.0), estimate(0.5, 0.5)], ["0.50 [0.25, 1]", "0.50"]);
-        assert_eq!([estimate(0.25, f64::INFINITY), interval(None, short)], ["0.50 [0.25, ?]", "–"]);
+        assert_eq!([estimate(0.25, f64::INFINITY), interval(None, short)], ["0.50 [≥ 0.25]", "–"]);
     }
 }

@@ -1,7 +1,7 @@
 //! The report as plain text, at most 100 columns wide.
 
 use super::data::{Report, beyond, certified, measured};
-use super::numbers::{count, interval, percent, place, seconds, short};
+use super::numbers::{count, interval, percent, place, seconds};
 use crate::shell::{HEADING, printable, wrap};
 use std::fmt::Write as _;
 use trochoid::Tolerance;
@@ -11,10 +11,10 @@ use trochoid::accuracy::Rung;
 const LABEL: usize = 28;
 const NUMBER: usize = 10;
 const WIDTH: usize = 100;
-/// Widths of places, of quantiles and of shares with their intervals.
-const PLACE: usize = 13;
-const QUANTILE: usize = 31;
-const SHARE: usize = 26;
+/// Widths of errors with their places, of quantiles and of shares with their intervals.
+const PLACE: usize = 22;
+const QUANTILE: usize = 25;
+const SHARE: usize = 25;
 /// Number of savings that are listed.
 const SAVINGS: usize = 3;
 
@@ -88,15 +88,15 @@ fn errors(text: &mut String, report: &Report<'_>) {
         return;
     }
     let head =
-        format!("{:>PLACE$}{:>QUANTILE$}{:>SHARE$}", "largest at", "99 % of the pixels", "pixels off by > 1/255");
+        format!("{:>PLACE$}{:>QUANTILE$}{:>SHARE$}", "largest", "99 % of the pixels", "pixels off by > 1/255");
     let _ = writeln!(text, "{HEADING}  {:LABEL$}{head}{HEADING:#}", "measured, of all samples");
     for (rung, label) in report.rungs() {
         let at = rung.measured.as_ref().and_then(|figures| figures.max);
         let quantile = rung.measured.as_ref().and_then(|figures| figures.picture.quantile(0.99));
         let cells = format!(
             "{:>PLACE$}{:>QUANTILE$}{:>SHARE$}",
-            at.map_or_else(|| "–".into(), |at| place(at.pixel)),
-            interval(quantile, short),
+            at.map_or_else(|| "–".into(), |at| format!("{} at {}", figure(at.size.display), place(at.pixel))),
+            interval(quantile, figure),
             interval(beyond(&rung.measured)[0], percent),
         );
         line(text, rung, label, &cells);
@@ -117,7 +117,8 @@ fn tolerances(text: &mut String, report: &Report<'_>) {
         let line = format!("  {asked:12}{:12}{}", number(Some(attempt.allowed)), printable(&by));
         let _ = writeln!(text, "{}", clip(&line, WIDTH));
     }
-    let _ = writeln!(text, "allowed: in units of {}", report.space.name());
+    let unit = report.space.name();
+    let _ = writeln!(text, "allowed: in units of {unit}; judged on unambiguous samples, also beside ambiguous ones");
 }
 
 fn savings(text: &mut String, report: &Report<'_>) {
@@ -137,7 +138,12 @@ fn savings(text: &mut String, report: &Report<'_>) {
 }
 
 fn number(value: Option<f64>) -> String {
-    value.filter(|value| value.is_finite()).map_or_else(|| "–".into(), |value| format!("{value:.1e}"))
+    value.filter(|value| value.is_finite()).map_or_else(|| "–".into(), figure)
+}
+
+/// Formats an error as in each of the tables: `8.5e-3`.
+fn figure(value: f64) -> String {
+    if value == 0.0 { "0".into() } else { format!("{value:.1e}") }
 }
 
 /// Clips a text to this many characters.

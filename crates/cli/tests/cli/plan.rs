@@ -29,7 +29,7 @@ fn a_plan_is_certified_to_meet_its_tolerance_and_renders_what_the_tolerance_rend
     let scene = Scene::new(SEA);
     scene.run(&["plan", "a.json", "--tolerance", "1/64", "--out", "p.json"]).code(0).says(&[
         "tolerance 1/64: view.points=surface",
-        "beauty: display error ≤ ",
+        "beauty: unambiguous samples off by ≤ ",
         "s predicted",
     ]);
     let plan = json(&scene, "p.json");
@@ -122,7 +122,7 @@ fn a_document_without_a_choice_is_certified_as_it_is() {
     scene
         .run(&["plan", "a.json", "--tolerance", "1/512"])
         .code(0)
-        .says(&["nothing to choose", "mask: display error ≤ "]);
+        .says(&["nothing to choose", "mask: unambiguous samples off by ≤ "]);
     let plan = scene.run(&["plan", "a.json", "--tolerance", "exact", "--json"]).code(0).json();
     assert_eq!((plan["tolerance"].as_str(), plan["set"].as_object().unwrap().len()), (Some("exact"), 0));
 }

@@ -73,17 +73,19 @@ pub struct MissedTolerance {
 impl fmt::Display for MissedTolerance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { output, certified, pixel: [x, y], allowed, tolerance, .. } = self;
+        // Two figures that differ are not printed alike.
+        let digits = (1..17).find(|digits| format!("{certified:.digits$e}") != format!("{allowed:.digits$e}")).unwrap_or(1);
         let space = if allowed == tolerance { "" } else { " in the working space" };
         write!(
             f,
-            "output \"{output}\": found a certified error of {certified:.1e}{space} at pixel ({x}, {y}) with the most \
-             accurate methods, "
+            "output \"{output}\": found a certified error of {certified:.digits$e}{space} at a sample of pixel \
+             ({x}, {y}) with the most accurate methods, "
         )?;
         match &self.pass {
             Some((name, ty)) => write!(f, "limited by the pass \"{name}\" ({ty})")?,
             None => write!(f, "limited by f32 rounding in all passes together")?,
         }
-        write!(f, "; expected at most {allowed:.1e}")?;
+        write!(f, "; expected at most {allowed:.digits$e}")?;
         if allowed == tolerance { Ok(()) } else { write!(f, ", which is {tolerance:.1e} in displayed values") }
     }
 }
