@@ -30,6 +30,7 @@ moving toon_sea 1-96x2
 moving cartoon_bay 1-96x3
 moving toon_teapot 1-48
 
+recolored stormy_sea night 29
 recolored great_wave autumn 33
 recolored cartoon_bay sunset 48
 recolored toon_sea night 48
