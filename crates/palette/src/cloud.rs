@@ -92,6 +92,25 @@ impl Cloud {
         self.counts.iter().enumerate().filter(|(_, count)| **count > 0).map(|(index, count)| (color(index), *count))
     }
 
+    /// Returns the cloud of some of its colors, with the steps around those of their pixels that lie between steps.
+    pub(crate) fn keeping(&self, colors: impl Iterator<Item = ([u8; 3], u32)>) -> Self {
+        let mut kept = Self::new();
+        for (color, count) in colors {
+            kept.counts[index(color)] = count;
+            kept.pixels += u64::from(count);
+            let near = color.map(|v| v.saturating_sub(1)..=v.saturating_add(1));
+            for r in near[0].clone() {
+                for g in near[1].clone() {
+                    for b in near[2].clone() {
+                        let at = index([r, g, b]);
+                        kept.around[at / 64] |= self.around[at / 64] & 1 << (at % 64);
+                    }
+                }
+            }
+        }
+        kept
+    }
+
     /// Returns all colors that a palette has to enclose.
     pub(crate) fn enclosed(&self) -> impl Iterator<Item = [u8; 3]> {
         (0..ALL).map(color).filter(|color| self.contains(*color))

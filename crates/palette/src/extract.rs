@@ -35,6 +35,45 @@ pub struct Enclosing {
     pub distances: Vec<f64>,
 }
 
+impl Enclosing {
+    /// Returns how pixels lie outside of the palette's hull: those of a larger cloud than it was made for.
+    #[must_use]
+    pub fn outside(&self, cloud: &Cloud) -> Outside {
+        let points: Vec<Point> = self.colors.iter().map(|color| color.map(|v| 255.0 * v)).collect();
+        Outside::of(&points, cloud)
+    }
+}
+
+/// Pixels outside of a hull.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outside {
+    /// Number of pixels outside.
+    pub pixels: u64,
+    /// Largest distance of a pixel from the hull, in steps of 8 bits.
+    pub largest: f64,
+    /// Root mean square of the distances of all pixels, in steps of 8 bits.
+    pub rms: f64,
+}
+
+impl Outside {
+    fn of(points: &[Point], cloud: &Cloud) -> Self {
+        let hull = Hull::new(&points.iter().map(|point| point.map(|v| v as f32)).collect::<Vec<_>>());
+        let mut all = Self::default();
+        let mut squares = 0.0;
+        for (color, count) in cloud.colors() {
+            let distance = hull.signed_distance(color.map(f64::from));
+            // Colors on a grid of 1/256 step are rounded to f32.
+            if distance > 1e-4 {
+                all.pixels += u64::from(count);
+                all.largest = all.largest.max(distance);
+                squares += distance * distance * f64::from(count);
+            }
+        }
+        all.rms = (squares / cloud.pixels().max(1) as f64).sqrt();
+        all
+    }
+}
+
 /// A palette of fewer colors than any that was found to enclose every pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Short {
@@ -329,20 +368,11 @@ impl<'c> Solid<'c> {
     /// Judges a hull that does not enclose all colors, on all pixels.
     fn short(&self, fit: &Fit, cloud: &Cloud) -> Option<Short> {
         let points: Vec<Point> = fit.mesh.corners.iter().map(|point| point.map(f64::round)).collect();
-        let hull = Hull::new(&points.iter().map(|point| point.map(|v| v as f32)).collect::<Vec<_>>());
-        let (mut outside, mut largest, mut squares) = (0_u64, 0.0_f64, 0.0);
-        for (color, count) in cloud.colors() {
-            let distance = hull.signed_distance(color.map(f64::from));
-            if distance > 1e-9 {
-                outside += u64::from(count);
-                largest = largest.max(distance);
-                squares += distance * distance * f64::from(count);
-            }
-        }
-        let pixels = cloud.pixels().max(1) as f64;
+        let outside = Outside::of(&points, cloud);
         let colors = shown(&points);
         let colors = order(&colors).into_iter().map(|index| colors[index]).collect();
-        Some(Short { colors, outside: outside as f64 / pixels, largest, rms: (squares / pixels).sqrt() })
+        let share = outside.pixels as f64 / cloud.pixels().max(1) as f64;
+        Some(Short { colors, outside: share, largest: outside.largest, rms: outside.rms })
     }
 }
 

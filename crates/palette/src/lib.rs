@@ -12,6 +12,7 @@ mod corner;
 mod decompose;
 mod extract;
 mod grid;
+mod ignore;
 mod mesh;
 mod order;
 mod program;
@@ -22,6 +23,6 @@ mod vector;
 
 pub use cloud::Cloud;
 pub use decompose::{Decomposer, MOST_COLORS};
-pub use extract::{Enclosing, Extraction, Short, extract};
+pub use extract::{Enclosing, Extraction, Outside, Short, extract};
 pub use order::oklab;
 pub use stored::Storing;

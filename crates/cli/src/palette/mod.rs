@@ -1,8 +1,9 @@
 //! `trochoid palette`: few colors whose hull encloses every pixel of pictures.
 //!
 //! The JSON output has `pictures`; `pixels`; `distinct`, the number of different colors, rounded to 8 bits; `corners`, of
-//! their hull; `brighter`, the number of pixels with a channel beyond white, which count as white there; `enclosing`, a
-//! list of `{colors, names, units, volume, distances, usual}`, palettes that enclose every pixel: displayed colors from 0
+//! their hull; `brighter`, the number of pixels with a channel beyond white, which count as white there; `ignored`,
+//! the number of pixels left out by --ignore; `outside` and `outside_largest`, how many of them lie outside of the palette,
+//! and by how many steps of 8 bits at most; `enclosing`, a list of `{colors, names, units, volume, distances, usual}`, palettes that enclose every pixel: displayed colors from 0
 //! to 1, parts into which their grid divides a step of 8 bits, the volume of their hull relative to that of the pixels'
 //! hull, and the distance of each color from the nearest pixel in steps of 8 bits; `short`, a list of `{colors, outside,
 //! largest, rms}`, palettes of fewer colors: the share of the pixels outside of their hull, and distances from it in steps
@@ -43,6 +44,7 @@ Examples:
   trochoid palette painting.jpg --colors 7 --out painting.json --out swatches.png
   trochoid palette shot.0001.png shot.0096.png --out shot.gpl
   trochoid palette painting.jpg --region 0,0,1920,400 --out sky.json
+  trochoid palette photo.jpg --ignore 0.001 --out photo.json
   trochoid decompose painting.jpg --palette painting.json --out painting.recipe.exr")]
 pub(crate) struct Args {
     /// The pictures: EXR, PNG, JPEG or TIFF
@@ -51,6 +53,9 @@ pub(crate) struct Args {
     /// Number of colors, from 1 to 12 [default: the fewest that are not loud]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=12))]
     colors: Option<u8>,
+    /// Leave out the rarest colors, of at most this share of the pixels, such as 0.001: a few pixels may then lie outside
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    ignore: Option<f64>,
     /// Take only this part of each picture, in pixels from its upper left corner; may be repeated
     #[arg(long, value_name = "X,Y,WIDTH,HEIGHT", value_parser = source::region)]
     region: Vec<Region>,
@@ -66,6 +71,26 @@ pub(crate) struct Args {
     /// Print JSON
     #[arg(long)]
     json: bool,
+}
+
+/// Text that is no share of pixels to leave out.
+#[derive(Debug, thiserror::Error)]
+#[error("expected a number from 0 to 0.1, such as 0.001")]
+struct NoShare;
+
+/// Parses a share of pixels to leave out.
+fn share(text: &str) -> Result<f64, NoShare> {
+    text.parse().ok().filter(|share| (0.0..=0.1).contains(share)).ok_or(NoShare)
+}
+
+/// What was found in pictures.
+struct Found {
+    cloud: Cloud,
+    /// Number of pixels that are brighter than white.
+    brighter: u64,
+    /// Number of pixels that no palette has to enclose.
+    ignored: u64,
+    palettes: Extraction,
 }
 
 /// Finds palettes of pictures, and prints or writes them.
@@ -96,16 +121,19 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         brighter += source::read(picture, &args.region, &mut cloud, &progress)?;
     }
     progress.finish();
-    let found = extract(&cloud);
-    let chosen = choose(args, &found)?;
+    let kept = args.ignore.map(|share| cloud.without(share));
+    let palettes = extract(kept.as_ref().unwrap_or(&cloud));
+    let ignored = kept.map_or(0, |kept| cloud.pixels() - kept.pixels());
+    let found = Found { cloud, brighter, ignored, palettes };
+    let chosen = choose(args, &found.palettes)?;
     Failure::all(args.out.iter().filter_map(|out| write::unfit(out, chosen)))?;
     for out in &args.out {
         write::write(out, chosen, &args.files.over)?;
     }
     if args.json {
-        return shell::print_json(&as_json(args, &cloud, brighter, &found, chosen));
+        return shell::print_json(&as_json(args, &found, chosen));
     }
-    if args.quiet { Ok(()) } else { shell::print(&text::text(args.pictures.len(), &cloud, brighter, &found, chosen)) }
+    if args.quiet { Ok(()) } else { shell::print(&text::text(args.pictures.len(), &found, chosen)) }
 }
 
 /// Returns the palette that is asked for.
@@ -126,7 +154,8 @@ fn choose<'f>(args: &Args, found: &'f Extraction) -> Result<&'f Enclosing, Failu
     }
 }
 
-fn as_json(args: &Args, cloud: &Cloud, brighter: u64, found: &Extraction, chosen: &Enclosing) -> Value {
+fn as_json(args: &Args, Found { cloud, brighter, ignored, palettes: found }: &Found, chosen: &Enclosing) -> Value {
+    let outside = chosen.outside(cloud);
     let enclosing = found.enclosing.iter().map(|palette| {
         json!({
             "colors": palette.colors,
@@ -151,6 +180,9 @@ fn as_json(args: &Args, cloud: &Cloud, brighter: u64, found: &Extraction, chosen
         "distinct": found.distinct,
         "corners": found.corners,
         "brighter": brighter,
+        "ignored": ignored,
+        "outside": outside.pixels,
+        "outside_largest": outside.largest,
         "enclosing": enclosing.collect::<Vec<_>>(),
         "short": short.collect::<Vec<_>>(),
         "palette": write::colors(chosen),

@@ -1,11 +1,13 @@
 //! Palettes as a table.
 
+use super::Found;
 use super::write::hex;
 use std::fmt::Write as _;
-use trochoid_palette::{Cloud, Enclosing, Extraction};
+use trochoid_palette::Enclosing;
 
 /// Formats what was found, and the palette that was chosen.
-pub(super) fn text(pictures: usize, cloud: &Cloud, brighter: u64, found: &Extraction, chosen: &Enclosing) -> String {
+pub(super) fn text(pictures: usize, found: &Found, chosen: &Enclosing) -> String {
+    let Found { cloud, brighter, ignored, palettes: found } = found;
     let counted = |count: u64, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     let mut text = format!(
         "{} in {} of {}; their hull has {}\n",
@@ -14,7 +16,17 @@ pub(super) fn text(pictures: usize, cloud: &Cloud, brighter: u64, found: &Extrac
         counted(cloud.pixels(), "pixel"),
         counted(found.corners as u64, "corner")
     );
-    if brighter > 0 {
+    if *ignored > 0 {
+        let outside = chosen.outside(cloud);
+        let _ = writeln!(
+            text,
+            "{} ignored; {} outside of this palette{}",
+            counted(*ignored, "pixel"),
+            outside.pixels,
+            if outside.pixels > 0 { format!(", by up to {:.1} steps of 255", outside.largest) } else { String::new() }
+        );
+    }
+    if *brighter > 0 {
         let _ = writeln!(text, "{brighter} pixels are brighter than white, and count as white there");
     }
     let _ = writeln!(text, "\n  colors   hull  farthest");

@@ -87,8 +87,7 @@ fn errors(text: &mut String, report: &Report<'_>) {
     if report.ladder.rungs.iter().all(|rung| rung.measured.is_none()) {
         return;
     }
-    let head =
-        format!("{:>PLACE$}{:>QUANTILE$}{:>SHARE$}", "largest", "99 % of the pixels", "pixels off by > 1/255");
+    let head = format!("{:>PLACE$}{:>QUANTILE$}{:>SHARE$}", "largest", "99 % of the pixels", "pixels off by > 1/255");
     let _ = writeln!(text, "{HEADING}  {:LABEL$}{head}{HEADING:#}", "measured, of all samples");
     for (rung, label) in report.rungs() {
         let at = rung.measured.as_ref().and_then(|figures| figures.max);

@@ -85,3 +85,27 @@ fn what_cannot_be_done_is_told_before_anything_is_read() {
     scene.run(&["palette", "gray.png", "--colors", "5"]).fails(3, &words);
     scene.run(&["palette", "gray.png", "--region", "9,9,4,4"]).fails(2, &["none of them in a --region"]);
 }
+
+#[test]
+fn stray_pixels_may_be_left_out() {
+    let scene = Scene::new(SUNSET);
+    scene.run(&["render", "a.json"]).code(0);
+    let picture = trochoid::io::read(scene.path("sunset.png"), &Default::default(), &Default::default()).unwrap();
+    let [r, g, b] = [0, 1, 2].map(|c| picture.channels[c].plane.samples());
+    let mut pixels: Vec<[f32; 3]> = (0..r.len()).map(|at| [r[at], g[at], b[at]]).collect();
+    pixels[700] = [0.0, 1.0, 0.0];
+    write_png8(scene.path("stray.png"), &PngImage::new(48, 32, Samples::rgb(&pixels))).unwrap();
+    let all = scene.run(&["palette", "stray.png", "--json"]).code(0).json();
+    assert_eq!([&all["ignored"], &all["outside"]], [0, 0]);
+    assert!(all["palette"].as_object().unwrap().values().any(|color| color == "#00ff00"), "{all}");
+    let left = scene.run(&["palette", "stray.png", "--ignore", "0.001", "--json"]).code(0).json();
+    assert_eq!([&left["ignored"], &left["outside"]], [1, 1]);
+    assert!(left["outside_largest"].as_f64().unwrap() > 50.0, "{left}");
+    let whole = scene.run(&["palette", "sunset.png", "--json"]).code(0).json();
+    assert!(left["enclosing"][0]["volume"].as_f64().unwrap() < 1.5 * whole["enclosing"][0]["volume"].as_f64().unwrap());
+    let words = ["1 pixel ignored; 1 outside of this palette, by up to "];
+    scene.run(&["palette", "stray.png", "--ignore", "0.001"]).code(0).says(&words);
+    let nothing = scene.run(&["palette", "stray.png", "--ignore", "0.0001"]).code(0);
+    assert!(!nothing.out.contains("ignored"), "{}", nothing.out);
+    scene.run(&["palette", "stray.png", "--ignore", "0.5"]).fails(2, &["--ignore", "a number from 0 to 0.1"]);
+}

@@ -74,7 +74,8 @@ impl fmt::Display for MissedTolerance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { output, certified, pixel: [x, y], allowed, tolerance, .. } = self;
         // Two figures that differ are not printed alike.
-        let digits = (1..17).find(|digits| format!("{certified:.digits$e}") != format!("{allowed:.digits$e}")).unwrap_or(1);
+        let digits =
+            (1..17).find(|digits| format!("{certified:.digits$e}") != format!("{allowed:.digits$e}")).unwrap_or(1);
         let space = if allowed == tolerance { "" } else { " in the working space" };
         write!(
             f,
