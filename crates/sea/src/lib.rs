@@ -67,7 +67,7 @@ pub use grid_plan::GridPlan;
 pub use group::{MAX_GROUP, WaveGroup};
 pub use line::{Line, LineScratch, Lines};
 pub use method::Method;
-pub use precise::{Bends, Precise, PreciseSea};
+pub use precise::{Precise, PreciseSea};
 pub use ripple::Ripple;
 pub use spectrum::{Convention, Dispersion, GerstnerSpectrum, MAX_WAVES, SpectrumError};
 pub use wave::{ExplicitWave, GRAVITY, Wave, WaveError, WaveParameter, attenuation};

@@ -58,18 +58,8 @@ pub struct Precise {
     pub by_footprint: [f64; 3],
 }
 
-/// Second derivatives of the displacement at a point, by the rest point x, z and the footprint f, in 1/m.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Bends {
-    /// ∂²/∂x², ∂²/∂x∂z and ∂²/∂z².
-    pub by_rest: [[f64; 3]; 3],
-    /// ∂²/∂x∂f and ∂²/∂z∂f.
-    pub by_footprint: [[f64; 3]; 2],
-}
-
-/// Number of sums of [`Precise`], and of these together with [`Bends`].
+/// Number of sums of [`Precise`].
 const SUMS: usize = 12;
-const ALL_SUMS: usize = SUMS + 15;
 
 impl PreciseSea {
     /// Prepares the waves of a sea at its time.
@@ -113,40 +103,19 @@ impl PreciseSea {
     ///
     /// It is within 1e-14 of the sum of the waves' own sizes from [`SeaFrame::evaluate`].
     pub fn evaluate(&self, rest: [f64; 2], footprint: f64) -> Precise {
-        let (sums, lost) = self.sums::<SUMS>(rest, footprint);
-        Self::precise(sums, footprint, lost)
-    }
-
-    /// Returns the same with the second derivatives.
-    pub fn bent(&self, rest: [f64; 2], footprint: f64) -> (Precise, Bends) {
-        let (sums, lost) = self.sums::<ALL_SUMS>(rest, footprint);
-        let mut bends = Bends::default();
-        let (by_rest, by_footprint) = sums[SUMS..].split_at(9);
-        bends.by_rest.as_flattened_mut().copy_from_slice(by_rest);
-        for (bend, sum) in bends.by_footprint.as_flattened_mut().iter_mut().zip(by_footprint) {
-            *bend = -footprint / 4.0 * sum;
-        }
-        (Self::precise(sums, footprint, lost), bends)
-    }
-
-    /// Returns all sums, and the slope variance of the waves that the footprint leaves out.
-    fn sums<const N: usize>(&self, rest: [f64; 2], footprint: f64) -> ([f64; N], f64) {
         let filter = footprint * footprint / 8.0;
         let left = self.numbers.partition_point(|k| k * k * filter <= CUT).div_ceil(LANES);
-        let mut sums = [[0.0; LANES]; N];
+        let mut sums = [[0.0; LANES]; SUMS];
         dispatch!(self.level, simd => simd.vectorize(
             #[inline(always)]
             || add(simd, &self.waves[..left], rest, filter * LOG2_E, &mut sums)
         ));
-        (sums.map(|lanes| lanes.iter().sum()), self.lost[left])
-    }
-
-    fn precise<const N: usize>(sums: [f64; N], footprint: f64, lost: f64) -> Precise {
+        let sums = sums.map(|lanes| lanes.iter().sum());
         let sample = Sample {
             displacement: [sums[0], sums[1], sums[2]],
             slope: [sums[3], sums[4]],
             strain: [sums[5], sums[6], sums[7]],
-            slope_variance: sums[8] + lost,
+            slope_variance: sums[8] + self.lost[left],
             ..Sample::default()
         };
         // The share is exp(−k²f²/8).
@@ -170,14 +139,8 @@ impl PreciseSea {
 
 /// Adds waves at a rest point, whose filter is f²/8 · log₂ e.
 #[inline(always)]
-fn add<S: Simd, const N: usize>(
-    simd: S,
-    waves: &[Waves],
-    [x0, z0]: [f64; 2],
-    filter: f64,
-    total: &mut [[f64; LANES]; N],
-) {
-    let mut sums = [f64x8::splat(simd, 0.0); N];
+fn add<S: Simd>(simd: S, waves: &[Waves], [x0, z0]: [f64; 2], filter: f64, total: &mut [[f64; LANES]; SUMS]) {
+    let mut sums = [f64x8::splat(simd, 0.0); SUMS];
     for Waves { turns, origin, amplitude, horizontal, numbers, square, variance } in waves {
         let [tx, tz] = [load(simd, &turns[0]), load(simd, &turns[1])];
         let [sin, cos] = sincos(simd, tx * x0 + tz * z0 + load(simd, origin));
@@ -201,19 +164,6 @@ fn add<S: Simd, const N: usize>(
         sums[9] -= moved[0] * square;
         sums[10] += moved[1] * square;
         sums[11] -= moved[2] * square;
-        if N == ALL_SUMS {
-            // Two derivatives multiply by −k²; one derivative of the wave turned by a quarter multiplies by k.
-            for (part, factor) in [kx * kx, kx * kz, kz * kz].into_iter().enumerate() {
-                sums[SUMS + 3 * part] += factor * moved[0];
-                sums[SUMS + 3 * part + 1] -= factor * moved[1];
-                sums[SUMS + 3 * part + 2] += factor * moved[2];
-            }
-            for (part, factor) in [kx * square, kz * square].into_iter().enumerate() {
-                sums[SUMS + 9 + 3 * part] -= factor * by_x;
-                sums[SUMS + 10 + 3 * part] -= factor * steep;
-                sums[SUMS + 11 + 3 * part] -= factor * by_z;
-            }
-        }
     }
     for (total, sum) in total.iter_mut().zip(sums) {
         *total = sum.to_array();
