@@ -17,7 +17,7 @@ const CLOSE: f64 = 1e-13;
 /// Most rectangles that are cut for a ray; most rays take some thousands.
 const MOST: u32 = 200_000;
 /// Share of a footprint that footprints nearby are at least.
-const NEARBY: f64 = 0.9;
+pub(crate) const NEARBY: f64 = 0.9;
 /// Half diagonal, relative to 1 m + distance, at which a rectangle whose points nearly touch the ray is not cut any
 /// further.
 const LEAST: f64 = 1e-9;
@@ -204,7 +204,7 @@ impl Search<'_> {
 }
 
 /// Returns the derivatives of a point's offset across a ray, row by row.
-fn across(aside: [DVec3; 2], by: [DVec3; 2]) -> [[f64; 2]; 2] {
+pub(crate) fn across(aside: [DVec3; 2], by: [DVec3; 2]) -> [[f64; 2]; 2] {
     aside.map(|way| by.map(|by| by.dot(way)))
 }
 
@@ -249,6 +249,12 @@ const TURNED: f64 = 1e-4;
 /// where Newton's method takes three or four.
 const STEPS_AT_ONCE: usize = 2;
 
+/// Returns by how much derivatives change per meter at most, in any direction and for all phases, and footprints with them,
+/// given limits under a smaller footprint and the growth of the footprint.
+pub(crate) fn bend_of(limits: &[f64; 6], growth: f64) -> f64 {
+    2.0 * limits[2] * (1.0 + 2.0 * growth.abs()) * (1.0 + 2.0 * growth.abs())
+}
+
 /// Does the same from a rest point whose point nearly lies on the ray, mostly with a single sum. Also returns how far the
 /// distance, the derivatives and the roughness may be from those of the sea's point on the ray.
 pub(crate) fn stepped(
@@ -268,9 +274,8 @@ pub(crate) fn stepped(
         let [x, z] = [-(d * p - b * q) / area, -(a * q - c * p) / area];
         let moved = libm::hypot(x, z);
         let distance = (offset + here.by[0] * x + here.by[1] * z).dot(ray.direction);
-        // Derivatives change by this per meter at most, in any direction and for all phases, and footprints with them.
         let limits = sea.limits().at(here.footprint * NEARBY);
-        let bend = 2.0 * limits[2] * (1.0 + 2.0 * here.growth.abs()) * (1.0 + 2.0 * here.growth.abs());
+        let bend = bend_of(&limits, here.growth);
         let size = here.by[0].length() + here.by[1].length();
         // What one step leaves moves the point once more along the surface.
         let left = bend * moved * moved * (1.0 + size * size / area.abs());

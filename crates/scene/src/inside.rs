@@ -66,6 +66,11 @@ pub fn edge_values(corners: [([i32; 2], f32); 3], from: [i64; 2], by: [i64; 2]) 
     [of::<i32>(corners, from, by), of::<i64>(corners, from, by)]
 }
 
+/// Returns the slope variance of the waves of a sea that a footprint filters out, and how far it may be off.
+pub fn roughness(sea: &SeaSurface, footprint: f64) -> Option<(f64, f64)> {
+    sea.limits().roughness(footprint)
+}
+
 /// Part of a sea's plane that a camera may see.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenSector {

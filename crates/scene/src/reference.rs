@@ -5,7 +5,7 @@ use trochoid_image::Format;
 use trochoid_sea::Sample;
 
 use crate::extent::HORIZON_M;
-use crate::first_hit::{First, FirstPoint, NoCells, Thoroughness};
+use crate::first_hit::{First, FirstPoint, NoCells, Shape, Thoroughness};
 use crate::first_point::first_point;
 use crate::shading::unit_or_up;
 use crate::surface::{Asked, GivenUp, Hit, Met, Sight, Surface};
@@ -95,6 +95,7 @@ pub(crate) fn first_of_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, e
     let Some(range) = within_slab(sea, ray).and_then(|range| before(range, end)) else { return Sight::Nothing };
     let effort = match asked {
         Asked::Surface => Thoroughness::Rough,
+        Asked::Nearly => Thoroughness::Near,
         Asked::Values => Thoroughness::Quick,
     };
     let found = match sea.cells.of(projector).as_deref() {
@@ -105,9 +106,9 @@ pub(crate) fn first_of_sea(sea: &SeaSurface, projector: &Projector, ray: &Ray, e
     match found {
         First::Nothing => Sight::Nothing,
         // The sample is within 1e-14 of the plain sum.
-        First::At(FirstPoint { distance, rest, sample, off, deep, sheet }) if distance - deep < end => {
-            let sample = sample.unwrap_or_default();
-            let hit = hit_of_sea(sea, projector, ray, distance, rest, &sample, sea.submerges(projector));
+        First::At(FirstPoint { distance, rest, shape, off, deep, sheet, .. }) if distance - deep < end => {
+            let shape = shape.unwrap_or(Shape { normal: DVec3::Y, slope_variance: 0.0 });
+            let hit = hit_of_shape(sea, projector, ray, distance, rest, shape, sea.submerges(projector));
             Sight::Point(Met { hit, off, deep, sheet })
         }
         First::At(..) => Sight::Nothing,
@@ -165,7 +166,19 @@ pub(crate) fn hit_of_sea(
     sample: &Sample,
     inside: bool,
 ) -> Hit {
-    let normal = DVec3::from(sample.normal());
+    hit_of_shape(sea, projector, ray, distance, rest, Shape::from(sample), inside)
+}
+
+/// Does the same, given the shape of the sea there.
+fn hit_of_shape(
+    sea: &SeaSurface,
+    projector: &Projector,
+    ray: &Ray,
+    distance: f64,
+    rest: [f64; 2],
+    Shape { normal, slope_variance }: Shape,
+    inside: bool,
+) -> Hit {
     let jacobian = normal.y;
     let normal = unit_or_up(normal);
     // The normal points to the air: toward a ray that comes from there, along a ray that comes from the water.
@@ -180,7 +193,7 @@ pub(crate) fn hit_of_sea(
         rest: rest_point,
         height: position.y - sea.level,
         rest_distance: (position - rest_point).length(),
-        slope_variance: sample.slope_variance,
+        slope_variance,
         jacobian,
         trails: [0.0; 6],
         uv: rest,

@@ -65,18 +65,40 @@ const OCTAVES: f64 = 36.0;
 pub(crate) struct Limits {
     /// Row for no footprint, then one row for each footprint of the table.
     rows: Vec<[f64; 6]>,
+    /// The footprints of the table, and the slope variance of the waves that each filters out.
+    rough: Vec<[f64; 2]>,
 }
 
 impl Limits {
     pub(crate) fn new(precise: &PreciseSea) -> Self {
         let footprints =
             (0..=(OCTAVES * PER_OCTAVE) as usize).map(|index| FIRST * libm::exp2(index as f64 / PER_OCTAVE));
-        Self { rows: std::iter::once(0.0).chain(footprints).map(|footprint| precise.most(footprint)).collect() }
+        let lost = |footprint: f64| precise.evaluate([0.0; 2], footprint).sample.slope_variance;
+        Self {
+            rows: std::iter::once(0.0).chain(footprints.clone()).map(|footprint| precise.most(footprint)).collect(),
+            rough: footprints.map(|footprint| [footprint, lost(footprint)]).collect(),
+        }
     }
 
     /// Returns the limits by order of the derivative; those of the next smaller footprint, where waves are larger.
     pub(crate) fn at(&self, footprint: f64) -> [f64; 6] {
         let index = if footprint < FIRST { 0 } else { 1 + (libm::log2(footprint / FIRST) * PER_OCTAVE) as usize };
         self.rows[index.min(self.rows.len() - 1)]
+    }
+
+    /// Returns the slope variance of the waves that a footprint filters out, and how far it may be off; `None` outside of
+    /// the table.
+    ///
+    /// It is Σv·(1 − exp(−w)) with w = k²f²/4. Its second derivative by f is Σv·2w·(1 − 2w)·exp(−w)/f², and 1.7·Σv/f² at
+    /// most, so that a straight line between neighbors that are a factor of 2^(1/32) apart is off by a ten-thousandth.
+    pub(crate) fn roughness(&self, footprint: f64) -> Option<(f64, f64)> {
+        const OFF: f64 = 1.1e-4;
+        if footprint < FIRST {
+            return None;
+        }
+        let index = (libm::log2(footprint / FIRST) * PER_OCTAVE) as usize;
+        let [[low, less], [high, more]] = [*self.rough.get(index)?, *self.rough.get(index + 1)?];
+        let all = self.rough.last()?[1];
+        Some((less + (more - less) * (footprint - low) / (high - low), OFF * all))
     }
 }

@@ -151,6 +151,8 @@ impl std::error::Error for GivenUp {}
 pub enum Asked {
     /// The surface and the sheet. The distance is known nearly, and no other value need be that of the point.
     Surface,
+    /// All values, each of which may be off by a thousandth, as [`Met::off`] says.
+    Nearly,
     /// All values.
     Values,
 }

@@ -217,7 +217,12 @@ impl Prepared for PreparedRender {
         let (surfaces, offset) = (borrowed(&self.exact), bounding.block.offset);
         let mut filled = Channel::ALL.into_iter().zip(&bounding.filled[usize::from(Out::View)]);
         let has_values = filled.any(|(channel, plane)| plane.is_some() && !is_whole(channel));
-        let asked = if has_values { scene::Asked::Values } else { scene::Asked::Surface };
+        let asked = match (has_values, self.follows) {
+            (false, _) => scene::Asked::Surface,
+            // Points of the mesh are farther from the surface than that.
+            (true, None) => scene::Asked::Nearly,
+            (true, Some(_)) => scene::Asked::Values,
+        };
         let sights = certain.sights(&surfaces, &pixels, offset, asked);
         let same = match &self.visible {
             Some(visible) => visible.same_sheets(&surfaces, &pixels, offset, &sights),

@@ -137,6 +137,37 @@ fn bases_at(at: f64) -> ([f64; SIDE], [f64; DEGREE]) {
     (values, lower)
 }
 
+/// Returns the Bernstein polynomials at a place in 0…1, and their first and second derivatives.
+pub fn bent_bases_at(at: f64) -> [[f64; SIDE]; 3] {
+    let mut bases = [[0.0; SIDE]; 3];
+    // Those of two degrees less, and what becomes of them.
+    let mut values = [0.0; SIDE];
+    values[0] = 1.0;
+    for degree in 1..SIDE {
+        for (order, bases) in bases.iter_mut().enumerate().skip(1) {
+            if degree + order == SIDE {
+                *bases = values;
+            }
+        }
+        for index in (0..=degree).rev() {
+            let from = if index > 0 { values[index - 1] * at } else { 0.0 };
+            values[index] = values[index] * (1.0 - at) + from;
+        }
+    }
+    bases[0] = values;
+    // A derivative is the degree times the difference of neighbors of one degree less.
+    for (order, bases) in bases.iter_mut().enumerate() {
+        for step in 0..order {
+            let degree = (DEGREE - step) as f64;
+            for index in (0..SIDE).rev() {
+                let from = if index > 0 { bases[index - 1] } else { 0.0 };
+                bases[index] = degree * (from - bases[index]);
+            }
+        }
+    }
+    bases
+}
+
 /// Returns the values of some nets at a point of the unit square, and their derivatives by s and by t.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "loops over neighbors")]

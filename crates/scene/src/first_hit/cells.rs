@@ -1,7 +1,8 @@
 //! The cells of a sea that a camera may see.
 
-use super::bernstein::{DEGREE, Net, SIDE, interpolated, larger, nodes, off};
+use super::bernstein::{DEGREE, Net, SIDE, bent_bases_at, interpolated, larger, nodes, off};
 use super::footprints::Footprints;
+use super::near::PatchPoint;
 use super::region::{Axes, Region};
 use super::remainder::{CELL, Remainder, SQUARE, remainder, spread};
 use super::search::HALVINGS;
@@ -70,7 +71,10 @@ pub(crate) struct SeaCells {
     pub(super) footprints: Footprints,
     pub(super) waves: FramedSea,
     sizes: WaveSizes,
-    pub(super) cells: Vec<Cell>,
+    /// They lie where they were made: moving them takes longer than finding them.
+    cells: Vec<Vec<Cell>>,
+    /// Where each cell lies.
+    places: Vec<[u32; 2]>,
     pub(super) tree: Tree,
     /// Instructions that the machine has.
     pub(super) level: Level,
@@ -117,7 +121,8 @@ impl SeaCells {
             let squares = Squares::new(&waves, &footprints, band.middle, band.half, &band.whole);
             let half = band.half / PARTS as f64;
             let seen = seen(&waves, &footprints, &region, band);
-            let mut cells = Vec::with_capacity(seen.len() * PARTS * PARTS);
+            let most = seen.len() * PARTS * PARTS;
+            let (mut cells, mut bounds) = (Vec::with_capacity(most), Vec::with_capacity(most));
             for across in seen {
                 let displacements = squares.displacements(across);
                 dispatch!(level, simd => simd.vectorize(
@@ -128,21 +133,35 @@ impl SeaCells {
                             let place = |middle: f64, part: usize| middle + half * ((2 * part + 1) as f64 - PARTS as f64);
                             let middle = [place(band.middle, row), place(across, column)];
                             let cell = Cell::new(&displacements.of_cell([row, column]), middle, half, remainder);
-                            if !region.misses(cell.bounds()) {
+                            let own = cell.bounds();
+                            if !region.misses(own) {
                                 cells.push(cell);
+                                bounds.push(own);
                             }
                         }
                     }
                 ));
             }
-            Ok(cells)
+            Ok((cells, bounds))
         };
-        let of_bands: Result<Vec<Vec<Cell>>, NoCells> = bands.par_iter().map(of_band).collect();
-        let of_bands = of_bands?;
-        let mut cells = Vec::with_capacity(of_bands.iter().map(Vec::len).sum());
-        cells.extend(of_bands.into_iter().flatten());
-        let tree = Tree::new(&cells.iter().map(Cell::bounds).collect::<Vec<_>>()).ok_or(NoCells::Unseen)?;
-        Ok(Self { axes, region, footprints, waves, sizes, cells, tree, level })
+        let of_bands: Result<Vec<(Vec<Cell>, Vec<[DVec3; 2]>)>, NoCells> = bands.par_iter().map(of_band).collect();
+        let (cells, bounds): (Vec<_>, Vec<_>) = of_bands?.into_iter().unzip();
+        let places_of =
+            |(band, cells): (usize, &Vec<Cell>)| (0..cells.len()).map(move |cell| [band as u32, cell as u32]);
+        let places = cells.iter().enumerate().flat_map(places_of).collect();
+        let tree = Tree::new(&bounds.concat()).ok_or(NoCells::Unseen)?;
+        Ok(Self { axes, region, footprints, waves, sizes, cells, places, tree, level })
+    }
+
+    /// Returns how many cells there are.
+    pub(super) fn count(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Returns a cell by its number in the tree.
+    pub(super) fn cell(&self, number: usize) -> &Cell {
+        let [band, cell] = self.places[number];
+        &self.cells[band as usize][cell as usize]
     }
 
     /// Returns a smaller cell around a rest point, or `None` where its remainder would not be smaller because of
@@ -304,6 +323,7 @@ impl Cell {
             let (degree, off) = (DEGREE as f64, off(&net, &values));
             remainder.off[axis] += largest + off + HALVED * size;
             remainder.turn += degree * largest + degree * degree * off;
+            remainder.even += degree * largest;
         }
         let [u, v] = middle;
         Self { middle, half, base: DVec3::new(u, 0.0, v) + DVec3::from(center), patch, remainder }
@@ -341,6 +361,38 @@ impl Cell {
             *value = start + (f64::from(*x) * way.x + f64::from(*y) * way.y + f64::from(*z) * way.z);
         }
         net
+    }
+
+    /// Returns the patch and its derivatives at a place in the unit square.
+    pub(super) fn patch_at(&self, level: Level, [s, t]: [f64; 2]) -> PatchPoint {
+        let (by_s, by_t) = (bent_bases_at(s), bent_bases_at(t));
+        // Rows by each derivative along s.
+        let mut rows = [[[0.0; SIDE]; 3]; 3];
+        dispatch!(level, simd => simd.vectorize(
+            #[inline(always)]
+            || for (rows, patch) in rows.iter_mut().zip(&self.patch) {
+                for (order, row) in rows.iter_mut().enumerate() {
+                    for (factor, values) in by_s[order].iter().zip(patch) {
+                        for (sum, value) in row.iter_mut().zip(values) {
+                            *sum += factor * f64::from(*value);
+                        }
+                    }
+                }
+            }
+        ));
+        let of = |order_s: usize, order_t: usize| {
+            let sum = |axis: usize| -> f64 {
+                let row: &[f64; SIDE] = &rows[axis][order_s];
+                row.iter().zip(by_t[order_t]).map(|(value, factor)| value * factor).sum()
+            };
+            DVec3::new(sum(0), sum(1), sum(2))
+        };
+        let side = 2.0 * self.half;
+        PatchPoint {
+            point: self.base + of(0, 0),
+            by: [of(1, 0) / side, of(0, 1) / side],
+            bend: (of(2, 0) + of(0, 2)) / (side * side),
+        }
     }
 
     /// Returns the rest point at a place in the unit square.

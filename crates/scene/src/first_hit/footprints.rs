@@ -99,6 +99,23 @@ impl Footprints {
         if depth == 0.0 { 0.0 } else { self.pixel2 * depth * depth / (self.height / depth).max(GRAZING) }
     }
 
+    /// Returns f in meters, and its derivative by u.
+    pub(super) fn change(&self, u: f64) -> (f64, f64) {
+        let footprint = libm::sqrt(self.square(u));
+        if self.orthographic.is_some() {
+            return (footprint, 0.0);
+        }
+        let (linear, distance) = (self.linear(u), self.distance(u));
+        let (depth, slope) = if linear >= LEAST_DEPTH * distance {
+            (linear, self.slope)
+        } else {
+            (LEAST_DEPTH * distance, LEAST_DEPTH * u / distance)
+        };
+        // f is a power of the depth: its first, or that of 3/2.
+        let power = if self.height <= GRAZING * depth { 1.0 } else { 1.5 };
+        (footprint, power * footprint * slope / depth)
+    }
+
     /// Returns the change around a place; it holds up to the next of the [`kinks`](Self::kinks).
     pub(super) fn growth(&self, u: f64) -> Growth {
         if self.orthographic.is_some() {

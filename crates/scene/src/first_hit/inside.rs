@@ -1,7 +1,7 @@
 //! What tests see of cells, and of what they are made of.
 
-pub use super::bernstein::{Net, SIDE, interpolated, nodes, off, part, range};
-pub use super::first::{First, FirstPoint, Thoroughness};
+pub use super::bernstein::{Net, SIDE, bent_bases_at, interpolated, nodes, off, part, range};
+pub use super::first::{First, FirstPoint, Shape, Thoroughness};
 pub use super::squares::{FINE, LONG_POINTS, LONG_ROUNDING, PARTS, POINTS, ROUNDING};
 
 use super::bernstein;
@@ -65,6 +65,11 @@ impl SeaFootprints {
     /// Returns the square of the footprint at a distance ahead of the camera.
     pub fn square(&self, ahead: f64) -> f64 {
         self.0.square(ahead)
+    }
+
+    /// Returns the footprint at a distance ahead of the camera, and its derivative.
+    pub fn change(&self, ahead: f64) -> (f64, f64) {
+        self.0.change(ahead)
     }
 
     /// Returns the factor that bounds the power series of the square around a place, at a distance from it.
@@ -173,7 +178,7 @@ impl Cells {
 
     /// Returns how many there are.
     pub fn count(&self) -> usize {
-        self.0.cells.len()
+        self.0.count()
     }
 
     /// Returns a point in the axes of the cells.
@@ -183,30 +188,35 @@ impl Cells {
 
     /// Returns the rest point x, z at a place in a cell.
     pub fn rest(&self, cell: usize, at: [f64; 2]) -> [f64; 2] {
-        self.0.axes.rest(self.0.cells[cell].rest(at))
+        self.0.axes.rest(self.0.cell(cell).rest(at))
     }
 
     /// Returns, for each axis, the coordinate of the cell's patch at a place and its derivatives.
     pub fn patch(&self, cell: usize, at: [f64; 2]) -> [(f64, [f64; 2]); 3] {
-        let components = [DVec3::X, DVec3::Y, DVec3::Z].map(|way| self.0.cells[cell].seen_along(DVec3::ZERO, way));
+        let components = [DVec3::X, DVec3::Y, DVec3::Z].map(|way| self.0.cell(cell).seen_along(DVec3::ZERO, way));
         bernstein::evaluate(&components, at)
     }
 
     /// Returns how far the patch of a cell may be from the sea along each axis, and its derivatives by −1…1 from those
-    /// of the sea.
+    /// of the sea at its ends.
     pub fn remainder(&self, cell: usize) -> ([f64; 3], f64) {
-        let remainder = &self.0.cells[cell].remainder;
+        let remainder = &self.0.cell(cell).remainder;
         (remainder.off, remainder.turn)
+    }
+
+    /// Returns the latter at a place along one side, −1…1.
+    pub fn turn_at(&self, cell: usize, place: f64) -> f64 {
+        self.0.cell(cell).remainder.turn_at(place)
     }
 
     /// Returns half the side of a cell, in meters.
     pub fn half(&self, cell: usize) -> f64 {
-        self.0.cells[cell].half
+        self.0.cell(cell).half
     }
 
     /// Returns the place of a rest point, in the axes of the cells, in a cell: 0…1 if it is inside.
     pub fn place(&self, cell: usize, rest: DVec3) -> [f64; 2] {
-        self.0.cells[cell].place(rest)
+        self.0.cell(cell).place(rest)
     }
 
     /// Returns whether a point, in the axes of the cells, is out of sight.

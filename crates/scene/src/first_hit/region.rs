@@ -31,6 +31,12 @@ impl Axes {
         self.direction(DVec3::new(point.x - self.eye.x, point.y - self.level, point.z - self.eye.z))
     }
 
+    /// Returns the world's direction of one in these axes.
+    pub(super) fn of_world(&self, way: DVec3) -> DVec3 {
+        let [x, z] = self.heading;
+        DVec3::new(way.x * x - way.z * z, way.y, way.x * z + way.z * x)
+    }
+
     /// Returns the world's x and z of a rest point.
     pub(super) fn rest(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let [x, z] = self.heading;

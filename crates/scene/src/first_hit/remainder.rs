@@ -18,6 +18,8 @@ pub(super) struct Remainder {
     pub(super) rounding: [f64; 3],
     /// Of the derivatives by either side of the cell, −1…1, in any direction.
     pub(super) turn: f64,
+    /// Share of this that may be as large in the middle of the cell as at its ends: lost waves, and rounded coefficients.
+    pub(super) even: f64,
     /// Number of waves, by falling wavelength, that the polynomial must contain.
     pub(super) waves: usize,
     /// Number of the first of these that count as long ([`LONG`]).
@@ -88,11 +90,40 @@ impl Remainder {
         self
     }
 
+    /// Returns the bound of the derivatives by one side at a place along it, −1…1.
+    ///
+    /// All but the even share consists of Chebyshev polynomials, bounded by m² times their sizes, and of polynomials of
+    /// degree n = 8, by n² times theirs. By Bernstein's inequality, m/√(1 − s²) and n/√(1 − s²) are enough.
+    pub(super) fn turn_at(&self, place: f64) -> f64 {
+        self.even + (self.turn - self.even) * (1.0 / (DEGREE * aside(place))).min(1.0)
+    }
+
+    /// Returns the same for the second derivatives, without lost waves.
+    ///
+    /// Those of Chebyshev polynomials are m⁴/3 at most, and as coefficients fall as ρ⁻ᵐ, ρ ≥ 1.3 and m ≥ 9, Σm⁴|cₘ|/3 is
+    /// at most 108·Σm²|cₘ|. For polynomials of degree 8, Markov's inequality adds a factor of 21. Between the ends, the
+    /// derivatives of q(θ) = p(cos θ), m·|p| and m²·|p| at most, bound p″ by (m² + m/√(1 − s²))·|p|/(1 − s²). Coefficients
+    /// that are rounded by r change p″ by 56·r, of which the even share contains 8·r.
+    pub(super) fn bend_at(&self, place: f64) -> f64 {
+        const MOST: f64 = 110.0;
+        let aside = aside(place);
+        let inner = (1.0 + 1.0 / (DEGREE * aside)) / (aside * aside);
+        7.0 * self.even + (self.turn - self.even) * inner.min(MOST)
+    }
+
     /// Returns the largest share of some limits that it takes; infinite where a wave grows without limit.
     pub(super) fn relative_to(&self, limits: [f64; 3]) -> f64 {
         let shares = self.off.iter().zip(limits).map(|(off, limit)| off / limit);
         shares.fold(0.0, |most, share| if share.is_nan() { f64::INFINITY } else { most.max(share) })
     }
+}
+
+/// Degree of the cells' polynomials.
+const DEGREE: f64 = bernstein::DEGREE as f64;
+
+/// Returns √(1 − s²).
+fn aside(place: f64) -> f64 {
+    libm::sqrt((1.0 - place * place).max(0.0))
 }
 
 /// Bounds the remainder of the polynomial through Chebyshev points of the square of half side `half` around `middle`
@@ -125,7 +156,14 @@ pub(super) fn remainder(
     let count = sea.numbers.len();
     if !whole.is_finite() {
         let endless = [f64::INFINITY; 3];
-        return Remainder { off: endless, rounding: endless, turn: f64::INFINITY, waves: count, long: 0 };
+        return Remainder {
+            off: endless,
+            rounding: endless,
+            turn: f64::INFINITY,
+            even: f64::INFINITY,
+            waves: count,
+            long: 0,
+        };
     }
     let is_kept = |k: &f64| k * k * (square / 8.0) * (whole - 1.0) >= -through.lost;
     let waves = sea.numbers.partition_point(is_kept);
@@ -142,7 +180,8 @@ pub(super) fn remainder(
         ));
     }
     let total = |lanes: [f64; LANES]| lanes.iter().sum::<f64>();
-    let mut remainder = Remainder { off: [0.0; 3], rounding: [0.0; 3], turn: total(sums.turn), waves, long };
+    let mut remainder =
+        Remainder { off: [0.0; 3], rounding: [0.0; 3], turn: total(sums.turn), even: total(sums.even), waves, long };
     for axis in 0..3 {
         remainder.rounding[axis] = total(sums.rounding[axis]) + PLACE * away;
         remainder.off[axis] = total(sums.off[axis]) + remainder.rounding[axis];
@@ -156,6 +195,7 @@ struct Sums {
     off: [[f64; LANES]; 3],
     rounding: [[f64; LANES]; 3],
     turn: [f64; LANES],
+    even: [f64; LANES],
 }
 
 /// What bounds a wave of size 1.
@@ -163,6 +203,8 @@ struct Of<S: Simd> {
     /// Of the values and of the derivatives.
     off: f64x8<S>,
     turn: f64x8<S>,
+    /// Share of the latter that is due to the wave itself.
+    even: f64x8<S>,
     /// Share that is left of it.
     left: f64x8<S>,
 }
@@ -207,7 +249,7 @@ impl Bound {
     /// Adds the bounds of some waves, the first of a vector to begin with; the polynomials contain the first `waves`.
     #[inline(always)]
     fn add<S: Simd>(&self, simd: S, blocks: &[Sizes], part: &Range<usize>, waves: usize, sums: &mut Sums) {
-        let mut total = [f64x8::splat(simd, 0.0); 7];
+        let mut total = [f64x8::splat(simd, 0.0); 8];
         let blocks = &blocks[part.start / LANES..part.end.div_ceil(LANES)];
         for (index, sizes) in blocks.iter().enumerate() {
             let start = part.start + LANES * index;
@@ -226,7 +268,12 @@ impl Bound {
                 let (kept, lost) = (self.kept(simd, b, numbers), self.lost(simd, b, most, numbers));
                 let is_lost = simd.simd_lt_f64x8(most, f64x8::splat(simd, -self.lost));
                 let pick = |lost: f64x8<S>, kept: f64x8<S>| simd.select_f64x8(is_lost, lost, kept);
-                Of { off: pick(lost.off, kept.off), turn: pick(lost.turn, kept.turn), left: pick(lost.left, kept.left) }
+                Of {
+                    off: pick(lost.off, kept.off),
+                    turn: pick(lost.turn, kept.turn),
+                    even: pick(lost.even, kept.even),
+                    left: pick(lost.left, kept.left),
+                }
             };
             let [by_meter, at_origin] = [load(simd, &sizes.phase_errors[0]), load(simd, &sizes.phase_errors[1])];
             let enlarged = self.lebesgue * self.lebesgue;
@@ -237,8 +284,9 @@ impl Bound {
                 total[3 + axis] += amplitude * rounding;
             }
             total[6] += load(simd, &sizes.size) * (of.turn + rounding * self.steep);
+            total[7] += load(simd, &sizes.size) * of.even;
         }
-        let places = sums.off.iter_mut().chain(&mut sums.rounding).chain([&mut sums.turn]);
+        let places = sums.off.iter_mut().chain(&mut sums.rounding).chain([&mut sums.turn, &mut sums.even]);
         for (place, total) in places.zip(total) {
             *place = (load(simd, place) + total).to_array();
         }
@@ -268,7 +316,12 @@ impl Bound {
         let (big, share) = (exp(simd, b * self.whole), exp(simd, b * -1.0));
         let (u, v) = (exp(simd, u), exp(simd, v) * big);
         let turn = (u * u_slope + v * self.steep).max(v * v_slope + u * self.steep);
-        Of { off: share * (u + v * self.lebesgue), turn: share * turn, left: (share * big).min(splat(1.0)) }
+        Of {
+            off: share * (u + v * self.lebesgue),
+            turn: share * turn,
+            even: splat(0.0),
+            left: (share * big).min(splat(1.0)),
+        }
     }
 
     /// Returns the bound for waves that the polynomial may contain or not: it bounds a wave, and what interpolation makes
@@ -277,9 +330,11 @@ impl Bound {
     fn lost<S: Simd>(&self, simd: S, b: f64x8<S>, most: f64x8<S>, [ku, kv]: [f64x8<S>; 2]) -> Of<S> {
         let left = exp(simd, most);
         let growth = b * (2.0 * self.linear * (1.0 + self.whole));
+        let own = ku + kv + growth;
         Of {
             off: left * (1.0 + self.lebesgue * self.lebesgue),
-            turn: left * (ku + kv + growth + self.lebesgue * self.steep),
+            turn: left * (own + self.lebesgue * self.steep),
+            even: left * own,
             left,
         }
     }

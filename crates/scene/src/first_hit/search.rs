@@ -3,7 +3,7 @@
 use super::bernstein::{DEGREE, Net, evaluate, part, range};
 use super::cells::{Cell, SeaCells};
 use super::derivatives::Derivatives;
-use super::first::{First, FirstPoint, Thoroughness};
+use super::first::{First, FirstPoint, Shape, Thoroughness};
 use super::part::Part;
 use crate::boxes::Line;
 use crate::first_point::{newton, stepped};
@@ -28,12 +28,14 @@ const STEPS: usize = 80;
 const WIDER: f64 = 1e-9;
 /// Distance in a part at which two points count as one.
 const SAME: f64 = 1e-9;
+/// The same for rest points, relative to 1 m + distance.
+const SAME_PLACE: f64 = 1e-9;
 /// Distance of a point found from the middle of a part, in sizes of the part, from which it has nothing to do with it.
 const FAR: f64 = 2.0;
 
 /// A cell in a ray's coordinates.
-struct SeenCell<'c> {
-    cell: &'c Cell,
+pub(super) struct SeenCell<'c> {
+    pub(super) cell: &'c Cell,
     /// Number of cells within which it lies.
     level: u32,
     /// Distances along the ray, and the least and the greatest of them.
@@ -41,23 +43,23 @@ struct SeenCell<'c> {
     near: f64,
     far: f64,
     /// How far the sea may lie from the patch along the ray, and aside of it.
-    deep: f64,
+    pub(super) deep: f64,
     slack: f64,
-    slacks: [f64; 2],
+    pub(super) slacks: [f64; 2],
     /// Whether distances mostly grow with s, and with t.
     grows: [bool; 2],
 }
 
 /// A search along one ray.
-struct Search<'a> {
-    cells: &'a SeaCells,
-    sea: &'a SeaSurface,
+pub(super) struct Search<'a> {
+    pub(super) cells: &'a SeaCells,
+    pub(super) sea: &'a SeaSurface,
     projector: &'a Projector,
     ray: &'a Ray,
     /// The ray in the cells' axes, and unit vectors at right angles to it, also in these axes.
-    origin: DVec3,
-    direction: DVec3,
-    aside: [DVec3; 2],
+    pub(super) origin: DVec3,
+    pub(super) direction: DVec3,
+    pub(super) aside: [DVec3; 2],
     effort: Thoroughness,
     /// Distance of the first point known, and the point.
     end: f64,
@@ -122,7 +124,7 @@ impl SeaCells {
             unknown: f64::INFINITY,
         };
         self.tree.visit(&Line::new(origin, direction), end, |cell| {
-            search.look(&self.cells[cell], 0);
+            search.look(self.cell(cell), 0);
             // What lies behind something unknown does not matter any more.
             if search.unknown < f64::INFINITY { search.unknown.min(search.end) } else { search.end }
         });
@@ -299,15 +301,21 @@ impl Search<'_> {
         let rest = cell.rest(part.whole(start));
         let from = axes.rest(rest);
         if self.effort == Thoroughness::Rough
-            && let Some([distance, deep]) = self.roughly(seen, part, start)
+            && let Some([distance, deep, moved]) = self.roughly(seen, part, start)
         {
             let sheet = Some(part.sheet(cell, self.cells));
-            self.take(FirstPoint { distance, rest: from, sample: None, off: 0.0, deep, sheet });
+            self.take(FirstPoint { distance, rest: from, shape: None, off: 0.0, deep, moved, sheet });
+            return;
+        }
+        if self.effort == Thoroughness::Near
+            && let Some(point) = self.nearly(seen, part, start)
+        {
+            self.take(point);
             return;
         }
         let mut beyond = None;
         let near = match self.effort {
-            Thoroughness::Rough | Thoroughness::Quick => {
+            Thoroughness::Rough | Thoroughness::Near | Thoroughness::Quick => {
                 stepped(self.sea, self.projector, self.ray, self.world_aside(), from)
             }
             Thoroughness::Thorough => {
@@ -323,9 +331,10 @@ impl Search<'_> {
                 self.take(FirstPoint {
                     distance,
                     rest,
-                    sample: Some(point.precise.sample),
+                    shape: Some(Shape::from(&point.precise.sample)),
                     off,
                     deep: 0.0,
+                    moved: 0.0,
                     sheet: None,
                 });
             }
@@ -381,9 +390,12 @@ impl Search<'_> {
         }
         let is_other = |found: &FirstPoint| {
             let apart = libm::hypot(found.rest[0] - point.rest[0], found.rest[1] - point.rest[1]);
-            near <= found.distance + found.deep && found.distance - found.deep <= far && apart > found.deep + point.deep
+            near <= found.distance + found.deep
+                && found.distance - found.deep <= far
+                && apart > found.moved + point.moved + SAME_PLACE * (1.0 + point.distance)
         };
-        if near < 0.0 || (self.effort == Thoroughness::Rough && self.found.as_ref().is_some_and(is_other)) {
+        let is_rough = matches!(self.effort, Thoroughness::Rough | Thoroughness::Near);
+        if near < 0.0 || (is_rough && self.found.as_ref().is_some_and(is_other)) {
             self.unknown = self.unknown.min(near);
         }
         if self.found.as_ref().is_none_or(|found| point.distance < found.distance) {
@@ -392,12 +404,12 @@ impl Search<'_> {
         }
     }
 
-    /// Returns the distance of the only point that a part may have on the ray, and how far it may be off, if the part
-    /// certainly has one; `start` is the patch's point on the ray.
+    /// Returns the distance of the only point that a part may have on the ray, how far it may be off, and how far its rest
+    /// point may, if the part certainly has one; `start` is the patch's point on the ray.
     ///
     /// G contracts the part by κ ≤ ¾ and moves this place by e = |Y|·(slack + |F|) at most. If the square of half side
     /// e/(1 − κ) = 4e around it lies in the part, then G maps it to itself, so that the point exists and lies in it.
-    fn roughly(&self, seen: &SeenCell<'_>, part: &Part, start: DVec2) -> Option<[f64; 2]> {
+    fn roughly(&self, seen: &SeenCell<'_>, part: &Part, start: DVec2) -> Option<[f64; 3]> {
         let [p, q] = &part.aside;
         let inverse = Derivatives::mean(p, q).inverse();
         let norm = inverse.x_axis.abs() + inverse.y_axis.abs();
@@ -410,12 +422,12 @@ impl Search<'_> {
         let [(distance, _)] = evaluate(&[seen.along], part.whole(start));
         // A polynomial's derivatives are at most its degree times the largest difference of its coefficients.
         let turn = DEGREE as f64 * (seen.far - seen.near);
-        Some([distance, seen.deep + turn * within * (part.size[0] + part.size[1])])
+        let deep = seen.deep + turn * within * (part.size[0] + part.size[1]);
+        Some([distance, deep, 2.0 * seen.cell.half * within * (part.size[0] + part.size[1])])
     }
 
     fn world_aside(&self) -> [DVec3; 2] {
-        let [x, z] = self.cells.axes.heading;
-        self.aside.map(|way| DVec3::new(way.x * x - way.z * z, way.y, way.x * z + way.z * x))
+        self.aside.map(|way| self.cells.axes.of_world(way))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Tests of polynomials in Bézier form.
 
 use trochoid_scene::inside::first_hit::{
-    Net, SIDE, evaluate, interpolated, nodes, off, part, range, range_by_all_instructions, split,
+    Net, SIDE, bent_bases_at, evaluate, interpolated, nodes, off, part, range, range_by_all_instructions, split,
 };
 
 fn some(net: impl Fn(f64, f64) -> f64) -> Net {
@@ -33,6 +33,23 @@ fn polynomials_are_found_from_their_values_within_the_rounding() {
         net[4][4] += 1e-6;
         let wrong = off(&net, &values);
         assert!(wrong >= (evaluate(&net, [0.5, 0.5]).0 - of(0.5, 0.5)).abs() && wrong > 1e3 * rounding);
+    }
+}
+
+#[test]
+fn bases_and_their_derivatives_make_those_of_polynomials() {
+    let net = interpolated(&some(|s, _| s * s * s - 0.4 * libm::pow(s, 8.0)));
+    let sum = |basis: &[f64; SIDE]| basis.iter().zip(net).map(|(factor, row)| factor * row[0]).sum::<f64>();
+    for index in 0..=10 {
+        let s = f64::from(index) / 10.0;
+        let expected = [
+            s * s * s - 0.4 * libm::pow(s, 8.0),
+            3.0 * s * s - 3.2 * libm::pow(s, 7.0),
+            6.0 * s - 22.4 * libm::pow(s, 6.0),
+        ];
+        for (basis, expected) in bent_bases_at(s).iter().zip(expected) {
+            assert!((sum(basis) - expected).abs() < 1e-10, "at {s}: {} {expected}", sum(basis));
+        }
     }
 }
 

@@ -35,6 +35,12 @@ fn squares_are_those_of_the_sea_and_change_as_said() {
             if kinks.contains(&u) {
                 continue;
             }
+            let (own, change) = footprints.change(u);
+            assert!(
+                (own - print).abs() <= 1e-9 * print + 1e-12
+                    && 2.0 * change.abs() <= own * footprints.linear(u) * (1.0 + 1e-9),
+                "{case} at {u}"
+            );
             let free = kinks.iter().map(|kink| (kink - u).abs()).fold(f64::INFINITY, f64::min).min(10.0);
             for share in [-0.9, -0.4, 0.3, 0.9] {
                 let there = footprints.square(u + share * free);
@@ -45,6 +51,8 @@ fn squares_are_those_of_the_sea_and_change_as_said() {
             }
             let step = 1e-4 * free.max(1e-6);
             let slope = (footprints.square(u + step) - footprints.square(u - step)) / (2.0 * step);
+            // f² changes by 2f·f′.
+            assert!((slope - 2.0 * own * change).abs() <= 1e-3 * slope.abs() + 1e-6 * square, "{case} at {u}");
             assert!(slope.abs() <= square * footprints.linear(u) * (1.0 + 1e-3) + 1e-6 * square, "{case} at {u}");
         }
     }

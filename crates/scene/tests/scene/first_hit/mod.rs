@@ -9,7 +9,7 @@ mod squares;
 use std::f64::consts::TAU;
 use trochoid_image::Format;
 use trochoid_scene::inside::first_hit::{Cells, First, FirstPoint, Thoroughness};
-use trochoid_scene::inside::{carried, first_point, summit};
+use trochoid_scene::inside::{carried, first_point, roughness, summit};
 use trochoid_scene::{Camera, DVec3, Projection, Projector, Ray, SeaSurface};
 use trochoid_sea::{ExplicitWave, GerstnerSpectrum, Sea, Wave};
 
@@ -104,7 +104,9 @@ fn cells_are_as_close_to_the_sea_as_they_say() {
                             + 1e-4 * cells.half(cell) * cells.half(cell)
                             + placed;
                         let off = 0.5 * (own - slope).abs();
-                        assert!(off <= turn + loss, "sea {index}, camera {case}: {off:e}");
+                        let turn_here = cells.turn_at(cell, 2.0 * at[side] - 1.0);
+                        assert!(turn_here <= turn, "{turn_here:e} {turn:e}");
+                        assert!(off <= turn_here + loss, "sea {index}, camera {case}: {off:e}");
                     }
                     looked_at += 1;
                     close += usize::from(off > 1e-3 * bound);
@@ -116,10 +118,37 @@ fn cells_are_as_close_to_the_sea_as_they_say() {
     assert!(worst < 1.0);
 }
 
+/// Returns how far the normal, the Jacobian or the roughness of a point are from another one's.
+fn differs(one: &FirstPoint, other: &FirstPoint) -> f64 {
+    let [a, b] = [one, other].map(|point| point.shape.expect("asked"));
+    let turned = (a.normal.normalize() - b.normal.normalize()).length();
+    turned.max((a.normal.y - b.normal.y).abs()).max((a.slope_variance - b.slope_variance).abs())
+}
+
+#[test]
+fn roughness_is_known_from_the_table_as_well_as_said() {
+    let (mut compared, mut closest) = (0, 0.0_f64);
+    for sea in &seas()[..4] {
+        for case in 0..2000 {
+            let footprint = libm::exp(25.0 * part(case, 0.618) - 7.5);
+            let truth = sea.frame().evaluate([3.0, -4.0], footprint).slope_variance;
+            let Some((found, off)) = roughness(sea, footprint) else {
+                assert!(footprint < 1e-3 || footprint > 6e7, "{footprint}");
+                continue;
+            };
+            assert!((found - truth).abs() <= off + 1e-13, "{found} {truth} {off:e} at {footprint}");
+            closest = closest.max((found - truth).abs() / off);
+            compared += 1;
+        }
+    }
+    assert!(compared > 7000 && closest > 0.3, "{compared}, {closest}");
+}
+
 #[test]
 fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
     let (mut met, mut missed, mut unknown, mut overhung, mut alone) = (0, 0, 0, 0, 0);
     let (mut quickly, mut roughly, mut turned_most) = (0, 0, 0.0_f64);
+    let (mut nearly, mut by_cells, mut closest) = (0, 0, 0.0_f64);
     for (index, sea) in seas().iter().enumerate() {
         for case in 0..6 {
             let projector = projector(case + 5 * index as u32, [[0.0, 0.0], [2e3, -1e3]][case as usize % 2]);
@@ -147,7 +176,7 @@ fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
                 }
                 let find = |effort| cells.first(sea, &projector, &ray, [start, end], effort);
                 let First::At(truth) = found else {
-                    for effort in [Thoroughness::Rough, Thoroughness::Quick] {
+                    for effort in [Thoroughness::Rough, Thoroughness::Near, Thoroughness::Quick] {
                         assert!(!matches!(find(effort), First::At(_)), "sea {index}, camera {case}, ray {pick}");
                     }
                     continue;
@@ -158,23 +187,29 @@ fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
                         apart <= 1e-9 * (1.0 + truth.distance),
                         "sea {index}, camera {case}, ray {pick}: {apart:e}"
                     );
-                    let (quick_sample, sample) = (quick.sample.expect("asked"), truth.sample.expect("asked"));
-                    let normals = [quick_sample, sample].map(|sample| DVec3::from(sample.normal()).normalize());
-                    let turned = (normals[0] - normals[1]).length();
-                    let rougher = (quick_sample.slope_variance - sample.slope_variance).abs();
-                    assert!(
-                        turned.max(rougher) <= quick.off + 1e-9,
-                        "{turned:e} and {rougher:e} above {:e}",
-                        quick.off
-                    );
+                    let apart = differs(&quick, &truth);
+                    assert!(apart <= quick.off + 1e-9, "{apart:e} above {:e}", quick.off);
                     quickly += 1;
                     turned_most = turned_most.max(quick.off);
+                }
+                if let First::At(near) = find(Thoroughness::Near) {
+                    let say = || format!("sea {index}, camera {case}, ray {pick}: {near:?} {truth:?}");
+                    let apart = (near.distance - truth.distance).abs();
+                    let moved = libm::hypot(near.rest[0] - truth.rest[0], near.rest[1] - truth.rest[1]);
+                    let slack = 1e-9 * (1.0 + truth.distance);
+                    assert!(apart <= near.deep + slack && moved <= near.moved + slack, "{}", say());
+                    assert!(near.off <= 1e-3 && near.deep + near.moved <= near.off, "{}", say());
+                    assert!(differs(&near, &truth) <= near.off + 1e-9, "{:e}: {}", differs(&near, &truth), say());
+                    assert!(near.sheet.is_none_or(|sheet| sheet.holds(truth.rest)), "{}", say());
+                    nearly += 1;
+                    by_cells += usize::from(near.deep > 0.0);
+                    closest = closest.max(differs(&near, &truth) / near.off);
                 }
                 if let First::At(rough) = find(Thoroughness::Rough) {
                     let apart = (rough.distance - truth.distance).abs();
                     assert!(apart <= rough.deep + 1e-9 * (1.0 + truth.distance), "{apart:e} above {:e}", rough.deep);
                     assert!(rough.sheet.is_none_or(|sheet| sheet.holds(truth.rest)), "{rough:?} is on another sheet");
-                    roughly += usize::from(rough.sample.is_none());
+                    roughly += usize::from(rough.shape.is_none());
                 }
             }
         }
@@ -184,6 +219,8 @@ fn rays_meet_the_same_points_as_by_the_search_of_each_ray() {
     assert!(20 * (met - alone) < met, "{alone} of {met} on a known sheet");
     assert!(10 * quickly > 9 * met && 10 * roughly > 8 * met, "{quickly} of {met} quickly, {roughly} roughly");
     assert!(0.0 < turned_most && turned_most < 2e-4, "{turned_most:e}");
+    assert!(10 * nearly > 9 * met && 2 * by_cells > met, "{nearly} of {met} nearly, {by_cells} by cells alone");
+    assert!(closest > 0.01, "the nearest is at {closest} of its bound");
 }
 
 #[test]
