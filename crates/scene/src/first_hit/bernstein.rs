@@ -49,23 +49,41 @@ fn bases() -> &'static Both {
     BASES.get_or_init(|| both(nodes::<SIDE>().map(|node| basis(0.5 + 0.5 * node))))
 }
 
-/// Bounds how far a net's polynomial lies, anywhere in the unit square, from the one that has exactly these values at the
-/// Chebyshev points: the difference is a polynomial as well, whose values at these points are computed here.
-#[inline(always)]
-pub fn off(net: &Net, values: &Net) -> f64 {
-    let there = on_both_sides(bases(), net);
-    let (mut worst, mut largest, mut all) = (0.0_f64, 0.0_f64, 0.0);
-    for row in 0..SIDE {
-        for column in 0..SIDE {
-            worst = larger(worst, (there[row][column] - values[row][column]).abs());
-            largest = larger(largest, net[row][column].abs());
-            all += net[row][column];
+/// The coefficients of polynomials by their values at the Chebyshev points.
+struct Interpolation {
+    matrix: Both,
+    off: f64,
+}
+
+fn interpolation() -> &'static Interpolation {
+    static INTERPOLATION: OnceLock<Interpolation> = OnceLock::new();
+    INTERPOLATION.get_or_init(|| {
+        let [bases, _] = bases();
+        let matrix = inverse(*bases);
+        let mut rest = combined(bases, &matrix);
+        for (index, row) in rest.iter_mut().enumerate() {
+            row[index] -= 1.0;
         }
-    }
-    if !all.is_finite() {
-        return f64::INFINITY;
-    }
-    LEBESGUE * LEBESGUE * (worst + EVALUATION * largest)
+        let sums = |matrix: &Net| matrix.map(|row| row.iter().map(|value| value.abs()).sum::<f64>());
+        let most = |matrix: &Net| sums(matrix).into_iter().fold(0.0, larger);
+        let size = most(&matrix);
+        let rest = most(&rest) + 10.0 * f64::EPSILON * size;
+        let known = 2.0 * rest + rest * rest + 20.0 * f64::EPSILON * size * size;
+        Interpolation { matrix: both(matrix), off: LEBESGUE * LEBESGUE * (1.01 * known + EVALUATION) }
+    })
+}
+
+/// Bounds how far the polynomial of an [`interpolated`] net lies, anywhere in the unit square, from the one that has exactly
+/// the given values at the Chebyshev points, relative to the largest coefficient.
+///
+/// The difference is a polynomial as well, so that its values at these points bound it. Let M be the matrix of the
+/// interpolation, B that of the Bernstein polynomials' values, R = BM − 1, and norms the largest row sums of sizes. From
+/// values V the net M·V·Mᵀ is made, whose own values (1 + R)·V·(1 + R)ᵀ differ from V by (2|R| + |R|²)·|V| at most. Each
+/// coefficient is two sums of nine products, which round by 10 units of |M|²·|V| each, and R itself, by 10 units of |M|.
+/// |V| is at most the largest coefficient, up to the same share, because the rows of B are weights.
+#[inline(always)]
+pub fn off() -> f64 {
+    interpolation().off
 }
 
 /// Combines the rows of a net by the factors in each row of a matrix.
@@ -89,8 +107,7 @@ fn on_both_sides([matrix, transpose]: &Both, net: &Net) -> Net {
 /// Returns the coefficients of the polynomial that has these values at the Chebyshev points.
 #[inline(always)]
 pub fn interpolated(values: &Net) -> Net {
-    static MATRIX: OnceLock<Both> = OnceLock::new();
-    on_both_sides(MATRIX.get_or_init(|| both(inverse(bases()[0]))), values)
+    on_both_sides(&interpolation().matrix, values)
 }
 
 /// Inverts a matrix by elimination with pivots.

@@ -310,17 +310,18 @@ impl Cell {
                 }
             }
             let net = interpolated(&values);
-            let (mut largest, mut size) = (0.0_f64, 0.0_f64);
+            let (mut largest, mut size, mut all) = (0.0_f64, 0.0_f64, 0.0);
             for (rounded, row) in patch.iter_mut().zip(&net) {
                 for (rounded, value) in rounded.iter_mut().zip(row) {
                     *rounded = *value as f32;
                     largest = larger(largest, (value - f64::from(*rounded)).abs());
                     size = larger(size, value.abs());
+                    all += value;
                 }
             }
             // A patch moves by no more than its coefficients, and its derivatives by the degree times as much, or by
             // the square of the degree times its own distance (Markov's inequality).
-            let (degree, off) = (DEGREE as f64, off(&net, &values));
+            let (degree, off) = (DEGREE as f64, if all.is_finite() { off() * size } else { f64::INFINITY });
             remainder.off[axis] += largest + off + HALVED * size;
             remainder.turn += degree * largest + degree * degree * off;
             remainder.even += degree * largest;

@@ -57,13 +57,15 @@ impl Search<'_> {
         }
 
         let [along_u, along_v] = patch.by.map(|by| by.dot(self.direction));
-        let turned = bend * moved;
-        let slope = libm::hypot(along_u, along_v) + wrong + turned;
+        let slope = libm::hypot(along_u, along_v) + wrong + bend * moved;
         let deep = seen.deep + slope * moved;
 
         // f² times this bounds the slope of f².
         let grows = cells.footprints.growth(place[0]).linear();
         let (square, [_, _, second, third, fourth, _]) = (footprint * footprint, limits);
+        // Derivatives under a constant footprint change by their own second derivatives, and by f′·D_uf, in which the
+        // footprint on the way is a tenth larger at most.
+        let turned = (second + 0.3 * change.abs() * footprint * third) * moved;
         let bent = (remainder.bend_at(sides[0]) + remainder.bend_at(sides[1])) / (cell.half * cell.half)
             + square * grows * (0.25 * third + 0.3125 * grows * second + square * grows * fourth / 64.0);
         let fading = change * footprint / 4.0;
