@@ -143,6 +143,14 @@ pub struct BoundedSquare {
     pub waves: usize,
     /// Number of those that come from fewer points.
     pub long: usize,
+    remainder: Remainder,
+}
+
+impl BoundedSquare {
+    /// Returns the bound of the derivatives by one side at a place along it, −1…1.
+    pub fn turn_at(&self, place: f64) -> f64 {
+        self.remainder.turn_at(place)
+    }
 }
 
 impl Remainders {
@@ -162,8 +170,9 @@ impl Remainders {
     /// or through [`SIDE`]; no point of it is farther than `away` from the camera.
     pub fn of(&self, is_square: bool, middle: f64, half: f64, away: f64) -> BoundedSquare {
         let through = if is_square { &SQUARE } else { &CELL };
-        let Remainder { off, waves, long, .. } = remainder(&self.sizes, &self.footprints, through, middle, half, away);
-        BoundedSquare { off, waves, long }
+        let remainder = remainder(&self.sizes, &self.footprints, through, middle, half, away);
+        let Remainder { off, waves, long, .. } = remainder;
+        BoundedSquare { off, waves, long, remainder }
     }
 }
 
