@@ -18,7 +18,7 @@ const LARGEST: f64 = 693.0;
 /// Coefficients of sin(πy)/y and of cos(πy) in y², the highest first, and of 2⁻ᵈ in d: the polynomials through the function
 /// in Chebyshev points of |y| ≤ ½ and |d| ≤ ½. The sine is off by 3e-16, the cosine by 1e-16, and the power by 3e-16.
 #[allow(clippy::approx_constant, reason = "the best polynomial's own coefficient")]
-const SINE: [f64; 8] = [
+pub(crate) const SINE: [f64; 8] = [
     -2.113_362_735_205_297e-5,
     0.000_465_987_015_804_337_8,
     -0.007_370_364_326_530_415_5,
@@ -28,7 +28,7 @@ const SINE: [f64; 8] = [
     -5.167_712_780_049_785_5,
     3.141_592_653_589_792_7,
 ];
-const COSINE: [f64; 9] = [
+pub(crate) const COSINE: [f64; 9] = [
     4.149_564_353_942_586e-6,
     -0.000_104_566_553_387_487_38,
     0.001_929_556_272_481_713_2,

@@ -78,7 +78,7 @@ pub use wave::{ExplicitWave, GRAVITY, Wave, WaveError, WaveParameter, attenuatio
 pub mod inside {
     use crate::lanes::{self, Lanes};
     use crate::line::spreader::{self, Spreader};
-    use crate::toon::reference::functions;
+    use crate::spray::functions;
     use crate::transforms::Transform;
     use crate::{FieldSet, Fields, Line, LineScratch, Lines};
     use fearless_simd::{Level, dispatch, f64x8, prelude::*};
@@ -104,14 +104,7 @@ pub mod inside {
         }))
     }
 
-    /// Returns √(x² + y²), as runs of toon seas compute it.
-    pub fn hypot_lanes(x: [f64; 8], y: [f64; 8]) -> [f64; 8] {
-        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
-            functions::hypot(simd, f64x8::load_array(simd, x), f64x8::load_array(simd, y)).to_array()
-        }))
-    }
-
-    /// Returns sines and cosines of angles in radians, as runs of toon seas compute them.
+    /// Returns sines and cosines of angles in radians, as the water below drops is summed.
     pub fn sincos_lanes(angles: [f64; 8]) -> [[f64; 8]; 2] {
         dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
             functions::sincos(simd, f64x8::load_array(simd, angles)).map(|found| found.to_array())

@@ -37,6 +37,7 @@ mod draws;
 mod error;
 mod exact;
 pub(crate) mod flight;
+pub(crate) mod functions;
 mod plain_sum;
 pub mod reference;
 mod run;

@@ -1,9 +1,9 @@
 //! The plain f64 sum of waves at eight points at a time, with the same bits.
 
 use super::birth::Water;
+use super::functions::sincos;
 use crate::SeaFrame;
 use crate::kernel64::ROUNDER;
-use crate::toon::reference::functions::sincos;
 use crate::wave::attenuation;
 use fearless_simd::{Level, Simd, dispatch, f64x8, prelude::*};
 use std::f64::consts::TAU;

@@ -2,70 +2,10 @@
 
 use crate::random::Random;
 use rayon::prelude::*;
-use std::f64::consts::FRAC_PI_4;
-use trochoid_sea::inside::{hypot_lanes, sincos_lanes};
 use trochoid_sea::toon::reference::{Reference, Run, frame};
 use trochoid_sea::toon::*;
 
 const ALL: TrailFields = TrailFields { rift: true, drift: true };
-
-/// Calls `check` with eight numbers at a time; the last of them are repeated.
-fn by_eight(numbers: &[[f64; 2]], check: impl Fn([f64; 8], [f64; 8])) {
-    for part in numbers.chunks(8) {
-        let at = |axis: usize| std::array::from_fn(|lane| part[lane.min(part.len() - 1)][axis]);
-        check(at(0), at(1));
-    }
-}
-
-#[test]
-fn lengths_have_the_bits_of_libm() {
-    let mut random = Random(41);
-    let mut pairs = Vec::new();
-    for _ in 0..200_000 {
-        let size = |random: &mut Random| {
-            let power = [3.0, 20.0, 60.0][(3.0 * random.unit()) as usize];
-            random.between(-1.0, 1.0) * libm::exp2(random.between(-power, power))
-        };
-        pairs.push([size(&mut random), size(&mut random)]);
-    }
-    let special = [0.0, -0.0, 1e-310, 1e-200, 1e-130, 1e-20, 0.3, 1.0, 1e18, 1e100];
-    pairs.extend(special.iter().flat_map(|&x| special.map(|y| [x, y])));
-    // Sizes that differ by nearly 2⁶⁰ and 2⁶⁴.
-    pairs.extend((50..70).map(|power| [1.0 + f64::EPSILON * f64::from(power), libm::exp2(-f64::from(power)) * 1.3]));
-    by_eight(&pairs, |x, y| {
-        let found = hypot_lanes(x, y);
-        for lane in 0..8 {
-            let expected = libm::hypot(x[lane], y[lane]);
-            assert!(found[lane].to_bits() == expected.to_bits(), "{:e}, {:e}: {:e}", x[lane], y[lane], found[lane]);
-        }
-    });
-}
-
-#[test]
-fn sines_have_the_bits_of_libm() {
-    let mut random = Random(43);
-    let mut angles: Vec<f64> = (0..400_000).map(|_| random.between(-8.0, 8.0)).collect();
-    angles.extend((0..100_000).map(|_| random.between(-1e3, 1e3)));
-    angles.extend((0..100_000).map(|_| random.between(-1.0, 1.0) * libm::exp2(random.between(-60.0, 40.0))));
-    // Next to all multiples of an eighth of a turn, where libm changes its path.
-    for eighth in -40..=40 {
-        let middle = f64::from(eighth) * FRAC_PI_4;
-        angles.push(middle);
-        for power in 10..53 {
-            let by = middle.abs().max(1.0) * libm::exp2(-f64::from(power));
-            angles.extend([middle - by, middle + by, middle - 0.7 * by, middle + 0.7 * by]);
-        }
-    }
-    let pairs: Vec<[f64; 2]> = angles.into_iter().map(|angle| [angle, 0.0]).collect();
-    by_eight(&pairs, |angle, _| {
-        let found = sincos_lanes(angle);
-        for lane in 0..8 {
-            let expected = libm::sincos(angle[lane]);
-            let bits = [found[0][lane], found[1][lane]].map(f64::to_bits);
-            assert!(bits == [expected.0, expected.1].map(f64::to_bits), "{:e}: {found:?}", angle[lane]);
-        }
-    });
-}
 
 /// Returns a burst, most of it in or near a basin; a hostile one may be far away, huge, or as thin as can be.
 fn burst(random: &mut Random, basin: &Basin, is_hostile: bool) -> Burst {

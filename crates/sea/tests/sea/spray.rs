@@ -1,6 +1,8 @@
 //! Tests of spray: births by the grid against those by plain f64 sums, and drops that depend only on their time.
 
 use crate::random::Random;
+use std::f64::consts::FRAC_PI_4;
+use trochoid_sea::inside::sincos_lanes;
 use trochoid_sea::spray::{Burst, Droplet, Spray, SprayError, SprayRun, reference};
 use trochoid_sea::{ExplicitWave, GerstnerSpectrum, Sea, Wave};
 
@@ -167,4 +169,31 @@ fn what_would_take_too_much_is_refused() {
     let crowd = Spray { size: [200.0, 200.0], density: 500.0, threshold: 2.0, torn: 0.0, ..small() };
     let run = SprayRun::new(crowd, Sea::default(), 0.0).expect("its figures are fine");
     assert_eq!(run.at(1.0).expect_err("too many"), SprayError::Drops);
+}
+
+#[test]
+fn sines_have_the_bits_of_libm() {
+    let mut random = Random(43);
+    let mut angles: Vec<f64> = (0..400_000).map(|_| random.between(-8.0, 8.0)).collect();
+    angles.extend((0..100_000).map(|_| random.between(-1e3, 1e3)));
+    angles.extend((0..100_000).map(|_| random.between(-1.0, 1.0) * libm::exp2(random.between(-60.0, 40.0))));
+    // Next to all multiples of an eighth of a turn, where libm changes its path.
+    for eighth in -40..=40 {
+        let middle = f64::from(eighth) * FRAC_PI_4;
+        angles.push(middle);
+        for power in 10..53 {
+            let by = middle.abs().max(1.0) * libm::exp2(-f64::from(power));
+            angles.extend([middle - by, middle + by, middle - 0.7 * by, middle + 0.7 * by]);
+        }
+    }
+    for part in angles.chunks(8) {
+        // The last one is repeated.
+        let angle: [f64; 8] = std::array::from_fn(|lane| part[lane.min(part.len() - 1)]);
+        let found = sincos_lanes(angle);
+        for lane in 0..8 {
+            let expected = libm::sincos(angle[lane]);
+            let bits = [found[0][lane], found[1][lane]].map(f64::to_bits);
+            assert!(bits == [expected.0, expected.1].map(f64::to_bits), "{:e}: {found:?}", angle[lane]);
+        }
+    }
 }

@@ -1,8 +1,9 @@
 //! Bursts at one time, and the cells that they may change.
 
+use std::f64::consts::FRAC_1_PI;
 use std::ops::Range;
 
-use super::functions::LANES;
+use crate::kernel64::LANES;
 use crate::toon::spline::Spline;
 use crate::toon::{Basin, Burst, LITERAL_HZ, Shape, ToonSea};
 
@@ -16,6 +17,18 @@ pub(super) struct ActiveBurst<'a> {
     pub(super) left: f64,
     /// Turns of its drift lines.
     pub(super) turns: f64,
+}
+
+/// Half turns beyond which an angle has no precision left: angles of drift lines end there.
+pub(super) const MOST_HALF_TURNS: f64 = (1_u64 << 50) as f64;
+
+/// The heights of a burst: factor·(cos(π·(min(d, 1) + shift)) + raise), where d is the distance relative to the radii.
+pub(super) struct Profile {
+    /// Inverse radii, in 1/meters.
+    pub(super) inverse: [f64; 2],
+    pub(super) shift: f64,
+    pub(super) raise: f64,
+    pub(super) factor: f64,
 }
 
 impl<'a> ActiveBurst<'a> {
@@ -41,6 +54,28 @@ impl<'a> ActiveBurst<'a> {
         if oriented { self.heading } else { [1.0, 0.0] }
     }
 
+    /// Returns its heights, of which a share is left.
+    pub(super) fn profile(&self, shape: Shape) -> Profile {
+        let (radii, factor) = self.burst.profile(shape);
+        let (shift, raise) = match shape {
+            Shape::Intended => (0.0, 1.0),
+            Shape::Literal => (FRAC_1_PI, 0.0),
+        };
+        Profile { inverse: radii.map(|radius| 1.0 / radius), shift, raise, factor: factor * self.left }
+    }
+
+    /// Returns the radii within which it draws drift lines, along its heading and across.
+    fn drawn_radii(&self, sea: &ToonSea) -> [f64; 2] {
+        let (radii, _) = self.burst.profile(sea.behavior.shape);
+        let reach = sea.behavior.drift.reach;
+        [radii[0] * reach[0], radii[1] * reach[1]]
+    }
+
+    /// Returns one over these radii.
+    pub(super) fn drawn_inverse(&self, sea: &ToonSea) -> [f64; 2] {
+        self.drawn_radii(sea).map(|radius| 1.0 / radius)
+    }
+
     /// Returns where it may add to the force; `None` if everywhere.
     pub(super) fn raised(&self, sea: &ToonSea) -> Option<Ellipse> {
         let radii = self.burst.influence.map(|radius| radius * self.burst.peak);
@@ -55,9 +90,7 @@ impl<'a> ActiveBurst<'a> {
 
     /// Returns where it may add to the coordinates of drift lines.
     pub(super) fn drawn(&self, sea: &ToonSea) -> Ellipse {
-        let (radii, _) = self.burst.profile(sea.behavior.shape);
-        let reach = sea.behavior.drift.reach;
-        Ellipse::around(self.center, self.heading, [radii[0] * reach[0], radii[1] * reach[1]], &sea.basin)
+        Ellipse::around(self.center, self.heading, self.drawn_radii(sea), &sea.basin)
     }
 }
 

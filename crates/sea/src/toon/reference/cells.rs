@@ -4,8 +4,8 @@ use fearless_simd::{Level, Simd, dispatch, f64x8, prelude::*};
 use rayon::prelude::*;
 
 use super::doubt::CellPeaks;
-use super::functions::LANES;
 use super::rows::{Step, Sums, load, store};
+use crate::kernel64::LANES;
 use crate::toon::{Basin, Boundary, Mixing};
 
 /// Takes a literal step under bursts, whose force it stores. Returns the largest values.

@@ -37,7 +37,8 @@ pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
 }
 
-/// Roundings of a force: a few dozen of the profile, and one for each burst that adds to it.
+/// Roundings of a force: a few dozen of the profile, and one for each burst that adds to it. A distance takes ten, which
+/// count π/2 times against the largest height; the cosine is off by nine and counts half.
 fn force_roundings(sea: &ToonSea) -> f64 {
     32.0 + sea.bursts.len() as f64
 }

@@ -8,7 +8,6 @@ mod basis;
 mod bursts;
 mod cells;
 mod doubt;
-pub(crate) mod functions;
 mod heights;
 mod plain;
 mod rows;

@@ -1,10 +1,9 @@
 //! What bursts do to the cells of a row, in f64 and plain loops: every cell, every burst.
 
-use std::f64::consts::PI;
-
 use super::DRIFTS;
-use super::bursts::{ActiveBurst, decayed};
-use crate::toon::{Burst, Combine, LITERAL_HZ, Shape, ToonSea};
+use super::bursts::{ActiveBurst, MOST_HALF_TURNS, Profile, decayed};
+use crate::kernel64::{COSINE, SINE};
+use crate::toon::{Combine, LITERAL_HZ, ToonSea};
 
 /// A row of cells under bursts.
 pub(super) struct Row<'a> {
@@ -19,16 +18,27 @@ fn local(active: &ActiveBurst<'_>, [x, z]: [f64; 2], [cos, sin]: [f64; 2]) -> [f
     [dx * cos + dz * sin, dz * cos - dx * sin]
 }
 
+/// Returns sine and cosine of an angle in half turns by the polynomials of `kernel64`.
+fn sincos(half_turns: f64) -> [f64; 2] {
+    let nearest = half_turns.round_ties_even();
+    let y = half_turns - nearest;
+    let polynomial =
+        |coefficients: &[f64]| coefficients.iter().fold(0.0, |sum, coefficient| sum * (y * y) + coefficient);
+    let sign = if nearest.rem_euclid(2.0) == 1.0 { -1.0 } else { 1.0 };
+    [sign * (polynomial(&SINE) * y), sign * polynomial(&COSINE)]
+}
+
 /// Returns the height of a burst at a position.
-fn profile(active: &ActiveBurst<'_>, sea: &ToonSea, place: [f64; 2]) -> f64 {
+fn height(active: &ActiveBurst<'_>, sea: &ToonSea, place: [f64; 2]) -> f64 {
     let [along, across] = local(active, place, active.axis(sea.behavior.oriented));
-    let Burst { influence, peak: p, height: h, .. } = *active.burst;
-    let distance = libm::hypot(along / influence[0], across / influence[1]);
-    active.left
-        * match sea.behavior.shape {
-            Shape::Intended => p * h / 2.0 * (libm::cos((PI * distance / p).min(PI)) + 1.0),
-            Shape::Literal => h * libm::cos((p * distance).min(PI) + 1.0),
-        }
+    let Profile { inverse, shift, raise, factor } = active.profile(sea.behavior.shape);
+    let distance = length(along * inverse[0], across * inverse[1]);
+    let [_, cos] = sincos(distance.min(1.0) + shift);
+    factor * (cos + raise)
+}
+
+fn length(x: f64, z: f64) -> f64 {
+    libm::sqrt(x * x + z * z)
 }
 
 impl Row<'_> {
@@ -40,7 +50,7 @@ impl Row<'_> {
     pub(super) fn force(&self, out: &mut [f64]) {
         for (column, out) in out.iter_mut().enumerate() {
             let place = self.place(column);
-            *out = self.sea.injection() * self.bursts.iter().map(|burst| profile(burst, self.sea, place)).sum::<f64>();
+            *out = self.sea.injection() * self.bursts.iter().map(|burst| height(burst, self.sea, place)).sum::<f64>();
         }
     }
 
@@ -52,13 +62,13 @@ impl Row<'_> {
             let [x, z] = self.place(column);
             let inside = self.bursts.iter().map(|burst| {
                 let [dx, dz] = [x - burst.center[0], z - burst.center[1]];
-                (rift.distance - libm::hypot(dx, dz)).max(0.0)
+                (rift.distance - length(dx, dz)).max(0.0)
             });
             let near = match rift.combine {
                 Combine::Sum => inside.sum(),
                 Combine::Nearest => inside.fold(0.0, f64::max),
             };
-            *value = *value * left + rift.gain * near * added;
+            *value = *value * left + near * (rift.gain * added);
         }
     }
 
@@ -70,21 +80,24 @@ impl Row<'_> {
             let mut sums = [0.0; DRIFTS];
             for active in self.bursts {
                 let [a, l] = local(active, self.place(column), active.heading);
-                let (radii, _) = active.burst.profile(self.sea.behavior.shape);
-                let q = libm::hypot(a / (radii[0] * drift.reach[0]), l / (radii[1] * drift.reach[1]));
-                let weight = active.left * (1.0 - q * q).max(0.0) * (1.0 - q * q).max(0.0);
+                let inverse = active.drawn_inverse(self.sea);
+                let [along, across] = [a * inverse[0], l * inverse[1]];
+                let inside = (1.0 - (along * along + across * across)).max(0.0);
+                let weight = inside * active.left * inside;
                 let swept = drift.lag * libm::sqrt(l * l + drift.softness(basin.spacing));
-                let angle = |meters: f64, turns: f64| libm::sincos(2.0 * PI * (meters * drift.frequency() + turns));
-                let (along_sin, along_cos) = angle(a - swept, active.turns);
-                let (across_sin, across_cos) = angle(active.burst.lane + l, 0.0);
+                let angle = |meters: f64, turns: f64| {
+                    sincos((2.0 * (meters * drift.frequency() + turns)).clamp(-MOST_HALF_TURNS, MOST_HALF_TURNS))
+                };
+                let [along_sin, along_cos] = angle(a - swept, active.turns);
+                let [across_sin, across_cos] = angle(active.burst.lane + l, 0.0);
                 for (sum, value) in sums.iter_mut().zip([1.0, along_cos, along_sin, across_cos, across_sin]) {
                     *sum += weight * value;
                 }
             }
-            let renewed = 1.0 + drift.renewal * seconds * LITERAL_HZ * sums[0];
+            let kept = 1.0 / (1.0 + drift.renewal * seconds * LITERAL_HZ * sums[0]);
             for (field, sum) in sums.into_iter().enumerate() {
                 let value = &mut values[field * basin.columns + column];
-                *value = (*value * left + sum * added) / renewed;
+                *value = (*value * left + sum * added) * kept;
             }
         }
     }

@@ -3,15 +3,14 @@
 //! Every cell takes the operations of those in their order. What is left out is exact zeros: bursts that do not reach a
 //! cell, and trails that have not begun.
 
-use std::f64::consts::PI;
 use std::ops::Range;
 
 use fearless_simd::{Level, Simd, dispatch, f64x8, prelude::*};
 
 use super::DRIFTS;
-use super::bursts::{ActiveBurst, Ellipse, decayed};
-use super::functions::{LANES, hypot, sincos};
-use crate::toon::{Burst, Combine, LITERAL_HZ, Shape, ToonSea};
+use super::bursts::{ActiveBurst, Ellipse, MOST_HALF_TURNS, Profile};
+use crate::kernel64::{LANES, sincos};
+use crate::toon::{Combine, ToonSea};
 
 /// The bursts of a step, each with the cells that it may change; `None` are all.
 pub(super) struct Step<'a> {
@@ -19,20 +18,45 @@ pub(super) struct Step<'a> {
     bursts: Vec<(ActiveBurst<'a>, Option<Ellipse>)>,
 }
 
-/// Sums over bursts in a row of cells, kept to reuse their memory. What lies beyond the row is not part of them.
-#[derive(Default)]
-pub(super) struct Sums(Vec<f64>);
+/// What an interval does to trails: the share that it leaves, the factor of what bursts add, and the share that each unit
+/// of their weight renews.
+#[derive(Clone, Copy)]
+pub(super) struct Interval {
+    pub(super) left: f64,
+    pub(super) added: f64,
+    pub(super) renewal: f64,
+}
 
-impl Sums {
-    /// Returns zeros for some fields of a row, and the length of each. Beyond `reached`, they may be anything.
-    fn cleared(&mut self, fields: usize, columns: usize, reached: &Range<usize>) -> (&mut [f64], usize) {
-        let length = columns.next_multiple_of(LANES);
-        self.0.resize(fields * length, 0.0);
-        for field in self.0.chunks_exact_mut(length) {
-            field[reached.start..reached.end.next_multiple_of(LANES)].fill(0.0);
-        }
-        (&mut self.0, length)
+/// A burst of a step that may reach a row.
+struct Near {
+    /// Its index in the step.
+    burst: usize,
+    /// Distance of the row from its center, along z.
+    dz: f64,
+    columns: Range<usize>,
+}
+
+/// Memory for the sums over bursts in a row of cells, and for the bursts that reach it. What lies beyond the row is not
+/// part of the sums.
+#[derive(Default)]
+pub(super) struct Sums {
+    sums: Vec<f64>,
+    near: Vec<Near>,
+}
+
+/// Returns zeros for some fields of a row, and the length of each. Beyond `reached`, they may be anything.
+fn cleared<'a>(
+    sums: &'a mut Vec<f64>,
+    fields: usize,
+    columns: usize,
+    reached: &Range<usize>,
+) -> (&'a mut [f64], usize) {
+    let length = columns.next_multiple_of(LANES);
+    sums.resize(fields * length, 0.0);
+    for field in sums.chunks_exact_mut(length) {
+        field[reached.clone()].fill(0.0);
     }
+    (sums, length)
 }
 
 impl<'a> Step<'a> {
@@ -45,60 +69,62 @@ impl<'a> Step<'a> {
         Self { sea, bursts: ActiveBurst::all(sea, time).into_iter().map(placed).collect() }
     }
 
-    /// Returns the bursts that may reach a row, each with the distance of the row along z and the columns.
-    fn reaching(&self, row: usize) -> impl Iterator<Item = (&ActiveBurst<'a>, f64, Range<usize>)> {
+    /// Finds the bursts that may reach a row. Returns columns that contain all that they may reach, from a multiple of
+    /// [`LANES`] to one, which may lie beyond the row.
+    fn find(&self, row: usize, near: &mut Vec<Near>) -> Range<usize> {
+        near.clear();
         let z = row as f64 * self.sea.basin.spacing;
-        let columns = self.sea.basin.columns;
-        let near = self.bursts.iter().map(move |(burst, ellipse)| {
-            let reached = ellipse.as_ref().map_or(0..columns, |ellipse| ellipse.columns(z));
-            (burst, z - burst.center[1], reached)
-        });
-        near.filter(|(.., columns)| !columns.is_empty())
-    }
-
-    /// Returns columns that contain all that bursts may reach in a row, from a multiple of [`LANES`].
-    fn reached(&self, row: usize) -> Range<usize> {
-        let all = self.reaching(row).map(|(.., columns)| columns);
-        all.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
+        let [mut start, mut end] = [usize::MAX, 0];
+        for (index, (burst, ellipse)) in self.bursts.iter().enumerate() {
+            let columns = ellipse.as_ref().map_or(0..self.sea.basin.columns, |ellipse| ellipse.columns(z));
+            if columns.is_empty() {
+                continue;
+            }
+            (start, end) = (start.min(columns.start), end.max(columns.end));
+            near.push(Near { burst: index, dz: z - burst.center[1], columns });
+        }
+        if near.is_empty() { 0..0 } else { start..end.next_multiple_of(LANES) }
     }
 
     /// Computes the force of the step on a row. Returns the largest.
     pub(super) fn force(&self, level: Level, row: usize, sums: &mut Sums, out: &mut [f64]) -> f64 {
-        if self.reaching(row).next().is_none() {
-            out.fill(0.0);
+        let Sums { sums, near } = sums;
+        let reached = self.find(row, near);
+        out[..reached.start].fill(0.0);
+        out[reached.end.min(self.sea.basin.columns)..].fill(0.0);
+        if near.is_empty() {
             return 0.0;
         }
-        let (sums, _) = sums.cleared(1, out.len(), &(0..out.len()));
-        dispatch!(level, simd => simd.vectorize(#[inline(always)] || self.force_on(simd, row, sums, out)))
+        let (sums, _) = cleared(sums, 1, out.len(), &reached);
+        dispatch!(level, simd => simd.vectorize(#[inline(always)] || self.force_on(simd, near, sums, reached, out)))
     }
 
     #[inline(always)]
-    fn force_on<S: Simd>(&self, simd: S, row: usize, sums: &mut [f64], out: &mut [f64]) -> f64 {
+    fn force_on<S: Simd>(
+        &self,
+        simd: S,
+        near: &[Near],
+        sums: &mut [f64],
+        reached: Range<usize>,
+        out: &mut [f64],
+    ) -> f64 {
         let sea = self.sea;
-        for (active, dz, columns) in self.reaching(row) {
-            let Burst { influence, peak: p, height: h, .. } = *active.burst;
+        let one = f64x8::splat(simd, 1.0);
+        for Near { burst, dz, columns } in near {
+            let active = &self.bursts[*burst].0;
+            let Profile { inverse, shift, raise, factor } = active.profile(sea.behavior.shape);
             let axis = active.axis(sea.behavior.oriented);
-            for at in columns.step_by(LANES) {
-                let [along, across] = local(simd, sea, active, at, dz, axis);
-                let distance = hypot(simd, along / influence[0], across / influence[1]);
-                let height = match sea.behavior.shape {
-                    Shape::Intended => {
-                        let angle = distance * PI / p;
-                        let is_beyond = angle.simd_ge(f64x8::splat(simd, PI));
-                        let [_, cos] = sincos(simd, is_beyond.select(f64x8::splat(simd, 0.0), angle));
-                        (is_beyond.select(f64x8::splat(simd, -1.0), cos) + 1.0) * (p * h / 2.0)
-                    }
-                    Shape::Literal => {
-                        let [_, cos] = sincos(simd, (distance * p).min(f64x8::splat(simd, PI)) + 1.0);
-                        cos * h
-                    }
-                };
-                add(simd, &mut sums[at..], height * active.left);
+            for at in columns.clone().step_by(LANES) {
+                let [along, across] = local(simd, sea, active, at, *dz, axis);
+                let [along, across] = [along * inverse[0], across * inverse[1]];
+                let distance = (along * along + across * across).sqrt();
+                let [_, cos] = sincos(simd, distance.min(one) + shift);
+                add(simd, &mut sums[at..], (cos + raise) * factor);
             }
         }
         let injection = sea.injection();
         let mut most = f64x8::splat(simd, 0.0);
-        for at in (0..out.len()).step_by(LANES) {
+        for at in reached.step_by(LANES) {
             let force = load(simd, &sums[at..out.len()]) * injection;
             most = most.max(force.abs());
             store(force, &mut out[at..]);
@@ -106,31 +132,46 @@ impl<'a> Step<'a> {
         most.reduce_max()
     }
 
-    /// Lets an interval, in seconds, pass for the rift of a row, whose largest value is given. Returns the largest.
+    /// Lets an interval pass for the rift of a row; `is_still` tells that it is 0 everywhere. Returns the
+    /// largest value of those that did not only decay.
     pub(super) fn rift(
         &self,
         level: Level,
-        seconds: f64,
+        interval: Interval,
         row: usize,
         sums: &mut Sums,
         values: &mut [f64],
-        most: f64,
+        is_still: bool,
     ) -> f64 {
-        let is_reached = self.reaching(row).next().is_some();
-        if !is_reached && most == 0.0 {
+        let Sums { sums, near } = sums;
+        let reached = self.find(row, near);
+        if near.is_empty() && is_still {
             return 0.0;
         }
-        let (sums, _) = sums.cleared(1, values.len(), &(0..values.len()));
-        dispatch!(level, simd => simd.vectorize(#[inline(always)] || self.rift_on(simd, seconds, row, sums, values)))
+        let (sums, _) = cleared(sums, 1, values.len(), &reached);
+        dispatch!(level, simd => simd.vectorize(
+            #[inline(always)]
+            || self.rift_on(simd, interval, near, sums, reached, values)
+        ))
     }
 
     #[inline(always)]
-    fn rift_on<S: Simd>(&self, simd: S, seconds: f64, row: usize, sums: &mut [f64], values: &mut [f64]) -> f64 {
+    fn rift_on<S: Simd>(
+        &self,
+        simd: S,
+        interval: Interval,
+        near: &[Near],
+        sums: &mut [f64],
+        reached: Range<usize>,
+        values: &mut [f64],
+    ) -> f64 {
         let rift = self.sea.behavior.rift;
         let zero = f64x8::splat(simd, 0.0);
-        for (active, dz, columns) in self.reaching(row) {
-            for at in columns.step_by(LANES) {
-                let distance = hypot(simd, offset(simd, self.sea, active, at), f64x8::splat(simd, dz));
+        for Near { burst, dz, columns } in near {
+            let active = &self.bursts[*burst].0;
+            for at in columns.clone().step_by(LANES) {
+                let dx = offset(simd, self.sea, active, at);
+                let distance = (dx * dx + dz * dz).sqrt();
                 let inside = (distance * -1.0 + rift.distance).max(zero);
                 match rift.combine {
                     Combine::Sum => add(simd, &mut sums[at..], inside),
@@ -138,58 +179,63 @@ impl<'a> Step<'a> {
                 }
             }
         }
-        let [left, added] = decayed(rift.decay, seconds);
+        let Interval { left, added, .. } = interval;
+        decay(values, &reached, left);
         let mut most = zero;
-        for at in (0..values.len()).step_by(LANES) {
+        for at in reached.step_by(LANES) {
             let near = load(simd, &sums[at..values.len()]);
-            let value = load(simd, &values[at..]) * left + near * rift.gain * added;
+            let value = load(simd, &values[at..]) * left + near * added;
             most = most.max(value.abs());
             store(value, &mut values[at..]);
         }
         most.reduce_max()
     }
 
-    /// Lets an interval, in seconds, pass for the fields of drift lines of a row, one after another, whose largest value
-    /// is given. Returns the largest.
+    /// Lets an interval pass for the fields of drift lines of a row, one after another; `is_still` tells
+    /// that they are 0 everywhere. Returns the largest value of those that did not only decay.
     pub(super) fn drift(
         &self,
         level: Level,
-        seconds: f64,
+        interval: Interval,
         row: usize,
         sums: &mut Sums,
         values: &mut [f64],
-        most: f64,
+        is_still: bool,
     ) -> f64 {
-        let reached = self.reached(row);
-        if reached.is_empty() && most == 0.0 {
+        let Sums { sums, near } = sums;
+        let reached = self.find(row, near);
+        if near.is_empty() && is_still {
             return 0.0;
         }
-        let (sums, length) = sums.cleared(DRIFTS, self.sea.basin.columns, &reached);
+        let (sums, length) = cleared(sums, DRIFTS, self.sea.basin.columns, &reached);
         dispatch!(level, simd => simd.vectorize(
             #[inline(always)]
             || {
-                self.draw(simd, row, sums, length);
-                self.drift_on(simd, seconds, sums, length, &reached, values)
+                self.draw(simd, near, sums, length);
+                self.drift_on(simd, interval, sums, length, &reached, values)
             }
         ))
     }
 
     /// Adds the coordinates of drift lines in a row, in fields of a length.
     #[inline(always)]
-    fn draw<S: Simd>(&self, simd: S, row: usize, sums: &mut [f64], length: usize) {
+    fn draw<S: Simd>(&self, simd: S, near: &[Near], sums: &mut [f64], length: usize) {
         let (drift, spacing) = (self.sea.behavior.drift, self.sea.basin.spacing);
         let (frequency, softness) = (drift.frequency(), drift.softness(spacing));
         let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
-        for (active, dz, columns) in self.reaching(row) {
-            let (radii, _) = active.burst.profile(self.sea.behavior.shape);
-            let radii = [radii[0] * drift.reach[0], radii[1] * drift.reach[1]];
-            for at in columns.step_by(LANES) {
-                let [a, l] = local(simd, self.sea, active, at, dz, active.heading);
-                let q = hypot(simd, a / radii[0], l / radii[1]);
-                let inside = (one - q * q).max(zero);
+        let farthest = f64x8::splat(simd, MOST_HALF_TURNS);
+        for Near { burst, dz, columns } in near {
+            let active = &self.bursts[*burst].0;
+            let inverse = active.drawn_inverse(self.sea);
+            for at in columns.clone().step_by(LANES) {
+                let [a, l] = local(simd, self.sea, active, at, *dz, active.heading);
+                let [along, across] = [a * inverse[0], l * inverse[1]];
+                let inside = (one - (along * along + across * across)).max(zero);
                 let weight = inside * active.left * inside;
                 let swept = (l * l + softness).sqrt() * drift.lag;
-                let angle = |meters: f64x8<S>, turns: f64| (meters * frequency + turns) * (2.0 * PI);
+                let angle = |meters: f64x8<S>, turns: f64| {
+                    ((meters * frequency + turns) * 2.0).max(farthest * -1.0).min(farthest)
+                };
                 let [along_sin, along_cos] = sincos(simd, angle(a - swept, active.turns));
                 let [across_sin, across_cos] = sincos(simd, angle(l + active.burst.lane, 0.0));
                 let values = [one, along_cos, along_sin, across_cos, across_sin];
@@ -200,39 +246,47 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// Lets an interval, in seconds, pass under sums in fields of a length, which are 0 beyond the columns reached.
+    /// Lets an interval pass under sums in fields of a length, which are 0 beyond the columns reached.
     #[inline(always)]
     fn drift_on<S: Simd>(
         &self,
         simd: S,
-        seconds: f64,
+        interval: Interval,
         sums: &[f64],
         length: usize,
         reached: &Range<usize>,
         values: &mut [f64],
     ) -> f64 {
-        let (drift, columns) = (self.sea.behavior.drift, self.sea.basin.columns);
-        let [left, added] = decayed(drift.decay, seconds);
-        let renewal = drift.renewal * seconds * LITERAL_HZ;
-        let (zero, one) = (f64x8::splat(simd, 0.0), f64x8::splat(simd, 1.0));
-        let mut most = zero;
-        for at in (0..columns).step_by(LANES) {
-            let weight = if reached.contains(&at) { load(simd, &sums[at..columns]) } else { zero };
-            let is_new = weight.simd_ne(zero).any_true();
-            let renewed = weight * renewal + one;
+        let columns = self.sea.basin.columns;
+        let Interval { left, added, renewal } = interval;
+        for values in values.chunks_exact_mut(columns) {
+            decay(values, reached, left);
+        }
+        let one = f64x8::splat(simd, 1.0);
+        let mut most = f64x8::splat(simd, 0.0);
+        for at in reached.clone().step_by(LANES) {
+            let kept = one / (load(simd, &sums[at..columns]) * renewal + one);
             for field in 0..DRIFTS {
                 let values = &mut values[field * columns + at..(field + 1) * columns];
-                let mut value = load(simd, values) * left;
-                // Without weight, the sums are 0 and the divisor is 1.
-                if is_new {
-                    let sum = load(simd, &sums[field * length..][at..columns]);
-                    value = (value + sum * added) / renewed;
-                }
+                let sum = load(simd, &sums[field * length..][at..columns]);
+                let value = (load(simd, values) * left + sum * added) * kept;
                 most = most.max(value.abs());
                 store(value, values);
             }
         }
         most.reduce_max()
+    }
+}
+
+/// Decays what no burst reaches in a row. Inlined, so that it uses the vectors of its caller.
+#[inline(always)]
+fn decay(values: &mut [f64], reached: &Range<usize>, left: f64) {
+    for value in &mut values[..reached.start] {
+        *value *= left;
+    }
+    let end = reached.end.min(values.len());
+    for value in &mut values[end..] {
+        *value *= left;
     }
 }
 

@@ -4,11 +4,11 @@ use fearless_simd::Level;
 use rayon::prelude::*;
 
 use super::DRIFTS;
-use super::bursts::{ActiveBurst, Ellipse};
+use super::bursts::{ActiveBurst, Ellipse, decayed};
 use super::doubt::largest;
 use super::plain;
-use super::rows::{Step, Sums};
-use crate::toon::{ToonSea, TrailFields};
+use super::rows::{Interval, Step, Sums};
+use crate::toon::{LITERAL_HZ, ToonSea, TrailFields};
 
 /// Rift and drift of all cells; empty if not wanted.
 #[derive(Clone, Debug)]
@@ -48,14 +48,21 @@ impl Trails {
             return;
         }
         let level = Level::new();
-        let most = sweep(rift, columns, &steps(sea, times, ActiveBurst::torn), |step, row, sums, values, most| {
-            step.rift(level, seconds, row, sums, values, most)
+        let behavior = &sea.behavior;
+        let [left, added] = decayed(behavior.rift.decay, seconds);
+        let interval = Interval { left, added: behavior.rift.gain * added, renewal: 0.0 };
+        let most = sweep(rift, columns, &steps(sea, times, ActiveBurst::torn), |step, row, sums, values, is_still| {
+            step.rift(level, interval, row, sums, values, is_still)
         });
         peaks[0] = peaks[0].max(most);
-        let most =
-            sweep(drift, DRIFTS * columns, &steps(sea, times, ActiveBurst::drawn), |step, row, sums, values, most| {
-                step.drift(level, seconds, row, sums, values, most)
-            });
+        let [left, added] = decayed(behavior.drift.decay, seconds);
+        let interval = Interval { left, added, renewal: behavior.drift.renewal * seconds * LITERAL_HZ };
+        let most = sweep(
+            drift,
+            DRIFTS * columns,
+            &steps(sea, times, ActiveBurst::drawn),
+            |step, row, sums, values, is_still| step.drift(level, interval, row, sums, values, is_still),
+        );
         peaks[1] = peaks[1].max(most);
     }
 
@@ -78,21 +85,20 @@ fn steps<'a>(sea: &'a ToonSea, times: &[f64], ellipse: fn(&ActiveBurst<'a>, &Too
     times.iter().map(|&time| Step::new(sea, time, |burst| Some(ellipse(burst, sea)))).collect()
 }
 
-/// Passes all steps over each row of fields; `pass` is given and returns the largest value of a row. Returns the largest
-/// of all.
+/// Passes all steps over each row of fields; `pass` is told whether all values of a row are 0, and returns the largest of
+/// those that did not only decay. Returns the largest of all.
 fn sweep(
     values: &mut [f64],
     length: usize,
     steps: &[Step<'_>],
-    pass: impl Fn(&Step<'_>, usize, &mut Sums, &mut [f64], f64) -> f64 + Sync,
+    pass: impl Fn(&Step<'_>, usize, &mut Sums, &mut [f64], bool) -> f64 + Sync,
 ) -> f64 {
     let rows = values.par_chunks_mut(length).enumerate();
     let peaks = rows.map_init(Sums::default, |sums, (row, values)| {
-        let mut most = largest(values);
+        let was_still = largest(values) == 0.0;
         let mut peak = 0.0_f64;
         for step in steps {
-            most = pass(step, row, sums, values, most);
-            peak = peak.max(most);
+            peak = peak.max(pass(step, row, sums, values, was_still && peak == 0.0));
         }
         peak
     });

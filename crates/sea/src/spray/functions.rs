@@ -1,7 +1,7 @@
-//! `hypot` and `sincos` of libm, eight numbers at a time, with the same bits.
+//! `sincos` of libm, eight numbers at a time, with the same bits.
 //!
 //! These are the operations of libm in their order, where it takes its common paths. The few numbers for which it may
-//! take another one are given to libm itself. The formula of `hypot` is musl's, that of `sincos` FreeBSD's msun:
+//! take another one are given to libm itself. The formula is that of FreeBSD's msun:
 //!
 //! > Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved. Developed at SunPro, a Sun Microsystems, Inc.
 //! > business. Permission to use, copy, modify, and distribute this software is freely granted, provided that this
@@ -11,9 +11,6 @@ use fearless_simd::{Simd, f64x8, mask64x8, prelude::*};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_4};
 
 use crate::kernel64::ROUNDER;
-
-/// Number of lanes.
-pub(super) const LANES: usize = 8;
 
 /// π/2 in two parts; the first has so few bits that its products with small whole numbers are exact.
 const HALF_PI_HIGH: f64 = f64::from_bits(0x3ff9_21fb_5440_0000);
@@ -52,32 +49,6 @@ fn mend<S: Simd>(found: &mut f64x8<S>, rare: mask64x8<S>, of: impl Fn(usize) -> 
         found[lane] = of(lane);
         left &= left - 1;
     }
-}
-
-/// Returns the square of numbers, and what rounding took from it.
-#[inline(always)]
-fn square<S: Simd>(x: f64x8<S>) -> [f64x8<S>; 2] {
-    let split = x * 134_217_729.0;
-    let high = x - split + split;
-    let low = x - high;
-    let square = x * x;
-    [square, high * high - square + high * 2.0 * low + low * low]
-}
-
-/// Returns √(x² + y²) of numbers below 1e150, with the bits of `libm::hypot`.
-#[inline(always)]
-pub(crate) fn hypot<S: Simd>(simd: S, x: f64x8<S>, y: f64x8<S>) -> f64x8<S> {
-    let (x, y) = (x.abs(), y.abs());
-    let (large, small) = (x.max(y), x.min(y));
-    let [[large_square, large_rest], [small_square, small_rest]] = [square(large), square(small)];
-    let root = (small_rest + large_rest + small_square + large_square).sqrt();
-    let zero = f64x8::splat(simd, 0.0);
-    let mut found = small.simd_eq(zero).select(large, root);
-    // 2⁻⁶⁰; libm's limit is 2⁻⁶⁴.
-    let tiny = (large * (1.0 / (1_u64 << 60) as f64)).max(f64x8::splat(simd, 1e-120));
-    let rare = small.simd_gt(zero) & small.simd_lt(tiny);
-    mend(&mut found, rare, |lane| libm::hypot(x[lane], y[lane]));
-    found
 }
 
 /// Returns sine and cosine of angles in radians, with the bits of `libm::sincos` up to the sign of a zero.
