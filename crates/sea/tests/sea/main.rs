@@ -18,5 +18,6 @@ mod spectrum;
 mod spray;
 mod stability;
 mod toon;
+mod trails;
 mod transforms;
 mod twice;

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::kernel64::LANES;
 use crate::toon::spline::Spline;
-use crate::toon::{Basin, Burst, LITERAL_HZ, Shape, ToonSea};
+use crate::toon::{Basin, Burst, Shape, ToonSea};
 
 /// A burst at one time.
 pub(super) struct ActiveBurst<'a> {
@@ -148,11 +148,4 @@ impl Ellipse {
         let end = ((middle + half) / self.spacing).floor() + 1.0;
         first / LANES * LANES..(end as usize).min(self.columns)
     }
-}
-
-/// Returns the share that is left of a trail after an interval, and Σ (1+ε)⁻ʲ over its literal steps j.
-pub(super) fn decayed(decay: f64, seconds: f64) -> [f64; 2] {
-    let steps = seconds * LITERAL_HZ;
-    let left = libm::pow(1.0 + decay, -steps);
-    [left, if decay > 0.0 { (1.0 - left) / decay } else { steps }]
 }

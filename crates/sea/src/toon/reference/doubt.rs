@@ -10,9 +10,11 @@
 use rayon::prelude::*;
 
 use super::advance::{Modes, recurrence};
+use super::trails::Trails;
 use super::{ROUNDING, Run};
 use crate::toon::propagator::{Scales, scales};
-use crate::toon::{Boundary, ToonSea};
+use crate::toon::trail::decayed;
+use crate::toon::{Boundary, LITERAL_HZ, ToonSea};
 
 /// Largest distances of fields from those of the definition, wherever on the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -37,18 +39,14 @@ pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
 }
 
-/// Roundings of a force: a few dozen of the profile, and one for each burst that adds to it. A distance takes ten, which
-/// count π/2 times against the largest height; the cosine is off by nine and counts half.
-fn force_roundings(sea: &ToonSea) -> f64 {
-    32.0 + sea.bursts.len() as f64
-}
-
 /// Largest absolute values in the cells so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CellPeaks {
     pub(super) height: f64,
     pub(super) velocity: f64,
     pub(super) force: f64,
+    /// How far rounding may have carried the force.
+    pub(super) force_off: f64,
     /// Difference between neighbors.
     pub(super) steepest: f64,
 }
@@ -60,6 +58,7 @@ impl CellPeaks {
             height: self.height.max(other.height),
             velocity: self.velocity.max(other.velocity),
             force: self.force.max(other.force),
+            force_off: self.force_off.max(other.force_off),
             steepest: self.steepest.max(other.steepest),
         }
     }
@@ -67,11 +66,11 @@ impl CellPeaks {
     /// Returns the bound on heights after a number of steps, and after the part of a step that follows.
     pub(super) fn doubt(&self, sea: &ToonSea, steps: u64, rest: Option<&Modes>) -> f64 {
         let Some(mixing) = recurrence(&sea.motion, 1.0 / sea.motion.rate()) else { return f64::INFINITY };
-        let Self { height, velocity, force, steepest } = *self;
+        let Self { height, velocity, force, force_off, steepest } = *self;
         // ½Σ(neighbor − h) is off by 6 roundings of the largest difference; the rest is off by one rounding or two of
         // each of its terms.
         let lost = mixing.loss().abs() * height;
-        let moved = ROUNDING * (12.0 * steepest + 4.0 * velocity + 6.0 * lost + (2.0 + force_roundings(sea)) * force);
+        let moved = ROUNDING * (12.0 * steepest + 4.0 * velocity + 6.0 * lost + 2.0 * force) + force_off;
         let raised = ROUNDING * height;
         let gap = gaps(sea);
         let energies = |mode: usize, blocks: &mut Blocks| {
@@ -102,16 +101,18 @@ pub(super) struct ModePeaks {
     a: Vec<f64>,
     b: Vec<f64>,
     force: Vec<f64>,
-    /// Norm of the force over the cells.
+    /// Norm of the force over the cells, and how far rounding may have carried it in any of them.
     force_norm: f64,
+    force_off: f64,
 }
 
 impl ModePeaks {
     pub(super) fn new(modes: usize) -> Self {
-        Self { a: vec![0.0; modes], b: vec![0.0; modes], force: vec![0.0; modes], force_norm: 0.0 }
+        Self { a: vec![0.0; modes], b: vec![0.0; modes], force: vec![0.0; modes], force_norm: 0.0, force_off: 0.0 }
     }
 
-    pub(super) fn raise(&mut self, force: &[f64], coefficients: &[f64], a: &[f64], b: &[f64]) {
+    pub(super) fn raise(&mut self, force: &[f64], off: f64, coefficients: &[f64], [a, b]: [&[f64]; 2]) {
+        self.force_off = self.force_off.max(off);
         self.force_norm = self.force_norm.max(norm(force));
         for (peaks, values) in [(&mut self.a, a), (&mut self.b, b), (&mut self.force, coefficients)] {
             peaks.par_iter_mut().zip(values).for_each(|(peak, value)| *peak = peak.max(value.abs()));
@@ -139,25 +140,39 @@ impl ModePeaks {
         let off: Vec<f64> = (0..self.a.len()).into_par_iter().map_init(Blocks::new, off).collect();
         let sums = Sums::new(sea, energies);
         let forced: f64 = sums.most.iter().enumerate().map(|(block, e)| libm::sqrt(length(block) * e[2])).sum();
-        let force = (whole.basis.rounding() + force_roundings(sea) * ROUNDING) * self.force_norm;
+        let cells = libm::sqrt(self.a.len() as f64);
+        let force = whole.basis.rounding() * self.force_norm + cells * self.force_off;
         SLACK * (norm(&off) + forced * force)
     }
 }
 
-/// Returns what a part of a step with these coefficients of heights, velocities and force adds; `is_cells` if heights
-/// and velocities were transformed for it.
-pub(super) fn of_part(sea: &ToonSea, modes: &Modes, seconds: f64, [a, b, force]: [&[f64]; 3], is_cells: bool) -> f64 {
-    let gap = gaps(sea);
-    let off = |mode: usize| {
-        let scales = scales(&sea.motion, sea.basin.spacing, gap(mode), seconds);
-        rounded(&scales, [a[mode], b[mode], force[mode]].map(f64::abs))[0]
-    };
-    let off: Vec<f64> = (0..a.len()).into_par_iter().map(off).collect();
-    let most = |index: usize| modes.transfers.iter().fold(0.0, |most: f64, factors| most.max(factors[index].abs()));
-    let transformed = modes.basis.rounding();
-    let state = if is_cells { most(0) * norm(a) + most(1) * norm(b) } else { 0.0 };
-    let force = (transformed + force_roundings(sea) * ROUNDING) * most(4) * norm(force);
-    SLACK * (norm(&off) + transformed * state + force)
+/// The part of a step, with its coefficients of heights, velocities and force.
+pub(super) struct Part<'a> {
+    pub(super) modes: &'a Modes,
+    pub(super) seconds: f64,
+    pub(super) coefficients: [&'a [f64]; 3],
+    /// How far rounding may have carried the force in any cell.
+    pub(super) force_off: f64,
+    /// Whether heights and velocities were transformed for it.
+    pub(super) is_cells: bool,
+}
+
+impl Part<'_> {
+    /// Returns what it adds.
+    pub(super) fn doubt(&self, sea: &ToonSea) -> f64 {
+        let Self { modes, seconds, coefficients: [a, b, force], force_off, is_cells } = *self;
+        let gap = gaps(sea);
+        let off = |mode: usize| {
+            let scales = scales(&sea.motion, sea.basin.spacing, gap(mode), seconds);
+            rounded(&scales, [a[mode], b[mode], force[mode]].map(f64::abs))[0]
+        };
+        let off: Vec<f64> = (0..a.len()).into_par_iter().map(off).collect();
+        let most = |index: usize| modes.transfers.iter().fold(0.0, |most: f64, factors| most.max(factors[index].abs()));
+        let transformed = modes.basis.rounding();
+        let state = if is_cells { most(0) * norm(a) + most(1) * norm(b) } else { 0.0 };
+        let force = most(4) * (transformed * norm(force) + libm::sqrt(a.len() as f64) * force_off);
+        SLACK * (norm(&off) + transformed * state + force)
+    }
 }
 
 /// Returns what rounding does to both numbers of a mode in a step, given the sizes of (a, b) and of the force.
@@ -243,28 +258,21 @@ impl Sums {
 }
 
 impl Run {
-    /// Returns the bounds on rift and drift, given their largest values: trails decay, and so does what rounding does to
-    /// them.
-    pub(super) fn trail_doubt(&self, [rift, drift]: [f64; 2]) -> Doubt {
-        let seconds = 1.0 / self.sea.motion.rate();
-        let bound = |decay: f64, roundings: f64, most: f64| {
-            let [left, _] = super::bursts::decayed(decay, seconds);
-            let remembered = (self.step as f64 + 1.0).min(1.0 / (1.0 - left));
-            SLACK * ROUNDING * roundings * remembered * most
-        };
+    /// Returns the bounds on rift and drift: trails decay, and so does what rounding does to them.
+    ///
+    /// Of a step, what is left and what is added take 30 roundings with their factors, each of the largest value, and
+    /// what bursts add is off. Where that renews a trail, the share that is kept is off by the same, times the renewal.
+    pub(super) fn trail_doubt(&self, trails: &Trails) -> Doubt {
+        let steps = LITERAL_HZ / self.sea.motion.rate();
+        let ([rift, drift], [rift_off, drift_off]) = (trails.peaks, trails.added_off);
         let behavior = &self.sea.behavior;
-        let radii = |burst: &crate::toon::Burst| {
-            let (radii, _) = burst.profile(behavior.shape);
-            radii[0].max(radii[1]) + burst.lane.abs()
-        };
-        let farthest = self.sea.bursts.iter().map(radii).fold(0.0, f64::max);
-        let reach = behavior.drift.reach[0].max(behavior.drift.reach[1]).max(1.0);
-        let angle = 8.0 * (1.0 + farthest * reach * (1.0 + behavior.drift.lag.abs()) * behavior.drift.frequency());
-        let own = force_roundings(&self.sea);
-        Doubt {
-            height: 0.0,
-            rift: bound(behavior.rift.decay, own, rift),
-            drift: bound(behavior.drift.decay, own + 16.0 * angle, drift),
-        }
+        let remembered = |left: f64| (self.step as f64 + 1.0).min(1.0 + 1.0 / (1.0 - left));
+        let (left, added) = decayed(behavior.rift.decay, steps);
+        let gain = behavior.rift.gain * added;
+        let rift = remembered(left) * (gain * rift_off + 30.0 * ROUNDING * rift);
+        let (left, added) = decayed(behavior.drift.decay, steps);
+        let renewal = behavior.drift.renewal * steps;
+        let drift = remembered(left) * ((added + renewal * drift) * drift_off + 30.0 * ROUNDING * drift);
+        Doubt { height: 0.0, rift: SLACK * rift, drift: SLACK * drift }
     }
 }

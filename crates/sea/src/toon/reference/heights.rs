@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 use super::advance::{Modes, accelerate, recurrence};
 use super::bursts::ActiveBurst;
-use super::doubt::{self, CellPeaks, ModePeaks, largest};
+use super::doubt::{self, CellPeaks, ModePeaks, Part, largest};
 use super::rows::{Step, Sums};
-use super::{cells, plain};
+use super::{cells, plain, roundings};
 use crate::toon::propagator::Transfer;
 use crate::toon::{Mixing, ToonSea};
 
@@ -29,22 +29,23 @@ enum Method {
     Modes(Box<Modes>, ModePeaks),
 }
 
-/// Returns the force of bursts on all cells, by plain loops.
-fn plain_force(sea: &ToonSea, time: f64) -> Vec<f64> {
+/// Returns the force of bursts on all cells, by plain loops, and how far rounding may have carried it.
+fn plain_force(sea: &ToonSea, time: f64) -> (Vec<f64>, f64) {
     let bursts = ActiveBurst::all(sea, time);
     let mut force = vec![0.0; sea.basin.cells()];
     let rows = force.par_chunks_mut(sea.basin.columns).enumerate();
     rows.for_each(|(row, out)| plain::Row { sea, bursts: &bursts, row }.force(out));
-    force
+    (force, roundings::force(sea, bursts.iter()))
 }
 
-/// Computes the same in vectors.
-fn fast_force(sea: &ToonSea, time: f64, force: &mut [f64]) {
+/// Computes the same in vectors. Returns how far rounding may have carried it.
+fn fast_force(sea: &ToonSea, time: f64, force: &mut [f64]) -> f64 {
     let (level, step) = (Level::new(), raising(sea, time));
     let rows = force.par_chunks_mut(sea.basin.columns).enumerate();
     rows.for_each_init(Sums::default, |sums, (row, out)| {
         step.force(level, row, sums, out);
     });
+    roundings::force(sea, step.active())
 }
 
 fn raising(sea: &ToonSea, time: f64) -> Step<'_> {
@@ -71,24 +72,29 @@ impl Heights {
         let Self { method, a, b, force } = self;
         match method {
             Method::Cells(mixing, peaks) if is_plain => {
-                *force = plain_force(sea, time);
+                let force_off;
+                (*force, force_off) = plain_force(sea, time);
                 let steepest = accelerate(*mixing, &sea.basin, force, a, b);
                 a.par_iter_mut().zip(&*b).for_each(|(height, velocity)| *height += *velocity);
                 let [force, height, velocity] = [&*force, a, b].map(|values| largest(values));
-                *peaks = peaks.joined(CellPeaks { height, velocity, force, steepest });
+                *peaks = peaks.joined(CellPeaks { height, velocity, force, force_off, steepest });
             }
             Method::Cells(mixing, peaks) => {
-                *peaks = peaks.joined(cells::step(*mixing, &raising(sea, time), &sea.basin, force, a, b));
+                let bursts = raising(sea, time);
+                let found = cells::step(*mixing, &bursts, &sea.basin, force, a, b);
+                *peaks = peaks.joined(CellPeaks { force_off: roundings::force(sea, bursts.active()), ..found });
             }
             Method::Modes(modes, peaks) => {
-                if is_plain {
-                    *force = plain_force(sea, time);
+                let off = if is_plain {
+                    let off;
+                    (*force, off) = plain_force(sea, time);
+                    off
                 } else {
-                    fast_force(sea, time, force);
-                }
+                    fast_force(sea, time, force)
+                };
                 let coefficients = modes.basis.forward(force);
                 modes.step(&coefficients, a, b);
-                peaks.raise(force, &coefficients, a, b);
+                peaks.raise(force, off, &coefficients, [a, b]);
             }
         }
     }
@@ -110,15 +116,17 @@ impl Heights {
             Method::Modes(modes, peaks) => peaks.doubt(sea, steps, modes, rest.as_ref()),
         };
         if let Some(modes) = &rest {
-            let force = if is_plain {
+            let (force, force_off) = if is_plain {
                 plain_force(sea, time)
             } else {
                 let mut force = vec![0.0; a.len()];
-                fast_force(sea, time, &mut force);
-                force
+                let off = fast_force(sea, time, &mut force);
+                (force, off)
             };
             let coefficients = modes.basis.forward(&force);
-            doubt += doubt::of_part(sea, modes, part, [&a, &b, &coefficients], is_cells);
+            let state = [&a[..], &b, &coefficients];
+            let part = Part { modes, seconds: part, coefficients: state, force_off, is_cells };
+            doubt += part.doubt(sea);
             modes.step(&coefficients, &mut a, &mut b);
         }
         doubt += basis.rounding() * doubt::norm(&a);

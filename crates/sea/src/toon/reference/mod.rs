@@ -10,6 +10,7 @@ mod cells;
 mod doubt;
 mod heights;
 mod plain;
+mod roundings;
 mod rows;
 mod trails;
 
@@ -112,7 +113,7 @@ impl Run {
             trails
         });
         let trails = passed.as_ref().unwrap_or(&self.trails);
-        let mut doubt = self.trail_doubt(trails.peaks);
+        let mut doubt = self.trail_doubt(trails);
         let mut height = Vec::new();
         if let Some(heights) = &self.heights {
             (height, doubt.height) = heights.at(&self.sea, self.step, time, part, self.is_plain);

@@ -1,8 +1,9 @@
 //! What bursts do to the cells of a row, in f64 and plain loops: every cell, every burst.
 
 use super::DRIFTS;
-use super::bursts::{ActiveBurst, MOST_HALF_TURNS, Profile, decayed};
+use super::bursts::{ActiveBurst, MOST_HALF_TURNS, Profile};
 use crate::kernel64::{COSINE, SINE};
+use crate::toon::trail::decayed;
 use crate::toon::{Combine, LITERAL_HZ, ToonSea};
 
 /// A row of cells under bursts.
@@ -57,7 +58,7 @@ impl Row<'_> {
     /// Lets an interval, in seconds, pass for the rift.
     pub(super) fn rift(&self, seconds: f64, values: &mut [f64]) {
         let rift = self.sea.behavior.rift;
-        let [left, added] = decayed(rift.decay, seconds);
+        let (left, added) = decayed(rift.decay, seconds * LITERAL_HZ);
         for (column, value) in values.iter_mut().enumerate() {
             let [x, z] = self.place(column);
             let inside = self.bursts.iter().map(|burst| {
@@ -75,7 +76,7 @@ impl Row<'_> {
     /// Lets an interval, in seconds, pass for the fields of drift lines, one after another.
     pub(super) fn drift(&self, seconds: f64, values: &mut [f64]) {
         let (drift, basin) = (self.sea.behavior.drift, self.sea.basin);
-        let [left, added] = decayed(drift.decay, seconds);
+        let (left, added) = decayed(drift.decay, seconds * LITERAL_HZ);
         for column in 0..basin.columns {
             let mut sums = [0.0; DRIFTS];
             for active in self.bursts {

@@ -69,6 +69,11 @@ impl<'a> Step<'a> {
         Self { sea, bursts: ActiveBurst::all(sea, time).into_iter().map(placed).collect() }
     }
 
+    /// Returns the bursts.
+    pub(super) fn active(&self) -> impl Iterator<Item = &ActiveBurst<'a>> {
+        self.bursts.iter().map(|(burst, _)| burst)
+    }
+
     /// Finds the bursts that may reach a row. Returns columns that contain all that they may reach, from a multiple of
     /// [`LANES`] to one, which may lie beyond the row.
     fn find(&self, row: usize, near: &mut Vec<Near>) -> Range<usize> {

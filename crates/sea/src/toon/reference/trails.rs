@@ -4,10 +4,11 @@ use fearless_simd::Level;
 use rayon::prelude::*;
 
 use super::DRIFTS;
-use super::bursts::{ActiveBurst, Ellipse, decayed};
+use super::bursts::{ActiveBurst, Ellipse};
 use super::doubt::largest;
-use super::plain;
 use super::rows::{Interval, Step, Sums};
+use super::{plain, roundings};
+use crate::toon::trail::decayed;
 use crate::toon::{LITERAL_HZ, ToonSea, TrailFields};
 
 /// Rift and drift of all cells; empty if not wanted.
@@ -18,6 +19,8 @@ pub(super) struct Trails {
     drift: Vec<f64>,
     /// Largest absolute values of rift and drift so far.
     pub(super) peaks: [f64; 2],
+    /// How far rounding may have carried what bursts add to them at a time, whenever that was.
+    pub(super) added_off: [f64; 2],
 }
 
 impl Trails {
@@ -28,13 +31,15 @@ impl Trails {
             rift: vec![0.0; if wanted.rift { cells } else { 0 }],
             drift: vec![0.0; if wanted.drift { DRIFTS * cells } else { 0 }],
             peaks: [0.0; 2],
+            added_off: [0.0; 2],
         }
     }
 
     /// Lets intervals of so many seconds pass, under the bursts of one time each, by plain loops or in vectors.
     pub(super) fn pass(&mut self, sea: &ToonSea, times: &[f64], seconds: f64, is_plain: bool) {
         let columns = sea.basin.columns;
-        let Self { rift, drift, peaks } = self;
+        let Self { rift, drift, peaks, added_off } = self;
+        let mut add = |field: usize, off: f64| added_off[field] = added_off[field].max(off);
         if is_plain {
             for &time in times {
                 let bursts = ActiveBurst::all(sea, time);
@@ -44,26 +49,37 @@ impl Trails {
                 let rows = drift.par_chunks_mut(DRIFTS * columns).enumerate();
                 rows.for_each(|(index, values)| row(index).drift(seconds, values));
                 *peaks = [peaks[0].max(largest(rift)), peaks[1].max(largest(drift))];
+                if !rift.is_empty() {
+                    add(0, roundings::rift(sea, bursts.iter()));
+                }
+                if !drift.is_empty() {
+                    add(1, roundings::drift(sea, bursts.iter()));
+                }
             }
             return;
         }
         let level = Level::new();
         let behavior = &sea.behavior;
-        let [left, added] = decayed(behavior.rift.decay, seconds);
-        let interval = Interval { left, added: behavior.rift.gain * added, renewal: 0.0 };
-        let most = sweep(rift, columns, &steps(sea, times, ActiveBurst::torn), |step, row, sums, values, is_still| {
-            step.rift(level, interval, row, sums, values, is_still)
-        });
-        peaks[0] = peaks[0].max(most);
-        let [left, added] = decayed(behavior.drift.decay, seconds);
-        let interval = Interval { left, added, renewal: behavior.drift.renewal * seconds * LITERAL_HZ };
-        let most = sweep(
-            drift,
-            DRIFTS * columns,
-            &steps(sea, times, ActiveBurst::drawn),
-            |step, row, sums, values, is_still| step.drift(level, interval, row, sums, values, is_still),
-        );
-        peaks[1] = peaks[1].max(most);
+        if !rift.is_empty() {
+            let (left, added) = decayed(behavior.rift.decay, seconds * LITERAL_HZ);
+            let interval = Interval { left, added: behavior.rift.gain * added, renewal: 0.0 };
+            let torn = steps(sea, times, ActiveBurst::torn);
+            let most = sweep(rift, columns, &torn, |step, row, sums, values, is_still| {
+                step.rift(level, interval, row, sums, values, is_still)
+            });
+            peaks[0] = peaks[0].max(most);
+            torn.iter().for_each(|step| add(0, roundings::rift(sea, step.active())));
+        }
+        if !drift.is_empty() {
+            let (left, added) = decayed(behavior.drift.decay, seconds * LITERAL_HZ);
+            let interval = Interval { left, added, renewal: behavior.drift.renewal * seconds * LITERAL_HZ };
+            let drawn = steps(sea, times, ActiveBurst::drawn);
+            let most = sweep(drift, DRIFTS * columns, &drawn, |step, row, sums, values, is_still| {
+                step.drift(level, interval, row, sums, values, is_still)
+            });
+            peaks[1] = peaks[1].max(most);
+            drawn.iter().for_each(|step| add(1, roundings::drift(sea, step.active())));
+        }
     }
 
     /// Returns all fields of drift.
