@@ -160,7 +160,7 @@ impl Prepared for PreparedDriftLines {
             let here = around.index(x, y);
             coverage.covered(here, || {
                 let (weight, height) = (weights.at(here), heights.at(here));
-                if self.lines.hides(weight.high) {
+                if self.lines.hides(weight.high) || self.lines.end_before([height.low, height.high]) {
                     return Span::exactly(0.0);
                 }
                 let mut clear = true;

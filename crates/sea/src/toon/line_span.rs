@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::lines::{LEAST_DENSITY, LEAST_NORM, Lines, STALE, TOO_MANY, covered, smooth};
+use super::lines::{FARTHEST_END, LEAST_DENSITY, LEAST_NORM, Lines, STALE, TOO_MANY, covered, smooth};
 use super::trail::Drift;
 
 /// A phase that is known up to a distance.
@@ -158,6 +158,13 @@ impl Lines {
     /// Returns whether no line is shown under weights up to one.
     pub fn hides(&self, weight: f64) -> bool {
         weight <= STALE * self.fresh
+    }
+
+    /// Returns whether all lines certainly end before the heights between two, in meters.
+    pub fn end_before(&self, [least, most]: [f64; 2]) -> bool {
+        let farthest = self.low + FARTHEST_END * (self.high - self.low);
+        let lost = 8.0 * LOST * (self.low.abs() + self.high.abs());
+        if self.low < self.high { least > farthest + lost } else { most < farthest - lost }
     }
 
     /// Returns bounds on the share of all widths that is left.

@@ -57,6 +57,8 @@ pub(crate) const LEAST_DENSITY: f64 = 1e-4;
 pub(crate) const LEAST_NORM: f64 = 1e-30;
 /// Weight relative to that of a fresh trail up to which nothing is drawn.
 pub(crate) const STALE: f64 = 1e-3;
+/// Share of the way from `low` to `high` at which the longest lines may end.
+pub(crate) const FARTHEST_END: f64 = 1.1;
 
 /// Returns the lines per pixel, from the phases of the pixels left and right, then above and below: along each axis
 /// the larger of the two differences, of those that can be determined. If a neighbor is on another wave, often

@@ -182,3 +182,30 @@ fn densities_stay_within_their_bounds_as_far_as_phases_may_move() {
     }
     assert!(closest < 1e-3, "bounds are {closest} too large at least");
 }
+
+#[test]
+fn no_line_is_drawn_where_all_end_before() {
+    let mut random = Random(31);
+    let [mut ended, mut drawn] = [0; 2];
+    for round in 0..20_000 {
+        let scale = [1e-6, 1.0, 1e5][round % 3];
+        let mut between = |low: f64, high: f64| random.between(low, high);
+        let low = scale * between(-1.0, 1.0);
+        let high = if round % 100 == 0 { low } else { scale * between(-1.0, 1.0) };
+        let lines = Lines { low, high, seed: round as u32, thickness: 1.0, ..Lines::default() };
+        // Often about where the longest lines may end.
+        let end = low + (high - low) * [1.1, 1.1 + 1e-12, 1.1 - 1e-12, 1.0, between(-1.0, 3.0)][round / 3 % 5];
+        let reach = [0.0, 1e-15, 0.1][round / 15 % 3] * scale;
+        let is_ended = lines.end_before([end - reach, end + reach]);
+        let heights = [end - reach, end, end + reach, end + reach * between(-1.0, 1.0)];
+        for line in 0..32 {
+            let angle = PI * (f64::from(line) + 0.5) / 16.0;
+            let phase = [angle.cos(), angle.sin()];
+            let masks = heights.map(|height| lines.mask(&LinePoint { weight: 1.0, phase, height, density: 0.1 }));
+            assert!(!is_ended || masks == [0.0; 4], "{masks:?} at {heights:?}: {lines:?}");
+            drawn += usize::from(masks != [0.0; 4]);
+        }
+        ended += usize::from(is_ended);
+    }
+    assert!(ended > 3000 && drawn > 3000, "{ended}, {drawn}");
+}
