@@ -63,6 +63,9 @@ struct Band {
     cells: [Remainder; PARTS],
 }
 
+/// The cells of a band that the view may see, and their boxes.
+type CellsOfBand = (Vec<Cell>, Vec<[DVec3; 2]>);
+
 /// The cells of a sea for one camera.
 #[derive(Debug)]
 pub(crate) struct SeaCells {
@@ -144,7 +147,7 @@ impl SeaCells {
             }
             Ok((cells, bounds))
         };
-        let of_bands: Result<Vec<(Vec<Cell>, Vec<[DVec3; 2]>)>, NoCells> = bands.par_iter().map(of_band).collect();
+        let of_bands: Result<Vec<CellsOfBand>, NoCells> = bands.par_iter().map(of_band).collect();
         let (cells, bounds): (Vec<_>, Vec<_>) = of_bands?.into_iter().unzip();
         let places_of =
             |(band, cells): (usize, &Vec<Cell>)| (0..cells.len()).map(move |cell| [band as u32, cell as u32]);
