@@ -13,8 +13,8 @@ const NUMBER: usize = 10;
 const WIDTH: usize = 100;
 /// Widths of errors with their places, of quantiles and of shares with their intervals.
 const PLACE: usize = 22;
-const QUANTILE: usize = 25;
-const SHARE: usize = 25;
+const QUANTILE: usize = 24;
+const SHARE: usize = 24;
 /// Number of savings that are listed.
 const SAVINGS: usize = 3;
 
