@@ -1,13 +1,14 @@
 //! `trochoid palette`: few colors whose hull encloses every pixel of pictures.
 //!
-//! The JSON output has `pictures`; `pixels`; `distinct`, the number of different colors, rounded to 8 bits; `corners`, of
-//! their hull; `brighter`, the number of pixels with a channel beyond white, which count as white there; `ignored`,
-//! the number of pixels left out by --ignore; `outside` and `outside_largest`, how many of them lie outside of the palette,
-//! and by how many steps of 8 bits at most; `enclosing`, a list of `{colors, names, units, volume, distances, usual}`, palettes that enclose every pixel: displayed colors from 0
-//! to 1, parts into which their grid divides a step of 8 bits, the volume of their hull relative to that of the pixels'
-//! hull, and the distance of each color from the nearest pixel in steps of 8 bits; `short`, a list of `{colors, outside,
-//! largest, rms}`, palettes of fewer colors: the share of the pixels outside of their hull, and distances from it in steps
-//! of 8 bits; `palette`, the palette that is written.
+//! The JSON output has `pictures`; `pixels`; `distinct`, the number of different colors, rounded to 8 bits; `corners`,
+//! of their hull; `brighter`, the number of pixels with a channel beyond white, which count as white there; `ignored`,
+//! the number of pixels left out by --ignore; `outside` and `outside_largest`, how many of them lie outside of the
+//! palette, and by how many steps of 8 bits at most; `enclosing`, a list of `{colors, names, units, volume, distances,
+//! usual}`, palettes that enclose every pixel: displayed colors from 0 to 1, parts into which their grid divides a step
+//! of 8 bits, the volume of their hull relative to that of the pixels' hull, and the distance of each color from the
+//! nearest pixel in steps of 8 bits; `short`, a list of `{colors, outside, largest, rms}`, palettes of fewer colors:
+//! the share of the pixels outside of their hull, and distances from it in steps of 8 bits; `palette`, the palette that
+//! is written.
 
 pub(crate) mod named;
 pub(crate) mod source;
