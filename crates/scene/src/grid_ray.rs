@@ -47,34 +47,39 @@ impl Way {
     #[inline]
     fn cell(&self, axis: usize, distance: f64) -> usize {
         let place = (self.from[axis] + self.by[axis] * distance).max(0.0);
-        let (below, near) = (place as usize, 1e-12 * (1.0 + place));
-        let beyond = place - below as f64;
-        let cell = if beyond <= near && self.by[axis] < 0.0 {
-            below.saturating_sub(1)
-        } else if 1.0 - beyond <= near && self.by[axis] >= 0.0 {
-            below + 1
-        } else {
-            below
-        };
-        cell.min(self.last[axis])
+        (place as usize).min(self.last[axis])
     }
 
-    /// Returns where the ray leaves the square of `size` cells a side that contains a cell, at most at `far`. Progress is
-    /// certain even where rounding hides it.
+    /// Returns where the ray leaves the square of `size` cells a side that contains a cell, at most at `far`, and the cell
+    /// that it enters there. Every square is left forward, so progress is certain even where rounding hides it.
     #[inline]
-    fn leaves(&self, cell: [usize; 2], size: usize, at: f64, far: f64) -> f64 {
-        let mut leave = far;
+    fn leaves(&self, cell: [usize; 2], size: usize, at: f64, far: f64) -> (f64, [usize; 2]) {
+        let first = cell.map(|index| index / size * size);
+        let (mut leave, mut across) = (far, None);
         for axis in 0..2 {
-            if self.by[axis] != 0.0 {
-                let first = cell[axis] / size * size;
-                let side = (first + if self.by[axis] > 0.0 { size } else { 0 }) as f64;
-                let there = (side - self.from[axis]) * self.inverse[axis];
-                if there > at && there < leave {
-                    leave = there;
-                }
+            // The end of the grid lies at `far`.
+            let (side, next) = if self.by[axis] > 0.0 && first[axis] + size <= self.last[axis] {
+                (first[axis] + size, first[axis] + size)
+            } else if self.by[axis] < 0.0 && first[axis] > 0 {
+                (first[axis], first[axis] - 1)
+            } else {
+                continue;
+            };
+            let there = (side as f64 - self.from[axis]) * self.inverse[axis];
+            if there < leave {
+                (leave, across) = (there, Some((axis, next)));
             }
         }
-        leave.max(at.next_up()).min(far)
+        let leave = leave.max(at);
+        let mut entered = cell;
+        if let Some((axis, next)) = across {
+            entered[axis] = next;
+            let other = 1 - axis;
+            if size > 1 {
+                entered[other] = self.cell(other, leave).clamp(first[other], first[other] + size - 1);
+            }
+        }
+        (leave, entered)
     }
 }
 
@@ -105,22 +110,21 @@ pub(crate) fn first_of_grid<T: Number>(grid: &GridSurface<T>, ray: &Ray, [start,
     let height = |distance: f64| above + ray.direction.y * distance;
     // Where the ray leaves the block of each size that it may meet the field in.
     let mut within = [f64::NEG_INFINITY; SIZES.len()];
-    let mut at = near;
+    let (mut at, mut cell) = (near, [way.cell(0, near), way.cell(1, near)]);
     'way: while at < far {
-        let cell = [way.cell(0, at), way.cell(1, at)];
         let from = height(at);
         for (level, size) in SIZES.into_iter().enumerate() {
             if at < within[level] {
                 continue;
             }
-            let past = way.leaves(cell, size, at, far);
+            let (past, entered) = way.leaves(cell, size, at, far);
             if ranges.block(level, cell).misses([from, height(past)]) {
-                at = past;
+                (at, cell) = (past, entered);
                 continue 'way;
             }
             within[level] = past;
         }
-        let leave = way.leaves(cell, 1, at, far);
+        let (leave, entered) = way.leaves(cell, 1, at, far);
         let to = height(leave);
         if !ranges.cell(cell).misses([from, to]) {
             let local = |distance: f64| [0, 1].map(|axis| way.from[axis] + by[axis] * distance - cell[axis] as f64);
@@ -130,7 +134,7 @@ pub(crate) fn first_of_grid<T: Number>(grid: &GridSurface<T>, ray: &Ray, [start,
                 return Some(Crossing { distance: at + part * (leave - at), only });
             }
         }
-        at = leave;
+        (at, cell) = (leave, entered);
     }
     None
 }

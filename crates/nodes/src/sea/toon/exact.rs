@@ -18,9 +18,10 @@ pub(super) struct ExactSea {
     made: Mutex<Option<Made>>,
 }
 
-/// A surface, and which trails it has.
+/// A surface, which trails it has, and the doubt of its heights.
 struct Made {
     trails: TrailFields,
+    heights: f64,
     surface: Arc<GridSurface<f64>>,
 }
 
@@ -66,9 +67,16 @@ impl ExactSea {
             let run = run.get_or_insert_with(|| Run::new(&self.sea, heights, fields));
             run.reach(self.time, stop).then(|| run.at(self.time))
         };
-        let Reference { height, doubt: heights, .. } = run(0, true, TrailFields::default())?;
+        let (bare, heights) = match &*made {
+            // Other trails do not change the heights.
+            Some(made) => (GridSurface::clone(&made.surface), made.heights),
+            None => {
+                let Reference { height, doubt, .. } = run(0, true, TrailFields::default())?;
+                (self.layout.grid(height), doubt.height)
+            }
+        };
         let scale = self.sea.behavior().drift.scale();
-        let mut doubt = GridDoubt { height: heights.height, ..GridDoubt::default() };
+        let mut doubt = GridDoubt { height: heights, ..GridDoubt::default() };
         let mut rifts = Vec::new();
         if trails.rift {
             let Reference { rift, doubt: of, .. } = run(1, false, RIFT)?;
@@ -82,9 +90,8 @@ impl ExactSea {
         }
         let all = drifts.iter().chain([&rifts]).flatten();
         doubt.largest_trail = all.fold(0.0, |most, value| most.max(value.abs()));
-        let surface = self.layout.grid(height).with_doubt(doubt).with_trails(move || rifts, move || drifts);
-        let surface = Arc::new(surface);
-        *made = Some(Made { trails, surface: surface.clone() });
+        let surface = Arc::new(bare.with_doubt(doubt).with_trails(move || rifts, move || drifts));
+        *made = Some(Made { trails, heights, surface: surface.clone() });
         Some(surface)
     }
 
