@@ -29,6 +29,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "trochoid-scene",
             "trochoid-sea",
             "trochoid-io",
+            "trochoid-palette",
         ],
     ),
     ("trochoid-kernel", &["trochoid-graph", "trochoid-jit", "trochoid-memory", "trochoid-weights"]),

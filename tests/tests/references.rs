@@ -18,6 +18,7 @@ const DOUBLE: &[&str] = &[
     "Constant",
     "CrestFoam",
     "Curvature",
+    "Decompose",
     "Depth",
     "DriftLines",
     "FieldMath",

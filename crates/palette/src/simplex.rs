@@ -121,15 +121,17 @@ pub(crate) fn subsets(count: usize, size: usize, visit: &mut impl FnMut(&[usize]
     extend(0, count, size, &mut Vec::with_capacity(size), visit);
 }
 
+fn primes() -> impl Iterator<Item = u32> {
+    (2_u32..).filter(|number| (2..*number).take_while(|by| by * by <= *number).all(|by| number % by != 0))
+}
+
 /// Returns the simplices of a triangulation of points, the Delaunay triangulation if the heights are the squared distances
 /// from any point: those above which no other point's height lies below the plane through their own.
 pub(crate) fn triangulate(points: &[Point], heights: &[f64], dimension: usize) -> Vec<Simplex> {
-    // Points on a sphere have several triangulations; small differences by index choose one.
-    let lifted: Vec<f64> = heights
-        .iter()
-        .enumerate()
-        .map(|(index, height)| height + 1e-9 * ((index * index) as f64 + index as f64))
-        .collect();
+    // Points on a sphere have several triangulations; small differences choose one. They must have no ratios in whole
+    // numbers, or opposite corners of a box tie again: roots of primes have none.
+    let lifted: Vec<f64> =
+        heights.iter().zip(primes()).map(|(height, prime)| height + 1e-9 * libm::sqrt(f64::from(prime))).collect();
     let mut simplices = Vec::new();
     subsets(points.len(), dimension + 1, &mut |corners| {
         let Some(simplex) = Simplex::new(corners, points, dimension) else { return };
@@ -195,14 +197,20 @@ mod tests {
     #[test]
     fn triangulations_fill_the_hull_once() {
         // The corners of the cube lie on a sphere.
-        let cube: Vec<Point> = (0..8).map(|i| [0, 1, 2].map(|c| f64::from(i >> c & 1))).collect();
-        let heights: Vec<f64> = cube.iter().map(|p| dot(sub(*p, [0.5; 3]), sub(*p, [0.5; 3]))).collect();
-        let simplices = triangulate(&cube, &heights, 3);
-        let volume = |simplex: &Simplex| {
-            let [a, b, c, d] = [0, 1, 2, 3].map(|i| cube[simplex.corners[i]]);
-            dot(crate::vector::cross(sub(b, a), sub(c, a)), sub(d, a)).abs() / 6.0
-        };
-        assert!((simplices.iter().map(volume).sum::<f64>() - 1.0).abs() < 1e-12, "{simplices:?}");
+        let cube = |order: [u8; 8]| order.map(|i| [0, 1, 2].map(|c| f64::from(i >> c & 1)));
+        let mut orders = vec![[0, 1, 2, 4, 3, 6, 5, 7]];
+        for turn in 0..8_u8 {
+            orders.extend([1, 3, 5, 7].map(|step| std::array::from_fn(|i| (turn + step * i as u8) % 8)));
+        }
+        for cube in orders.into_iter().map(cube) {
+            let heights = cube.map(|p| dot(sub(p, [0.5; 3]), sub(p, [0.5; 3])));
+            let simplices = triangulate(&cube, &heights, 3);
+            let volume = |simplex: &Simplex| {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|i| cube[simplex.corners[i]]);
+                dot(crate::vector::cross(sub(b, a), sub(c, a)), sub(d, a)).abs() / 6.0
+            };
+            assert!((simplices.iter().map(volume).sum::<f64>() - 1.0).abs() < 1e-12, "{cube:?}: {simplices:?}");
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod color;
 mod cost;
+mod decompose;
 mod kept;
 mod knobs;
 mod layer;
@@ -80,6 +81,7 @@ fn filled(path: &Path, part: usize, data: Window) -> Result<(), NodeError> {
 
 pub(crate) static NODES: &[NodeType] = &[
     NodeType::of::<read::Read>(),
+    NodeType::of::<decompose::Decompose>(),
     NodeType::of::<texture::Texture>(),
     NodeType::of::<view_from_passes::ViewFromPasses>(),
 ];

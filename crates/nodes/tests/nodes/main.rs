@@ -34,6 +34,7 @@ mod field {
 
 mod files {
     mod color;
+    mod decompose;
     mod kept;
     mod layer;
     mod legal;

@@ -257,4 +257,10 @@ pub(super) const FILES: &[Case] = &[
         nodes: r#""out": { "type": "Read", "file": "a.exr", "as": "color", "fit": "bilinear" }"#,
         tight: Some(10.0),
     },
+    Case {
+        key: "weights",
+        nodes: r##""out": { "type": "Decompose", "file": "a.exr", "colors": ["#000", "#08f", "#f80", "#fff", "#f00"],
+            "fit": "bilinear" }"##,
+        tight: Some(10.0),
+    },
 ];
