@@ -34,6 +34,7 @@ mod patches;
 mod pipes;
 mod portable;
 mod random;
+mod recipes;
 mod references;
 mod scale;
 mod scenes;

@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use trochoid::{Form, Hull, Recipe, Window, WorkingSpace};
-use trochoid_palette::{Decomposer, MOST_COLORS, Storing};
+use trochoid::{Form, Hull, Recipe, RecipeInfo, Rounding, Storing, Window, WorkingSpace, expand_frame};
+use trochoid_palette::{Decomposer, MOST_COLORS};
 
 /// Options of `trochoid decompose`.
 #[derive(Debug, clap::Args)]
@@ -68,14 +68,34 @@ fn softness(text: &str) -> Result<f64, NoSoftness> {
 /// # Errors
 /// Several files would have one name, or the name does not end as it must.
 pub(crate) fn outputs(pattern: &str, pictures: &[PathBuf], endings: &[&str]) -> Result<Vec<PathBuf>, Failure> {
-    if pictures.len() > 1 && !pattern.contains("{name}") {
+    outputs_at(pattern, &pictures.iter().map(|picture| (picture.clone(), None)).collect::<Vec<_>>(), endings)
+}
+
+/// Names the file that is made of another one, of which some belong to frames.
+///
+/// # Errors
+/// As [`outputs`].
+pub(crate) fn outputs_at(
+    pattern: &str,
+    pictures: &[(PathBuf, Option<i64>)],
+    endings: &[&str],
+) -> Result<Vec<PathBuf>, Failure> {
+    let has_frame = expand_frame(pattern, 0) != expand_frame(pattern, 1);
+    if let Some((picture, _)) = pictures.iter().find(|(_, frame)| has_frame && frame.is_none()) {
+        let message = format!("--out {pattern}: found no frame that {} belongs to", picture.display());
+        return Err(Failure::usage(message, "write {name} where the picture's name belongs"));
+    }
+    if pictures.len() > 1 && !pattern.contains("{name}") && !has_frame {
         let message =
             format!("--out {pattern}: found one name for {} pictures; expected {{name}} in it", pictures.len());
         return Err(Failure::usage(message, "write {name} where the picture's name belongs"));
     }
-    let of = |picture: &PathBuf| {
+    let of = |(picture, frame): &(PathBuf, Option<i64>)| {
         let name = picture.file_stem().unwrap_or_default().to_string_lossy();
-        PathBuf::from(pattern.replace("{name}", &name))
+        let named = |pattern: &str| pattern.replace("{name}", &name);
+        PathBuf::from(
+            frame.filter(|_| has_frame).map_or_else(|| named(pattern), |frame| named(&expand_frame(pattern, frame))),
+        )
     };
     let outputs: Vec<PathBuf> = pictures.iter().map(of).collect();
     for (index, out) in outputs.iter().enumerate() {
@@ -89,7 +109,7 @@ pub(crate) fn outputs(pattern: &str, pictures: &[PathBuf], endings: &[&str]) -> 
             let message = format!("--out {pattern}: found one name for two pictures, {}", out.display());
             return Err(Failure::usage(message, "take pictures of different names, or one folder at a time"));
         }
-        if pictures.iter().any(|picture| trochoid::resolved(picture) == trochoid::resolved(out)) {
+        if pictures.iter().any(|(picture, _)| trochoid::resolved(picture) == trochoid::resolved(out)) {
             return Err(files::written_over(out));
         }
     }
@@ -121,12 +141,13 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     for (index, (picture, out)) in args.pictures.iter().zip(&outs).enumerate() {
         progress.begin(index, index as i64 + 1);
         let (window, colors) = source::colors(picture, &progress)?;
-        let made = decompose(&decomposer, &inks, window, &colors, args.float);
+        let storing = if args.float { Storing::Float } else { Storing::Half };
+        let made = decompose(&decomposer, &inks, window, &colors, storing);
         let distances = colors.par_iter().map(|color| hull.signed_distance(color.map(f64::from)));
         let (outside, farthest) = distances
             .map(|distance| if distance > 1e-6 { (1_u64, distance) } else { (0, 0.0) })
             .reduce(|| (0, 0.0), |a, b| (a.0 + b.0, a.1.max(b.1)));
-        made.write(args.over.target(out, Form::Exr), args.float)
+        made.write(args.over.target(out, Form::Exr))
             .map_err(|error| Failure::new(FAILED, crate::remedies::written(&error)))?;
         let _ = writeln!(text, "{}", line(picture, out, outside, 255.0 * farthest, inks.names.len()));
         all.push(json!({
@@ -157,17 +178,28 @@ fn decompose(
     inks: &named::Named,
     window: Window,
     colors: &[[f32; 3]],
-    is_float: bool,
+    storing: Storing,
 ) -> Recipe {
-    let storing = if is_float { Storing::Float } else { Storing::Half };
-    let pixels: Vec<Vec<f32>> =
-        colors.par_iter().map(|color| storing.round(&decomposer.weights(color.map(f64::from)))).collect();
-    let plane = |index: usize| pixels.iter().map(|weights| weights[index]).collect();
+    let round = |color: &[f32; 3]| {
+        let mut weights = decomposer.weights(color.map(f64::from));
+        let moved = storing.apportion(&mut weights, &mut Vec::new());
+        (weights.into_iter().map(|weight| weight as f32).collect(), moved)
+    };
+    let pixels: Vec<(Vec<f32>, f64)> = colors.par_iter().map(round).collect();
+    let plane = |index: usize| pixels.iter().map(|(weights, _)| weights[index]).collect();
     Recipe {
-        names: inks.names.clone(),
-        colors: inks.colors.clone(),
-        space: WorkingSpace::Srgb,
+        info: RecipeInfo {
+            names: inks.names.clone(),
+            colors: inks.colors.clone(),
+            space: WorkingSpace::Srgb,
+            has_images: false,
+            layer: "recipe".into(),
+            storing,
+            source: None,
+            unused: Vec::new(),
+        },
+        rounding: Rounding { moved: pixels.iter().map(|(_, moved)| *moved).fold(0.0, f64::max), images: 0.0 },
         window,
-        weights: (0..inks.names.len()).map(plane).collect(),
+        channels: (0..inks.names.len()).map(plane).collect(),
     }
 }

@@ -1,45 +1,56 @@
 //! `trochoid recolor`: paints recipes in other colors.
 
-use crate::decompose::outputs;
+use crate::decompose::outputs_at;
 use crate::failure::{FAILED, Failure};
 use crate::files::OverwriteOptions;
-use crate::palette::named;
-use crate::remedies;
-use crate::shell;
+use crate::palette::named::{self, Named};
+use crate::progress::Progress;
+use crate::{frames, interrupt};
+use painting::{Painting, Written};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use trochoid::io::{ExrChannel, ExrImage, PngImage, Samples, write_exr, write_png8, write_png16};
-use trochoid::{Form, Plane, Recipe, RecipeError, WorkingSpace, marks, nearest, srgb_encode};
+use trochoid::{Form, PaletteColor, RecipeError, RecipeReader, WorkingSpace, expand_frame, nearest};
+
+mod painting;
 
 /// Options of `trochoid recolor`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-A recipe has the weights of a picture over colors with names; `trochoid decompose` makes one. Colors that the palette does \
-not name stay as they are.
+A recipe has the weights of a picture over colors with names; `trochoid render --recipe` and `trochoid decompose` make \
+one. Colors that the palette does not name stay as they are. The picture is the one that a render in these colors would \
+make, up to what storing the weights rounds, which is printed.
 
 Examples:
   trochoid recolor painting.recipe.exr --palette night.json --out night.png
   trochoid recolor painting.recipe.exr --set glow=#f2c14e --out warm.exr
+  trochoid recolor storm.recipe.####.exr --frames 1-96 --palette night.json --out 'night.####.png'
   trochoid recolor recipes/*.exr --palette night.json --out 'night/{name}.png'")]
 pub(crate) struct Args {
-    /// The recipes
+    /// The recipes; with --frames, #### or %04d stands for the frame
     #[arg(value_name = "RECIPE", required = true)]
     recipes: Vec<PathBuf>,
+    /// Frames of the recipes, such as 1-10,20-40x2
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    frames: Option<String>,
     /// Take the colors of this palette: JSON, .gpl, or a document that has one
     #[arg(long, value_name = "FILE")]
     palette: Option<PathBuf>,
     /// Set a color, such as glow=#f2c14e; may be repeated
     #[arg(long, value_name = "NAME=#RRGGBB")]
     set: Vec<String>,
-    /// Write the picture to this PNG or EXR file; {name} stands for the recipe's name without its extension
+    /// Write the picture to this PNG or EXR file; {name} stands for the recipe's name without its extension, #### or %04d
+    /// for the frame
     #[arg(short, long, value_name = "FILE")]
     out: String,
     /// Write PNG with 16 bits a channel
     #[arg(long)]
     deep: bool,
+    /// Write EXR with 32-bit floats
+    #[arg(long)]
+    float: bool,
     #[command(flatten)]
     over: OverwriteOptions,
-    /// Print nothing on stdout
+    /// Print nothing on stdout, and show no progress
     #[arg(long)]
     quiet: bool,
 }
@@ -50,36 +61,121 @@ pub(crate) struct Args {
 /// All problems that can be found in advance, together; a recipe cannot be read, or lacks a color; or a picture cannot be
 /// written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let outs = outputs(&args.out, &args.recipes, &["png", "exr"])?;
+    let recipes = recipes(args)?;
+    // Headers name the frames of recipes that are given one by one.
+    let frame = |(path, frame): &(PathBuf, Option<i64>)| {
+        let known =
+            RecipeReader::open(path).ok().and_then(|recipe| recipe.info().source.as_ref().map(|source| source.1));
+        (path.clone(), frame.or(known))
+    };
+    let recipes: Vec<(PathBuf, Option<i64>)> = recipes.iter().map(frame).collect();
+    let outs = outputs_at(&args.out, &recipes, &["png", "exr"])?;
     let mut faults: Vec<Failure> = Vec::new();
     for out in &outs {
         let cannot = || trochoid::check_destination(out).err().map(Failure::from);
         faults.extend(args.over.foreign(out, Form::of_picture(out)).or_else(cannot));
     }
     Failure::all(faults)?;
-    let mut text = String::new();
-    for (path, out) in args.recipes.iter().zip(&outs) {
-        let recipe = Recipe::read(path).map_err(|error| match error {
-            RecipeError::Read(error) => Failure::new(FAILED, error),
-            error @ RecipeError::NoRecipe { .. } => Failure::usage(error, "make one: trochoid decompose PICTURE"),
-        })?;
-        let colors = colors(args, path, &recipe)?;
-        write(args, out, recipe.space, &recipe.recolor(&colors))?;
-        let _ = writeln!(text, "{} → {}", path.display(), out.display());
+    interrupt::watch()?;
+    let mut progress = Progress::new(recipes.len(), args.quiet);
+    // Palettes by working space: recipes of one run usually share it.
+    let mut palettes = Vec::new();
+    for (index, ((path, frame), out)) in recipes.iter().zip(&outs).enumerate() {
+        progress.begin(index, frame.unwrap_or(index as i64 + 1));
+        let recipe = opened(path)?;
+        let space = recipe.info().space;
+        if let Some(file) = args.palette.as_ref().filter(|_| !palettes.iter().any(|(known, _)| *known == space)) {
+            palettes.push((space, named::keyed(file, space)?));
+        }
+        let palette = palettes.iter().find(|(known, _)| *known == space).map(|(_, palette)| &palette[..]);
+        let colors = colors(args, path, &recipe, palette.unwrap_or_default(), frame.unwrap_or(1))?;
+        let painting = Painting { recipe: &recipe, colors: &colors, is_deep: args.deep, is_float: args.float };
+        let written = painting.write(out, args.over, &progress)?;
+        let line = line(path, out, &recipe, &written);
+        if !args.quiet {
+            progress.print(&line)?;
+        }
     }
-    if args.quiet { Ok(()) } else { shell::print(&text) }
+    progress.finish();
+    Ok(())
+}
+
+/// Returns the paths of the recipes, each with its frame if the command line says it.
+fn recipes(args: &Args) -> Result<Vec<(PathBuf, Option<i64>)>, Failure> {
+    let has_frame = |path: &&PathBuf| {
+        let pattern = path.to_string_lossy();
+        expand_frame(&pattern, 0) != expand_frame(&pattern, 1)
+    };
+    let Some(list) = &args.frames else {
+        // A file may have such a name.
+        if let Some(path) = args.recipes.iter().filter(has_frame).find(|path| !path.exists()) {
+            let message = format!("{}: found a pattern of frames; expected --frames", path.display());
+            return Err(Failure::usage(message, "say which: --frames 1-96"));
+        }
+        return Ok(args.recipes.iter().map(|path| (path.clone(), None)).collect());
+    };
+    let frames = frames::parse(list).map_err(|pieces| {
+        let faults = pieces.into_iter().map(|piece| Failure::usage(piece, "use a list such as 1-10,20-40x2"));
+        Failure::all(faults).err().unwrap_or_default()
+    })?;
+    if let Some(path) = args.recipes.iter().find(|path| !has_frame(path)) {
+        let message = format!("{}: found one name for all frames; expected #### or %04d in it", path.display());
+        return Err(Failure::usage(message, "write #### where the frame belongs, or leave out --frames"));
+    }
+    let of = |path: &PathBuf| {
+        let pattern = path.to_string_lossy().into_owned();
+        let file = move |frame: &i64| (PathBuf::from(expand_frame(&pattern, *frame)), Some(*frame));
+        frames.iter().map(file).collect::<Vec<_>>()
+    };
+    Ok(args.recipes.iter().flat_map(of).collect())
+}
+
+fn opened(path: &Path) -> Result<RecipeReader, Failure> {
+    RecipeReader::open(path).map_err(|error| unread(&error))
+}
+
+/// Returns the failure of a recipe that is not read.
+fn unread(error: &RecipeError) -> Failure {
+    match error {
+        RecipeError::Read(error) => Failure::new(FAILED, error),
+        RecipeError::NoRecipe { .. } => {
+            Failure::usage(error, "make one: trochoid render GRAPH --recipe FILE, or trochoid decompose PICTURE")
+        }
+    }
+}
+
+/// Formats the line of a picture: `a.exr → night.png: 24 colors, hull, 0 outside, within 0.12/255`.
+fn line(path: &Path, out: &Path, recipe: &RecipeReader, written: &Written) -> String {
+    let mut line = format!("{} → {}: ", path.display(), out.display());
+    let unit = if recipe.info().space == WorkingSpace::Srgb { "" } else { " of linear light" };
+    let hull = match written.outside {
+        Some(outside) => format!("hull, {outside} outside"),
+        None => "hull not judged, because of images".into(),
+    };
+    let (count, bound) = (recipe.info().names.len(), 255.0 * written.bound);
+    let _ = writeln!(line, "{count} colors, {hull}, within {bound:.2}/255{unit}");
+    line
 }
 
 /// Returns the colors in which a recipe is painted.
-fn colors(args: &Args, path: &Path, recipe: &Recipe) -> Result<Vec<[f64; 3]>, Failure> {
-    let mut colors = recipe.colors.clone();
+fn colors(
+    args: &Args,
+    path: &Path,
+    recipe: &RecipeReader,
+    palette: &[PaletteColor],
+    frame: i64,
+) -> Result<Vec<[f64; 3]>, Failure> {
+    let info = recipe.info();
+    let mut colors = info.colors.clone();
     let mut faults: Vec<Failure> = Vec::new();
-    let mut put = |name: &str, color: [f64; 3], from: &str| match recipe.names.iter().position(|own| own == name) {
+    let mut put = |name: &str, color: [f64; 3], from: &str| match info.names.iter().position(|own| own == name) {
         Some(index) => colors[index] = color,
+        // A color of the document that is not in this picture.
+        None if info.unused.iter().any(|unused| unused == name) => {}
         None => {
-            let remedy = match nearest(name, recipe.names.iter().map(String::as_str)) {
+            let remedy = match nearest(name, info.names.iter().map(String::as_str)) {
                 Some(near) => format!("did you mean \"{near}\"?"),
-                None => format!("{} has {}", path.display(), recipe.names.join(", ")),
+                None => format!("{} has {}", path.display(), info.names.join(", ")),
             };
             faults.push(Failure::usage(
                 format!("{from}: found the color \"{name}\"; expected one of the recipe"),
@@ -88,9 +184,9 @@ fn colors(args: &Args, path: &Path, recipe: &Recipe) -> Result<Vec<[f64; 3]>, Fa
         }
     };
     if let Some(file) = &args.palette {
-        let palette = named::read(file, recipe.space)?;
         let from = file.display().to_string();
-        palette.names.iter().zip(&palette.colors).for_each(|(name, color)| put(name, *color, &from));
+        let Named { names, colors } = Named::at(palette, frame);
+        names.iter().zip(colors).for_each(|(name, color)| put(name, color, &from));
     }
     for assignment in &args.set {
         let parsed =
@@ -98,7 +194,9 @@ fn colors(args: &Args, path: &Path, recipe: &Recipe) -> Result<Vec<[f64; 3]>, Fa
         match parsed {
             Some((name, color)) => {
                 let linear = color.map(trochoid::srgb_decode);
-                put(name, recipe.space.from_linear_srgb(linear), &format!("--set {assignment}"));
+                // As in documents, where colors are ≥ 0.
+                let color = info.space.from_linear_srgb(linear).map(|channel| channel.max(0.0));
+                put(name, color, &format!("--set {assignment}"));
             }
             None => {
                 let message = format!("--set {assignment}: expected NAME=#rrggbb, for example glow=#f2c14e");
@@ -108,28 +206,4 @@ fn colors(args: &Args, path: &Path, recipe: &Recipe) -> Result<Vec<[f64; 3]>, Fa
     }
     Failure::all(faults)?;
     Ok(colors)
-}
-
-/// Writes a picture of the working space: PNG as displayed, EXR as linear light.
-fn write(args: &Args, out: &Path, space: WorkingSpace, planes: &[Plane; 3]) -> Result<(), Failure> {
-    let window = planes[0].window();
-    let form = Form::of_picture(out);
-    let convert = |f: &dyn Fn([f64; 3]) -> [f64; 3]| -> Vec<[f32; 3]> {
-        let [r, g, b] = planes.each_ref().map(Plane::samples);
-        let pixels = r.iter().zip(g).zip(b).map(|((r, g), b)| f([*r, *g, *b].map(f64::from)));
-        pixels.map(|color| color.map(|channel| channel as f32)).collect()
-    };
-    let target = args.over.target(out, form);
-    let done = if form == Form::Png {
-        let pixels = convert(&|color| space.to_linear_srgb(color).map(srgb_encode));
-        let image = PngImage::new(window.width() as u32, window.height() as u32, Samples::rgb(&pixels));
-        let image = PngImage { clamp: true, metadata: marks(form), ..image };
-        if args.deep { write_png16(target, &image) } else { write_png8(target, &image) }
-    } else {
-        let pixels = convert(&|color| space.to_linear_srgb(color));
-        let channels = ["R", "G", "B"].into_iter().zip(Samples::rgb(&pixels));
-        let channels = channels.map(|(name, samples)| ExrChannel::half(name, samples)).collect();
-        write_exr(target, &ExrImage { channels, metadata: marks(form), ..ExrImage::new(window) })
-    };
-    done.map_err(|error| Failure::new(FAILED, remedies::written(&error)))
 }

@@ -183,7 +183,7 @@ impl Wires {
 /// Returns the color of wires that carry a kind.
 fn color(kind: Kind) -> &'static str {
     match kind {
-        Kind::Color => "#d08a2e",
+        Kind::Color | Kind::Layers(_) => "#d08a2e",
         Kind::Weights(_) => "#3f9a76",
         Kind::Field(_) => "#4a7fc1",
         Kind::View => "#8a6bb0",

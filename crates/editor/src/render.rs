@@ -196,6 +196,9 @@ impl Drop for Renderer {
 
 fn run(graph: &CheckedGraph, outputs: &[usize], frames: &[i64], shared: &RunState) -> Result<RunOutcome, RunError> {
     let names: Vec<&str> = outputs.iter().map(|&index| graph.outputs()[index].name.as_str()).collect();
+    // Checking the document has made sure that it has recipes.
+    let with_recipes = graph.has_recipe(outputs).then(|| graph.clone().with_recipes(outputs).ok()).flatten();
+    let graph = with_recipes.as_ref().unwrap_or(graph);
     let mut cache = Cache::new();
     let (mut missed, mut folder): (Option<Miss>, Option<PathBuf>) = (None, None);
     for (index, &frame) in frames.iter().enumerate() {

@@ -6,7 +6,7 @@ use trochoid::{Accepts, Kind};
 /// Returns the color of a kind.
 pub(crate) fn kind(kind: Option<Kind>) -> Color32 {
     match kind {
-        Some(Kind::Color) => Color32::from_rgb(0xe8, 0xb0, 0x4a),
+        Some(Kind::Color | Kind::Layers(_)) => Color32::from_rgb(0xe8, 0xb0, 0x4a),
         Some(Kind::Weights(_)) => Color32::from_rgb(0x5f, 0xb8, 0x72),
         Some(Kind::Field(_)) => Color32::from_rgb(0x5c, 0x9d, 0xdc),
         Some(Kind::Surface) => Color32::from_rgb(0x3f, 0xb5, 0xb0),

@@ -138,6 +138,8 @@ impl Weights {
 pub enum Value {
     /// A color.
     Color(Color),
+    /// A color in layers; only in graphs with recipes, and never what a node lowers to or takes.
+    Layers(Vec<Color>),
     /// Weights.
     Weights(Weights),
     /// The components of a field.
@@ -303,9 +305,10 @@ pub fn load(program: &mut Program, node: NodeId, output: usize, kind: Kind) -> O
         (0..n).map(|channel| Scalar(program.push(Op::Load(Slot { node, output, channel }), node))).collect()
     };
     match kind {
-        Kind::Color => {
-            let slot = Slot { node, output, channel: 0 };
-            Some(Value::Color(Color(program.push(Op::LoadColor(slot), node))))
+        Kind::Color => Some(Value::Color(load_color(program, Slot { node, output, channel: 0 }))),
+        Kind::Layers(n) => {
+            let slots = (0..n).map(|layer| Slot { node, output, channel: 3 * layer });
+            Some(Value::Layers(slots.map(|slot| load_color(program, slot)).collect()))
         }
         Kind::Weights(2) => Some(Value::Weights(Weights::mask(Mask(scalars(1)[0])))),
         Kind::Weights(n) => {
@@ -316,4 +319,9 @@ pub fn load(program: &mut Program, node: NodeId, output: usize, kind: Kind) -> O
         Kind::Field(n) => Some(Value::Field(scalars(n))),
         Kind::Surface | Kind::Camera | Kind::Light | Kind::View => None,
     }
+}
+
+/// Loads a color that is filled outside of the program, from the channel of the slot on. For engines, as [`load`].
+pub fn load_color(program: &mut Program, slot: Slot) -> Color {
+    Color(program.push(Op::LoadColor(slot), slot.node))
 }

@@ -3,8 +3,8 @@
 
 use crate::Tolerance;
 use crate::{
-    Access, Animated, DocumentPlace, FrameContext, Item, Kind, KnobType, NodeId, NodeType, Record, Setting, Settled,
-    Work,
+    Access, Animated, DocumentPlace, FrameContext, Item, Kind, KnobType, NodeId, NodeType, Recipes, Record, Setting,
+    Settled, Work,
 };
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -29,8 +29,10 @@ pub struct PaletteColor {
 pub struct PaletteUse {
     /// The node.
     pub node: NodeId,
-    /// Port or knob of the node, such as `a` or `stops[1].color`.
+    /// Port or knob of the node, such as `a`, `colors[2]` or `stops[1].color`.
     pub item: String,
+    /// Whether the color stands there by itself, not in a key.
+    pub is_whole: bool,
 }
 
 /// A checked node.
@@ -148,6 +150,8 @@ pub struct OutputSpec {
     pub output: usize,
     /// Kind of the value.
     pub kind: Kind,
+    /// Whether the file gets the weights of the color instead of the color.
+    pub is_recipe: bool,
     /// Path of the file, relative to the document.
     pub file: Option<String>,
     /// Name of the layer in the file.
@@ -193,6 +197,7 @@ pub struct CheckedGraph {
     pub(crate) order: Vec<NodeId>,
     pub(crate) canonical: String,
     pub(crate) access: Access,
+    pub(crate) recipes: Option<Recipes>,
 }
 
 impl CheckedGraph {

@@ -8,6 +8,8 @@ use trochoid_image::Channel;
 pub enum Kind {
     /// RGB image in the working space; finite, ≥ 0.
     Color,
+    /// A color in `n` layers that share all their weights, three channels each; only in graphs with recipes.
+    Layers(usize),
     /// Partition of unity over `n` controls. `Weights(2)` is a *mask*, stored as one number t in [0, 1].
     Weights(usize),
     /// Unbounded image of 1 to 4 components, never NaN.
@@ -36,6 +38,7 @@ impl Kind {
     pub fn channels(self) -> usize {
         match self {
             Self::Color => 3,
+            Self::Layers(n) => 3 * n,
             Self::Weights(2) => 1,
             Self::Weights(n) | Self::Field(n) => n,
             Self::View => Channel::COUNT,
@@ -45,7 +48,7 @@ impl Kind {
 
     /// Returns whether all values of the kind are finite.
     pub fn is_finite(self) -> bool {
-        matches!(self, Self::Color | Self::Weights(_))
+        matches!(self, Self::Color | Self::Layers(_) | Self::Weights(_))
     }
 }
 
@@ -53,6 +56,7 @@ impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Color => f.write_str("Color"),
+            Self::Layers(_) => f.write_str("recipe"),
             Self::Weights(0) => f.write_str("Weights"),
             Self::Weights(2) => f.write_str("mask"),
             Self::Weights(n) => write!(f, "Weights({n})"),

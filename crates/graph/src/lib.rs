@@ -35,6 +35,7 @@ mod memory;
 mod node;
 mod node_error;
 mod program;
+mod recipe;
 mod record;
 mod reference;
 mod refusal;
@@ -56,7 +57,7 @@ pub use access::{Access, AccessViolation, RefusedFile, Right, folders_to_allow, 
 pub use animated::{Animated, Interpolation};
 pub use bound::{Bound, LITERAL, NoBound, REFERENCE};
 pub use bounding::{Bounding, Spans};
-pub use build::{Builder, Mask, Value, Weights, load};
+pub use build::{Builder, Mask, Value, Weights, load, load_color};
 pub use check::{FORMAT_VERSION, check, expected};
 pub use checked::{
     CheckedGraph, CheckedNode, FileState, Guarantee, OutputSpec, PaletteColor, PaletteUse, Precision, file_states,
@@ -83,6 +84,7 @@ pub use node::{
 };
 pub use node_error::{BadData, DataPlace, Failure, NodeError};
 pub use program::{Color, Op, Partition, Program, Scalar, Slot, Type};
+pub use recipe::{Control, Recipes};
 pub use record::{NodeId, Record, Setting, Source, Values};
 pub use reference::{Reference, References};
 pub use refusal::{REFUSALS, Refusal, refusal};

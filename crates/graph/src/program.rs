@@ -79,7 +79,7 @@ pub enum Op {
     },
     /// One weight of a partition, as a mask.
     Weight(Partition, usize),
-    /// A color from outside of the program: channels 0 to 2 of the slot's output; the slot's `channel` is 0.
+    /// A color from outside of the program: three channels of the slot's output, of which `channel` is the first.
     LoadColor(Slot),
     /// A control color.
     ConstantColor([f32; 3]),

@@ -106,12 +106,13 @@ pub fn schema(registry: &Registry) -> Value {
             },
             "output": {
                 "type": "object",
-                "description": "One picture: exactly one of color, weights and field.",
+                "description": "One picture: exactly one of color, weights, field and recipe.",
                 "additionalProperties": false,
                 "properties": {
                     "color": { "$ref": "#/$defs/reference" },
                     "weights": { "$ref": "#/$defs/reference" },
                     "field": { "$ref": "#/$defs/reference" },
+                    "recipe": { "$ref": "#/$defs/reference", "description": "A color whose weights are written instead of the color: a channel of an EXR file for each control color, from which `trochoid recolor` makes the picture in other colors." },
                     "file": { "type": "string", "description": "Path that ends in .exr or .png, relative to the document; #### or %04d stands for the frame, \\# and \\% for the signs themselves, {output} for the name of the output." },
                     "layer": { "type": "string", "description": "Layer within the EXR; \"\" is the main layer. Outputs with the same file share it; by default each has a layer with its own name." },
                     "precision": { "enum": Precision::NAMES, "description": "half (default) or float (default of fields) in EXR, uint8 (default) or uint16 in PNG." },
@@ -123,7 +124,7 @@ pub fn schema(registry: &Registry) -> Value {
                     },
                     "notes": true
                 },
-                "oneOf": [{ "required": ["color"] }, { "required": ["weights"] }, { "required": ["field"] }]
+                "oneOf": [{ "required": ["color"] }, { "required": ["weights"] }, { "required": ["field"] }, { "required": ["recipe"] }]
             }
         }
     })

@@ -59,6 +59,11 @@ impl Settled {
         }
     }
 
+    /// Returns the node with one layer of its colors, which then are plain colors.
+    pub fn of_layer(&self, layer: usize) -> Self {
+        Self::new(self.ty, self.values.clone().of_layer(self.ty.declaration().items, layer))
+    }
+
     /// Redirects every connection to the node that `to` returns for its node.
     pub fn redirect(&mut self, to: &dyn Fn(NodeId) -> NodeId) {
         let before = self.values.clone();

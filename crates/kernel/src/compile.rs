@@ -52,7 +52,7 @@ pub fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -> Compi
                 given.insert(at as u32, Location::Scalar(planes.row(*slot)));
             }
             Op::LoadColor(slot) => {
-                let rows = [0, 1, 2].map(|channel| planes.row(Slot { channel, ..*slot }));
+                let rows = [0, 1, 2].map(|c| planes.row(Slot { channel: slot.channel + c, ..*slot }));
                 given.insert(at as u32, Location::Color(ColorOperand::Rows(rows)));
             }
             _ => {}

@@ -17,7 +17,6 @@ mod mesh;
 mod order;
 mod program;
 mod simplex;
-mod stored;
 mod together;
 mod vector;
 
@@ -25,4 +24,3 @@ pub use cloud::Cloud;
 pub use decompose::{Decomposer, MOST_COLORS};
 pub use extract::{Enclosing, Extraction, Outside, Short, extract};
 pub use order::oklab;
-pub use stored::Storing;

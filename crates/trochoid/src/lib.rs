@@ -101,7 +101,7 @@ pub use output::write_output;
 #[cfg(feature = "io")]
 pub use output_file::{ForeignFile, NameFault, NamePlace, NoDestination, OutputError, OutputFile};
 #[cfg(feature = "io")]
-pub use recipe::{Recipe, RecipeError};
+pub use recipe::{Recipe, RecipeError, RecipeInfo, RecipeReader, RecipeScratch, Rounding};
 pub use report::{RunReport, RunStatus, frame_report};
 #[cfg(feature = "io")]
 pub use resume::Fingerprints;
@@ -113,16 +113,17 @@ pub use trochoid_engine::{
     Certifier, Channels, Distribution, EvalError, Evidence, Fate, ForeignError, Frame, Hull, InspectedPixel,
     Instructions, Interval, Judging, LeftOut, MemoryAccount, MemoryConsumer, Monitor, NodeReport, Phases, Picture,
     Pictures, Plan, PlanError, ProofStep, ReferenceError, ReferenceFrame, ReferencePixel, Settings, ShadingPlan,
-    Silent, Sink, State, Switches,
+    Silent, Sink, State, StoredSample, Storing, Switches, paint,
 };
 pub use trochoid_graph::{
-    Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, DataPlace,
-    Declaration, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files, Guarantee, Harmonic,
-    Interpolation, Item, Key, Kind, Knob, KnobDefault, KnobType, List, Means, MemoryUse, NodeError, NodeId, NodeType,
-    Offer, Omission, OutputSpec, PaletteColor, PaletteUse, Paths, Port, Precision, REFUSALS, Refusal, RefusedFile,
-    Registry, Relation, Right, Role, Severity, Source, Spectrum, Stability, StabilityMap, StepErrorGroup, StepErrorRow,
-    StepErrors, Term, Tolerance, Verdict, Work, counted, escape_frame, expand_frame, expected, folders_to_allow,
-    in_bytes, nearest, quoted, quoted_path, refusal, refusals, resolved, schema,
+    Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, Control,
+    DataPlace, Declaration, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files,
+    Guarantee, Harmonic, Interpolation, Item, Key, Kind, Knob, KnobDefault, KnobType, List, Means, MemoryUse,
+    NodeError, NodeId, NodeType, Offer, Omission, OutputSpec, PaletteColor, PaletteUse, Paths, Port, Precision,
+    REFUSALS, Recipes, Refusal, RefusedFile, Registry, Relation, Right, Role, Severity, Source, Spectrum, Stability,
+    StabilityMap, StepErrorGroup, StepErrorRow, StepErrors, Term, Tolerance, Verdict, Work, counted, escape_frame,
+    expand_frame, expected, folders_to_allow, in_bytes, nearest, quoted, quoted_path, refusal, refusals, resolved,
+    schema,
 };
 pub use trochoid_image::{
     Format, FormatError, HexError, Plane, Rgb, Shading, Window, WorkingSpace, parse_hex, srgb_decode, srgb_encode,

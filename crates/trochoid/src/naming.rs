@@ -100,8 +100,9 @@ pub fn output_files(
             };
             faults.add(&place, found, "let the name end with .exr or .png");
         }
-        if is_png && !matches!(spec.kind, Kind::Color | Kind::Weights(2)) {
-            let found = format!("output \"{}\" is a {}, which PNG cannot hold", spec.name, spec.kind);
+        if is_png && (spec.is_recipe || !matches!(spec.kind, Kind::Color | Kind::Weights(2))) {
+            let kind = if spec.is_recipe { "recipe".into() } else { spec.kind.to_string() };
+            let found = format!("output \"{}\" is a {kind}, which PNG cannot hold", spec.name);
             faults.add(&place, found, "write it as .exr");
         }
         let asked = if pattern.is_none() { own_file(graph, spec, frame) } else { None };
@@ -145,6 +146,11 @@ fn refuse_same_layers(graph: &CheckedGraph, file: &OutputFile, faults: &mut Faul
     let specs: Vec<&OutputSpec> = file.outputs.iter().map(|index| &graph.outputs()[*index]).collect();
     for (at, spec) in specs.iter().enumerate() {
         let name = layer(spec, file);
+        if let Some(other) = specs[..at].iter().find(|other| other.is_recipe && spec.is_recipe) {
+            let found = format!("two recipes are in {}, \"{}\" as well; expected one", file.path.display(), other.name);
+            faults.add(&place_of(graph, spec, "file"), found, "give one of them another \"file\"");
+            continue;
+        }
         if let Some(other) = specs[..at].iter().find(|other| layer(other, file) == name) {
             let found =
                 format!("two outputs are the layer \"{name}\" of {}, \"{}\" as well", file.path.display(), other.name);

@@ -1,10 +1,11 @@
 //! Writing of evaluated frames to files.
 
 use crate::Form;
-use crate::exr_layer::{convert, file_channels, reserved};
+use crate::exr_layer::{Conversion, convert, file_channels, reserved};
 use crate::files::{folder_of_file, target};
 use crate::marks::with_mark;
 use crate::output_file::{OutputError, OutputFile};
+use std::borrow::Cow;
 use trochoid_engine::{Frame, Picture};
 use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision};
 use trochoid_image::{Plane, Window, WorkingSpace};
@@ -42,29 +43,30 @@ fn write_layers(
     metadata: &[(String, String)],
 ) -> Result<(), OutputError> {
     let chosen = pictures(graph, frame, file);
-    let encoded = graph.space() == WorkingSpace::Srgb;
-    let linear: Vec<Option<[Vec<f32>; 3]>> = chosen
-        .iter()
-        .map(|(_, picture)| {
-            let rgb = color_rows(&picture.planes).filter(|_| picture.kind == Kind::Color && encoded)?;
-            Some(convert(rgb, |color| graph.space().to_linear_srgb(color)))
+    let conversion = |(spec, _): &(&OutputSpec, _)| Conversion::of(graph, spec, file, frame.number);
+    let conversions = chosen.iter().map(conversion).collect::<Result<Vec<_>, _>>()?;
+    let converted: Vec<Vec<Cow<'_, [f32]>>> = (chosen.iter().zip(&conversions))
+        .map(|((_, picture), conversion)| {
+            let rows: Vec<&[f32]> = picture.planes.iter().map(Plane::samples).collect();
+            conversion.channels(&rows)
         })
         .collect();
     let mut channels = Vec::new();
-    for ((spec, picture), linear) in chosen.iter().zip(&linear) {
-        let names = file_channels(graph, spec, file);
-        for ((name, sample_type), samples) in names.into_iter().zip(samples_of(&picture.planes, linear.as_ref())) {
+    for ((spec, _), converted) in chosen.iter().zip(&converted) {
+        for ((name, sample_type), samples) in file_channels(graph, spec, file).into_iter().zip(converted) {
+            let samples = Samples::contiguous(samples);
             let float = sample_type == SampleType::Float;
             channels.push(if float { ExrChannel::float(name, samples) } else { ExrChannel::half(name, samples) });
         }
     }
+    let late = conversions.iter().filter_map(Conversion::metadata);
     let image = ExrImage {
         display: graph.format().window(),
         data: frame.window,
         channels,
-        metadata: metadata.to_vec(),
+        metadata: metadata.iter().cloned().chain(late).collect(),
         // As in a file that is written while its rows are computed, so that both files are equal.
-        reserved: reserved(chosen.iter().map(|(spec, _)| *spec)),
+        reserved: reserved(chosen.iter().map(|(spec, _)| *spec), conversions.iter()),
         chromaticities: chosen.iter().any(|(_, p)| p.kind == Kind::Color).then(|| graph.space().chromaticities()),
     };
     Ok(write_exr(target(&file.path, Form::Exr, graph.access().overwrites()), &image)?)

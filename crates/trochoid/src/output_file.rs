@@ -1,5 +1,6 @@
 //! Output files, and the reasons that they cannot be written.
 
+use crate::recipe::LAYER;
 use std::fmt;
 use std::path::PathBuf;
 use trochoid_graph::{Means, OutputSpec, RefusedFile, quoted};
@@ -19,6 +20,9 @@ pub enum OutputError {
     /// The names of files have faults, such as one name for several pictures; lists all of them.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Pattern(Vec<NameFault>),
+    /// The output is a recipe, but the graph was evaluated without [recipes](trochoid_graph::CheckedGraph::with_recipes).
+    #[error("output \"{0}\": found a color; expected its weights, from a graph with recipes")]
+    NoRecipe(String),
     /// The file cannot be written.
     #[error(transparent)]
     Io(#[from] trochoid_io::Error),
@@ -132,10 +136,11 @@ impl fmt::Display for NameFault {
 }
 
 /// Returns the layer of an output: the one that the document names, else the name of the output if several outputs
-/// share the file, else none.
+/// share the file, else none; of a recipe `recipe`.
 pub(crate) fn layer<'s>(spec: &'s OutputSpec, file: &OutputFile) -> &'s str {
     match &spec.layer {
         Some(layer) => layer,
+        None if spec.is_recipe => LAYER,
         None if file.outputs.len() > 1 => &spec.name,
         None => "",
     }

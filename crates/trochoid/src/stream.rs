@@ -1,14 +1,15 @@
 //! Files that are written while their rows are computed, so that memory does not grow with the picture.
 
 use crate::Form;
-use crate::exr_layer::{convert, file_channels, reserved};
+use crate::exr_layer::{Conversion, file_channels, reserved};
 use crate::files::{folder_of_file, target};
 use crate::marks::with_mark;
 use crate::output_file::{OutputError, OutputFile};
+use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 use trochoid_engine::{EvalError, Plan, Sink};
 use trochoid_graph::{CheckedGraph, Kind};
-use trochoid_image::{Window, WorkingSpace};
+use trochoid_image::Window;
 use trochoid_io::{EncodeScratch, ExrHeader, ExrWriter};
 
 /// Sink for the EXR files of one frame, which [`Plan::evaluate_to`] writes band by band.
@@ -31,8 +32,7 @@ use trochoid_io::{EncodeScratch, ExrHeader, ExrWriter};
 /// assert!(files[0].path.exists());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct FileSink<'g> {
-    graph: &'g CheckedGraph,
+pub struct FileSink {
     files: Vec<Open>,
     spare: Mutex<Vec<EncodeScratch>>,
     /// Why the evaluation fails: what came first, for what follows is its consequence.
@@ -43,17 +43,17 @@ pub struct FileSink<'g> {
 struct Open {
     file: OutputFile,
     writer: ExrWriter,
-    /// Outputs by their index in the plan, and whether their colors are decoded to linear light.
-    outputs: Vec<(usize, bool)>,
+    /// Outputs by their index in the plan.
+    outputs: Vec<(usize, Conversion)>,
 }
 
-impl<'g> FileSink<'g> {
+impl FileSink {
     /// Creates the files of a plan's outputs; `None` if one of them is not an EXR file, since other files need the
     /// whole frame.
     ///
     /// # Errors
     /// A file cannot be created.
-    pub fn create(graph: &'g CheckedGraph, plan: &Plan<'_>, files: &[OutputFile]) -> Result<Option<Self>, OutputError> {
+    pub fn create(graph: &CheckedGraph, plan: &Plan<'_>, files: &[OutputFile]) -> Result<Option<Self>, OutputError> {
         let is_exr = |file: &OutputFile| file.path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
         if !files.iter().all(is_exr) {
             return Ok(None);
@@ -64,25 +64,26 @@ impl<'g> FileSink<'g> {
             folder_of_file(&file.path)?;
             let outputs: Vec<usize> = planned.iter().copied().filter(|output| file.outputs.contains(output)).collect();
             let specs = || outputs.iter().map(|output| &graph.outputs()[*output]);
+            let conversions = specs().map(|spec| Conversion::of(graph, spec, file, plan.frame()));
+            let conversions = conversions.collect::<Result<Vec<_>, _>>()?;
             let header = ExrHeader {
                 display: graph.format().window(),
                 data: plan.window(),
                 channels: specs().flat_map(|spec| file_channels(graph, spec, file)).collect(),
-                late_metadata: reserved(specs()),
+                late_metadata: reserved(specs(), conversions.iter()),
                 chromaticities: specs().any(|s| s.kind == Kind::Color).then(|| graph.space().chromaticities()),
                 ..ExrHeader::new(plan.window())
             };
-            let encoded = |kind: Kind| kind == Kind::Color && graph.space() == WorkingSpace::Srgb;
             let place = |output: &usize| planned.iter().position(|planned| planned == output);
-            let outputs = specs().zip(&outputs).filter_map(|(spec, output)| Some((place(output)?, encoded(spec.kind))));
-            let outputs = outputs.collect();
+            let outputs = outputs.iter().zip(conversions);
+            let outputs = outputs.filter_map(|(output, conversion)| Some((place(output)?, conversion))).collect();
             open.push(Open {
                 file: file.clone(),
                 writer: ExrWriter::create(target(&file.path, Form::Exr, graph.access().overwrites()), &header)?,
                 outputs,
             });
         }
-        Ok(Some(Self { graph, files: open, spare: Mutex::new(Vec::new()), failure: Mutex::new(None) }))
+        Ok(Some(Self { files: open, spare: Mutex::new(Vec::new()), failure: Mutex::new(None) }))
     }
 
     /// Completes the files; `metadata` gives what goes into each one, or `None` where it is not to appear.
@@ -95,7 +96,9 @@ impl<'g> FileSink<'g> {
     ) -> Result<(), OutputError> {
         for open in self.files {
             if let Some(metadata) = metadata(&open.file) {
-                open.writer.finish(&with_mark(&metadata))?;
+                let late = open.outputs.iter().filter_map(|(_, conversion)| conversion.metadata());
+                let metadata = with_mark(&metadata).into_iter().chain(late);
+                open.writer.finish(&metadata.collect::<Vec<_>>())?;
             }
         }
         Ok(())
@@ -113,32 +116,25 @@ impl<'g> FileSink<'g> {
         let first = (band.y0 - open.writer.band_window(0).y0) as usize / height;
         for (index, start) in (0..band.height()).step_by(height).enumerate() {
             let range = start * width..(start + height).min(band.height()) * width;
-            let mut linear: Vec<[Vec<f32>; 3]> = Vec::new();
-            for &(output, _) in open.outputs.iter().filter(|(_, encoded)| *encoded) {
-                let rgb = [0, 1, 2].map(|c: usize| &rows[output][c][range.clone()]);
-                linear.push(convert(rgb, |color| self.graph.space().to_linear_srgb(color)));
-            }
-            let mut linear = linear.iter();
-            let mut channels: Vec<&[f32]> = Vec::new();
-            for &(output, encoded) in &open.outputs {
-                match encoded.then(|| linear.next()).flatten() {
-                    Some(color) => channels.extend(color.iter().map(Vec::as_slice)),
-                    None => channels.extend(rows[output].iter().map(|row| &row[range.clone()])),
-                }
-            }
+            let converted = open.outputs.iter().flat_map(|(output, conversion)| {
+                let rows: Vec<&[f32]> = rows[*output].iter().map(|row| &row[range.clone()]).collect();
+                conversion.channels(&rows)
+            });
+            let converted: Vec<Cow<'_, [f32]>> = converted.collect();
+            let channels: Vec<&[f32]> = converted.iter().map(|channel| &**channel).collect();
             open.writer.push(open.writer.encode(first + index, &channels, scratch)?)?;
         }
         Ok(())
     }
 }
 
-impl std::fmt::Debug for FileSink<'_> {
+impl std::fmt::Debug for FileSink {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_list().entries(self.files.iter().map(|open| &open.file.path)).finish()
     }
 }
 
-impl Sink for FileSink<'_> {
+impl Sink for FileSink {
     fn rows(&self) -> usize {
         self.files.first().map_or(1, |open| open.writer.rows_per_band())
     }

@@ -7,6 +7,7 @@
 //!   cannot leave the range of the operands; [`reference`](mod@reference) has independent definitions in plain f64.
 //! - [`sums`] makes weights from outside sum to 1.
 //! - [`Hull`] and [`BoxHull`] judge finished pixels against the control colors, independently of the arithmetic.
+//! - [`Storing`] rounds weights for files so that their sum stays 1, and [`paint`] mixes colors with them.
 //! - [`Audit`] counts the results.
 
 pub mod arithmetic;
@@ -16,9 +17,13 @@ pub mod sums;
 
 mod audit;
 mod hull;
+mod paint;
+mod stored;
 
 pub use audit::Audit;
 pub use hull::{BoxHull, Facet, Hull, HullBuilder, Witness, surface};
+pub use paint::{StoredSample, paint};
+pub use stored::Storing;
 
 /// What the tests of this crate see beside its interface. They stand outside, in `tests/weights`, so that the crate is
 /// not compiled a second time for them. Nothing of it is part of the interface.

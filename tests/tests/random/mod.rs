@@ -15,8 +15,8 @@ mod text;
 
 use crate::support::{all_bits, evaluate, graph_in, settings, under_all_settings, write_exr};
 use bound::Value;
-use draw::Drawn;
-use pixels::{HEIGHT, Pixels, WIDTH};
+pub(crate) use draw::Drawn;
+pub(crate) use pixels::{AREA, HEIGHT, Pixels, WIDTH};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use trochoid::{Buffers, Cache, Certifier, CheckedGraph, Frame, ReferenceFrame, Silent, State};

@@ -6,7 +6,7 @@ use trochoid::{Buffers, CheckedGraph};
 
 pub(crate) const WIDTH: usize = 16;
 pub(crate) const HEIGHT: usize = 3;
-pub(super) const AREA: usize = WIDTH * HEIGHT;
+pub(crate) const AREA: usize = WIDTH * HEIGHT;
 
 /// Values of fields and thresholds.
 pub(crate) const FIELDS: [f32; 16] = [
@@ -75,6 +75,15 @@ impl Pixels {
     pub(crate) fn draw(random: &mut impl Rng) -> Self {
         let hostile = random.random_bool(0.5);
         let one = COLORS.choose(random).copied().unwrap_or(1.0);
+        Self::drawn(random, hostile, one)
+    }
+
+    /// Draws pixels whose colors are from 0 to 1, as halves hold them.
+    pub(crate) fn tame(random: &mut impl Rng) -> Self {
+        Self::drawn(random, false, 0.18)
+    }
+
+    fn drawn(random: &mut impl Rng, hostile: bool, one: f32) -> Self {
         let mut planes = Vec::new();
         for (name, kind, channels) in INPUTS {
             let mut rows = vec![vec![0.0f32; AREA]; channels];

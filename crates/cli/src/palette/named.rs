@@ -17,6 +17,14 @@ pub(crate) struct Named {
 /// # Errors
 /// The file cannot be read, or is no palette.
 pub(crate) fn read(path: &Path, space: WorkingSpace) -> Result<Named, Failure> {
+    Ok(Named::at(&keyed(path, space)?, 1))
+}
+
+/// Reads a palette as [`read`], with its keys.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn keyed(path: &Path, space: WorkingSpace) -> Result<Vec<PaletteColor>, Failure> {
     if let Err(error) = std::fs::metadata(path) {
         return Err(Failure::new(FAILED, format!("{}: cannot open the file: {error}", path.display())));
     }
@@ -30,13 +38,21 @@ pub(crate) fn read(path: &Path, space: WorkingSpace) -> Result<Named, Failure> {
     });
     let name = path.display().to_string();
     let loaded = parse_within(&name, &document.to_string(), Path::new("."), &[], Access::everything())?;
-    let color = |named: &PaletteColor| {
-        let color = named.color.at(1.0);
-        (named.name.clone(), [color[0], color[1], color[2]])
-    };
-    let (names, colors): (Vec<_>, Vec<_>) = loaded.graph.palette().iter().map(color).unzip();
-    if names.is_empty() {
+    let colors = loaded.graph.palette().to_vec();
+    if colors.is_empty() {
         return Err(Failure::usage(format!("{name}: found no colors; expected some"), "name a palette with colors"));
     }
-    Ok(Named { names, colors })
+    Ok(colors)
+}
+
+impl Named {
+    /// Returns the colors of a palette at a frame.
+    pub(crate) fn at(palette: &[PaletteColor], frame: i64) -> Self {
+        let color = |named: &PaletteColor| {
+            let color = named.color.at(frame as f64);
+            (named.name.clone(), [color[0], color[1], color[2]])
+        };
+        let (names, colors) = palette.iter().map(color).unzip();
+        Self { names, colors }
+    }
 }

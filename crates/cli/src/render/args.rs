@@ -15,6 +15,7 @@ Examples:
   trochoid render storm.json
   trochoid render storm.json --frames 1-10,20-40x2 --resume
   trochoid render storm.json --output beauty --out 'out/{output}.####.exr'
+  trochoid render storm.json --frames 36 --recipe storm.recipe.####.exr
   trochoid render storm.json --set storm.height=6 --require hull --report report.json
   trochoid render storm.json --frames 1-96 --certificate 'out/storm.####.json' --sign mine.pem")]
 pub(crate) struct Args {
@@ -30,6 +31,12 @@ pub(crate) struct Args {
     /// Pattern for the files to write, such as out/{output}.####.exr [default: the document's file names]
     #[arg(short, long, value_name = "PATTERN")]
     pub(super) out: Option<String>,
+    /// Also write the weights of each color as a recipe, EXR, which `trochoid recolor` paints in other colors
+    #[arg(long, value_name = "FILE")]
+    pub(super) recipe: Option<String>,
+    /// Store the weights of --recipe as 32-bit floats instead of 16-bit ones; their sums are exact either way
+    #[arg(long, requires = "recipe")]
+    pub(super) float: bool,
     #[command(flatten)]
     pub(super) changes: Changes,
     /// Number of threads; 0 uses all cores

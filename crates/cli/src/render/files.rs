@@ -2,19 +2,21 @@
 
 use super::args::Args;
 use super::certify::Companions;
+use super::chosen::Chosen;
 use super::written::Written;
 use crate::failure::{FAILED, Failure};
 use crate::files;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use trochoid::{
-    Access, CheckedGraph, Form, OutputFile, Right, check_destinations, output_files, outputs_lost, quoted, quoted_path,
+    Access, CheckedGraph, Form, OutputFile, Right, check_destinations, outputs_lost, quoted, quoted_path,
     refused_outputs, resolved,
 };
 
 /// Outputs and frames that a run is to write.
 pub(super) struct RequestedFiles<'a> {
     pub(super) graph: &'a CheckedGraph,
+    pub(super) chosen: &'a Chosen,
     pub(super) args: &'a Args,
     pub(super) outputs: &'a [usize],
     pub(super) frames: &'a [i64],
@@ -67,13 +69,16 @@ impl RequestedFiles<'_> {
         // Files that the document may not write are named as well, so that all faults are reported at once.
         let named = self.graph.clone().with_access(Access::everything());
         let pattern = self.args.out.as_deref();
-        let may_write = |path: &Path| pattern.is_some() || self.graph.access().check_for(path, Right::Write).is_ok();
+        let may_write = |file: &OutputFile| {
+            let is_given = pattern.is_some() || file.outputs.iter().any(|index| !self.outputs.contains(index));
+            is_given || self.graph.access().check_for(&file.path, Right::Write).is_ok()
+        };
         let several = self.frames.len() > 1;
         let (mut written, mut companions) = (Vec::new(), Vec::new());
         for &frame in self.frames {
-            let files = output_files(&named, self.outputs, frame, several, pattern)?;
+            let files = self.chosen.files(&named, self.args, frame, several)?;
             companions.extend(Companions::of(self.graph, self.args, &files, frame, several)?);
-            written.extend(files.into_iter().filter(|file| may_write(&file.path)).map(|file| (frame, file)));
+            written.extend(files.into_iter().filter(may_write).map(|file| (frame, file)));
         }
         Ok((written, companions))
     }

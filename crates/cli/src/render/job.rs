@@ -3,11 +3,12 @@
 use super::accuracy::Accuracy;
 use super::args::Args;
 use super::certify::{self, CertifyContext, Companions, HalfMonitor};
+use super::chosen::Chosen;
 use super::files::RequestedFiles;
 use super::line;
 use crate::failure::{FAILED, Failure, MISSED};
 use crate::progress::Progress;
-use crate::{frames, interrupt, outputs};
+use crate::{frames, interrupt};
 use serde_json::{Value, json};
 use std::collections::{BTreeSet, HashSet};
 use std::path::PathBuf;
@@ -16,7 +17,7 @@ use trochoid::certificate::PrivateKey;
 use trochoid::{
     Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, NodeReport, OutputError,
     OutputFile, Pictures, Plan, ReferenceError, RunReport, Settings, Sink, Switches, Work, clear_partial_files,
-    expand_frame, frame_report, misses, output_files, quoted, write_output,
+    expand_frame, frame_report, misses, quoted, write_output,
 };
 
 /// Function that evaluates a plan to a frame; tests replace it.
@@ -26,10 +27,10 @@ pub(super) type Evaluate<'e> =
 /// Work of a run.
 pub(super) struct Job<'a> {
     graph: &'a CheckedGraph,
+    chosen: &'a Chosen,
     args: &'a Args,
     required: Option<Guarantee>,
     settings: Settings,
-    outputs: Vec<usize>,
     frames: Vec<i64>,
     /// Folders of the files to write.
     folders: BTreeSet<PathBuf>,
@@ -52,14 +53,9 @@ struct FrameResult {
 }
 
 impl<'a> Job<'a> {
-    /// Chooses outputs and frames, and checks every file to be written; adds all faults to `faults`.
-    pub(super) fn new(
-        graph: &'a CheckedGraph,
-        args: &'a Args,
-        frames: Option<Vec<i64>>,
-        faults: &mut Vec<Failure>,
-    ) -> Self {
-        let outputs = outputs::choose(graph, &args.output, faults);
+    /// Chooses frames, and checks every file to be written; adds all faults to `faults`.
+    pub(super) fn new(chosen: &'a Chosen, args: &'a Args, frames: Option<Vec<i64>>, faults: &mut Vec<Failure>) -> Self {
+        let graph = &chosen.graph;
         let frames = frames.unwrap_or_else(|| frames::all(graph, args.frames.is_some(), faults));
         let mut settings = Settings::default();
         settings.threads = usize::from(args.threads);
@@ -73,8 +69,9 @@ impl<'a> Job<'a> {
             None
         });
         let folders = BTreeSet::new();
-        let mut job = Self { graph, args, required, settings, outputs, frames, folders, accuracy, key };
-        job.folders = RequestedFiles { graph, args, outputs: &job.outputs, frames: &job.frames }.check(faults);
+        let mut job = Self { graph, chosen, args, required, settings, frames, folders, accuracy, key };
+        job.folders =
+            RequestedFiles { graph, chosen, args, outputs: &chosen.outputs, frames: &job.frames }.check(faults);
         job
     }
 
@@ -85,12 +82,11 @@ impl<'a> Job<'a> {
 
     /// Returns the settings that a tolerance or a plan requires.
     pub(super) fn accuracy(&self) -> Result<Accuracy, Failure> {
-        Accuracy::settle(self.args, self.graph, &self.outputs, &self.frames, &self.settings)
+        Accuracy::settle(self.args, self.graph, &self.chosen.outputs, &self.frames, &self.settings)
     }
 
     fn files(&self, frame: i64) -> Result<Vec<OutputFile>, Failure> {
-        let several = self.frames.len() > 1;
-        Ok(output_files(self.graph, &self.outputs, frame, several, self.args.out.as_deref())?)
+        self.chosen.files(self.graph, self.args, frame, self.frames.len() > 1)
     }
 
     /// Returns the companions of each file of a frame.
@@ -118,8 +114,8 @@ impl<'a> Job<'a> {
             )];
         }
         let [frame] = self.frames[..] else { return Vec::new() };
-        let Args { out, certificate, error, .. } = self.args;
-        let named = [("--out", out), ("--certificate", certificate), ("--error", error)];
+        let Args { out, recipe, certificate, error, .. } = self.args;
+        let named = [("--out", out), ("--recipe", recipe), ("--certificate", certificate), ("--error", error)];
         let note = |(option, pattern): (&str, &Option<String>)| note_of_sign(option, pattern.as_deref()?, frame);
         if first == last { named.into_iter().filter_map(note).collect() } else { Vec::new() }
     }
@@ -250,12 +246,13 @@ impl<'a> Job<'a> {
             .map(|index| self.graph.outputs()[*index].name.as_str())
             .collect();
         let failed = |error: &dyn std::fmt::Display| Failure::new(FAILED, format!("frame {number}: {error}"));
-        let plan = Plan::new(self.graph, &names, number, &[], &self.settings).map_err(|error| failed(&error))?;
+        let plan =
+            Plan::new(self.chosen.evaluated(), &names, number, &[], &self.settings).map_err(|error| failed(&error))?;
         let mut made_from =
             || -> Vec<String> { open.iter().map(|file| fingerprints.of(self.graph, file, number)).collect() };
         let before = made_from();
         // EXR files are written while their rows are computed; other files need the whole picture.
-        let sink = FileSink::create(self.graph, &plan, &open)?;
+        let sink = FileSink::create(self.chosen.evaluated(), &plan, &open)?;
         if sink.is_none() || self.certifies() {
             let account = plan.memory(Pictures::Files);
             let refused = plan.check_memory(&account).err();
@@ -296,7 +293,7 @@ impl<'a> Job<'a> {
             None => {
                 for file in open.iter().filter(|file| keeps(file)) {
                     let metadata = fingerprints.metadata(self.graph, file, &frame);
-                    write_output(self.graph, &frame, file, &metadata)?;
+                    write_output(self.chosen.evaluated(), &frame, file, &metadata)?;
                 }
             }
         }
@@ -305,7 +302,7 @@ impl<'a> Job<'a> {
         if self.certifies() {
             let certifying_started = Instant::now();
             let kept: Vec<(&OutputFile, &Companions)> =
-                open.iter().zip(&companions).filter(|(file, _)| keeps(file)).collect();
+                open.iter().zip(&companions).filter(|(file, _)| keeps(file) && !self.chosen.is_recipe(file)).collect();
             let (graph, settings, over) = (self.graph, &self.settings, self.args.files.over);
             let run = CertifyContext { graph, settings, key: self.key.as_ref(), over };
             (certified, proven) = run.run(&frame, &kept, &self.accuracy, cache, fingerprints, &certifying)?;

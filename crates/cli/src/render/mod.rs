@@ -3,6 +3,7 @@
 mod accuracy;
 mod args;
 mod certify;
+mod chosen;
 mod files;
 mod job;
 mod line;
@@ -12,6 +13,7 @@ use crate::failure::Failure;
 use crate::remedies;
 use crate::{frames, interrupt, shell};
 pub(crate) use args::Args;
+use chosen::Chosen;
 use job::Job;
 use trochoid::{Form, RunReport, RunStatus};
 
@@ -50,7 +52,8 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
         }
     };
     shell::tell(&remedies::texts(&loaded.warnings));
-    let job = Job::new(&loaded.graph, args, frames.clone(), &mut faults);
+    let chosen = Chosen::new(loaded.graph.clone(), args, &mut faults);
+    let job = Job::new(&chosen, args, frames.clone(), &mut faults);
     Failure::all(faults)?;
     shell::tell(job.warnings().iter().chain(&job.notes()));
     let accuracy = job.accuracy()?;
@@ -63,10 +66,11 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
     };
     // The document may have changed on disk since it was first loaded.
     let mut faults = Vec::new();
-    let job = Job::new(&settled, args, frames, &mut faults).with(accuracy);
+    let chosen = Chosen::new(settled, args, &mut faults);
+    let job = Job::new(&chosen, args, frames, &mut faults).with(accuracy);
     Failure::all(faults)?;
     interrupt::watch()?;
-    let mut report = RunReport::new(&settled);
+    let mut report = RunReport::new(&chosen.graph);
     let outcome = job.run(evaluate, &mut report);
     let status = outcome.as_ref().err().map_or(RunStatus::Done, Failure::status);
     let written = write_report(args, &report, status);

@@ -114,7 +114,8 @@ fn long_work_at_a_late_frame_is_told_by_its_place() {
     let loaded = trochoid::load(&args.graph, &[]).unwrap();
     let warnings = |frame: i64| {
         let mut faults = Vec::new();
-        let job = Job::new(&loaded.graph, &args, Some(vec![frame]), &mut faults);
+        let chosen = Chosen::new(loaded.graph.clone(), &args, &mut faults);
+        let job = Job::new(&chosen, &args, Some(vec![frame]), &mut faults);
         assert!(faults.is_empty(), "{faults:?}");
         job.warnings()
     };

@@ -20,6 +20,7 @@ mod overwrite;
 mod painting;
 mod palette;
 mod plan;
+mod recipes;
 mod recolor;
 mod refusals;
 #[cfg(unix)]

@@ -297,7 +297,7 @@ fn outputs(sheet: &Sheet, from: (usize, usize), name: &str, same: bool) -> Edit 
     let mut ops = Vec::new();
     for output in sheet.outputs.iter().filter(|output| same && sheet.source(&output.source) == Some(from)) {
         let path = Path::default().to("outputs").to(&output.name);
-        let keys = ["color", "weights", "field"].into_iter().map(|key| path.to(key));
+        let keys = ["color", "weights", "field", "recipe"].into_iter().map(|key| path.to(key));
         let key = keys.into_iter().find(|key| sheet.get(key).is_some());
         ops.extend(key.map(|key| crate::document::Op::Set(key, crate::document::json::quoted(name))));
     }

@@ -210,8 +210,9 @@ fn bypass(sheet: &Sheet, nodes: &HashSet<usize>) -> Vec<Op> {
         let Some(from) = sheet.source(&output.source).filter(|from| nodes.contains(&from.0)) else { continue };
         let path = Path::default().to("outputs").to(&output.name);
         let body = sheet.get(&path);
-        let key =
-            ["color", "weights", "field"].into_iter().find(|key| body.is_some_and(|body| body.get(key).is_some()));
+        let key = ["color", "weights", "field", "recipe"]
+            .into_iter()
+            .find(|key| body.is_some_and(|body| body.get(key).is_some()));
         match (stand_for(sheet, from, nodes), key) {
             (Some(source), Some(key)) => ops.push(Op::Set(path.to(key), quoted(&source))),
             _ => ops.push(Op::Remove(path)),
@@ -254,7 +255,7 @@ pub fn renamed(sheet: &Sheet, from: &str, to: &str) -> Edit {
     }
     for output in &sheet.outputs {
         let path = Path::default().to("outputs").to(&output.name);
-        for key in ["color", "weights", "field"] {
+        for key in ["color", "weights", "field", "recipe"] {
             if output.source.split('.').next() == Some(from) && sheet.get(&path.to(key)).is_some() {
                 ops.push(Op::Set(path.to(key), quoted(&with_new(&output.source))));
             }

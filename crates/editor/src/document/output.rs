@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use trochoid::Kind;
 
 /// Keys under which an output may name its source.
-pub const KEYS: [&str; 3] = ["color", "weights", "field"];
+pub const KEYS: [&str; 4] = ["color", "weights", "field", "recipe"];
 
 /// Returns the path of an output in the document.
 pub fn path(name: &str) -> Path {
@@ -17,7 +17,7 @@ pub fn path(name: &str) -> Path {
 /// Returns the key under which an output names a source of this kind; `None` if no file can hold it.
 fn key(kind: Option<Kind>) -> Option<&'static str> {
     match kind? {
-        Kind::Color | Kind::ANY => Some("color"),
+        Kind::Color | Kind::Layers(_) | Kind::ANY => Some("color"),
         Kind::Weights(_) => Some("weights"),
         Kind::Field(_) => Some("field"),
         Kind::Surface | Kind::Camera | Kind::Light | Kind::View => None,
@@ -75,6 +75,8 @@ pub fn redirected(sheet: &Sheet, name: &str, from: (usize, usize)) -> Option<Edi
     let body = sheet.get(&path)?;
     let old = KEYS.into_iter().find(|key| body.get(key).is_some());
     let mut ops = Vec::new();
+    // A recipe of another color stays a recipe.
+    let new = if old == Some("recipe") && new == "color" { "recipe" } else { new };
     if let Some(old) = old.filter(|old| *old != new) {
         ops.push(Op::Rename(path.to(old), new.into()));
         // Only color outputs have a palette guarantee.

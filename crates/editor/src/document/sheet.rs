@@ -131,7 +131,7 @@ impl Sheet {
         sheet.join();
         let outputs = value.get("outputs").and_then(Value::as_object);
         for (name, body) in outputs.into_iter().flatten() {
-            let source = ["color", "weights", "field"].iter().find_map(|key| body.get(key)?.as_str());
+            let source = ["color", "weights", "field", "recipe"].iter().find_map(|key| body.get(key)?.as_str());
             sheet.outputs.push(Output { name: name.clone(), source: source.unwrap_or_default().into() });
         }
         if let Some(frames) = value.get("frames") {

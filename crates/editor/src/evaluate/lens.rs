@@ -117,7 +117,7 @@ pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path
     let kind = shown.makes.get(output).and_then(|(_, kind)| *kind);
     let reference = sheet.reference(node, output);
     let (key, source) = match kind {
-        Some(Kind::Color) => ("color", reference),
+        Some(Kind::Color | Kind::Layers(_)) => ("color", reference),
         Some(Kind::Weights(_)) => ("weights", reference),
         Some(Kind::Field(_)) => ("field", reference),
         Some(Kind::View) => clay(sheet, reference, &mut nodes),

@@ -92,9 +92,12 @@ impl ControlsWalk<'_, '_> {
                     self.output.constants.push([0, 1, 2].map(|c| literal(color[c]) + 0.0));
                     0
                 }
-                Source::Output { node, output } if planner.graph.node(*node).kinds[*output] == Kind::Color => {
+                Source::Output { node, output }
+                    if matches!(planner.graph.node(*node).kinds[*output], Kind::Color | Kind::Layers(_)) =>
+                {
                     match self.of.taps.get(&(*node, *output)) {
-                        Some(roots) => self.program(roots),
+                        // The first layer is the color itself.
+                        Some(roots) => self.program(&roots[..1]),
                         None => self.stage(*node),
                     }
                 }

@@ -255,6 +255,7 @@ fn channel_name(kind: Kind, output: &str, channel: usize) -> String {
     match kind {
         Kind::View => format!("{:?}", Channel::ALL[channel]),
         Kind::Color => ["R", "G", "B"][channel].into(),
+        Kind::Layers(_) => format!("{}{}", ["R", "G", "B"][channel % 3], channel / 3),
         Kind::Weights(2) | Kind::Field(1) => output.into(),
         Kind::Field(_) => ["x", "y", "z", "w"][channel.min(3)].into(),
         _ => channel.to_string(),

@@ -4,7 +4,7 @@ use super::bounds::with_bounds;
 use super::controls::Controls;
 use super::explain::{Account, Explainer};
 use super::left_out::Reasons;
-use super::lower::{LoweredGraph, lower, positions};
+use super::lower::{LoweredGraph, lower, positions, roots};
 use super::optimize::{cone, optimize};
 use super::plan::Pass;
 use super::schedule::Scheduler;
@@ -34,8 +34,8 @@ impl<'g> Planner<'g, '_> {
     ) -> Plan<'g> {
         let graph = self.graph;
         let switches = self.settings.switches;
-        let roots: Vec<NodeId> = chosen.iter().map(|&index| graph.outputs()[index].node).collect();
-        let settled = self.reachable(&roots);
+        let shown: Vec<NodeId> = chosen.iter().map(|&index| graph.outputs()[index].node).collect();
+        let settled = self.reachable(&shown);
         let needed: Vec<bool> = settled.iter().map(Option::is_some).collect();
         let keys = graph.keys(&settled, &context);
         let merge_keys: &[Key] = if switches.merge { &keys } else { &[] };
@@ -46,8 +46,7 @@ impl<'g> Planner<'g, '_> {
         for &index in chosen {
             let spec = &graph.outputs()[index];
             let value = lowered.values[spec.node.0][spec.output].clone();
-            output_roots
-                .push(value.map(|value| positions(&mut lowered.program, spec.node, &value)).unwrap_or_default());
+            output_roots.push(value.map(|value| roots(&mut lowered.program, spec, &value)).unwrap_or_default());
         }
         let mut taps = HashMap::new();
         for &id in graph.order() {
@@ -101,7 +100,7 @@ impl<'g> Planner<'g, '_> {
         let reasons = Reasons {
             planner: &self,
             needed: &needed,
-            roots: &roots,
+            roots: &shown,
             lowered: &lowered,
             optimized: &optimized,
             alive: &alive,
@@ -163,7 +162,7 @@ impl<'g> Planner<'g, '_> {
 
     fn slot_interval(&self, lowered: &LoweredGraph, slot: &Slot, channel: usize) -> Interval {
         let by_kind = match self.graph.node(slot.node).kinds[slot.output] {
-            Kind::Color => Interval::COLOR,
+            Kind::Color | Kind::Layers(_) => Interval::COLOR,
             Kind::Weights(_) => Interval::MASK,
             _ => Interval::ALL,
         };

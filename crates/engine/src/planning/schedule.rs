@@ -100,7 +100,8 @@ impl Scheduler<'_, '_, '_> {
             match op {
                 Op::Load(slot) => self.want(wanted, *slot, per_sample),
                 Op::LoadColor(slot) => {
-                    (0..3).for_each(|channel| self.want(wanted, Slot { channel, ..*slot }, per_sample));
+                    let channels = slot.channel..slot.channel + 3;
+                    channels.for_each(|channel| self.want(wanted, Slot { channel, ..*slot }, per_sample));
                 }
                 _ => {}
             }
@@ -156,7 +157,10 @@ impl Scheduler<'_, '_, '_> {
         for (index, (name, sources)) in settled.ports().enumerate() {
             let feeds = sources
                 .iter()
-                .map(|source| self.feed(source, asks, prefers, per_sample, &mut tap_roots, wanted))
+                .map(|source| {
+                    let feeds = self.feed(id, source, asks, prefers, per_sample, &mut tap_roots, wanted);
+                    self.with_layers(id, source, feeds)
+                })
                 .collect();
             inputs.push((PortId::new(index, name), feeds));
         }
@@ -172,8 +176,10 @@ impl Scheduler<'_, '_, '_> {
         Fill { node: id, wanted: own, variance, inputs, taps, read: false, shared }
     }
 
+    #[expect(clippy::too_many_arguments, reason = "what is asked of a source")]
     fn feed(
         &self,
+        id: NodeId,
         source: &Source<Vec<f64>>,
         asks: ChannelSet,
         prefers: ChannelSet,
@@ -190,9 +196,13 @@ impl Scheduler<'_, '_, '_> {
                 let kind = self.planner.graph.node(*node).kinds[*output];
                 if let Some(positions) = self.taps.get(&(*node, *output)) {
                     let mut feeds = Vec::new();
-                    for &position in positions {
+                    for (index, &position) in positions.iter().enumerate() {
+                        let channels = if matches!(kind, Kind::Color | Kind::Layers(_)) { 3 } else { 1 };
+                        if !self.takes(id, kind, channels * index) {
+                            feeds.extend([Feed::Nothing; 3]);
+                            continue;
+                        }
                         tap_roots.push(position);
-                        let channels = if kind == Kind::Color { 3 } else { 1 };
                         feeds.extend((0..channels).map(|channel| Feed::Tap(tap_roots.len() - 1, channel)));
                     }
                     return feeds;
@@ -202,7 +212,8 @@ impl Scheduler<'_, '_, '_> {
                 let asks = asks.union(prefers.intersect(self.supplies(*node)));
                 (0..kind.channels())
                     .map(|channel| {
-                        if kind == Kind::View && !asks.contains(Channel::ALL[channel]) {
+                        let is_unasked = kind == Kind::View && !asks.contains(Channel::ALL[channel]);
+                        if is_unasked || !self.takes(id, kind, channel) {
                             return Feed::Nothing;
                         }
                         let slot = Slot { node: *node, output: *output, channel };
@@ -212,6 +223,31 @@ impl Scheduler<'_, '_, '_> {
                     .collect()
             }
         }
+    }
+
+    /// Gives the layers of an image, whose own channels are `feeds`, to a stage that takes colors with layers.
+    fn with_layers(&self, id: NodeId, source: &Source<Vec<f64>>, feeds: Vec<Feed>) -> Vec<Feed> {
+        let graph = self.planner.graph;
+        let is_color = match source {
+            Source::Color(_) => true,
+            Source::Output { node, output } => {
+                matches!(graph.node(*node).kinds[*output], Kind::Color | Kind::Layers(_))
+            }
+            _ => false,
+        };
+        match (graph.recipes(), &graph.node(id).kinds[..], &feeds[..]) {
+            (Some(recipes), [Kind::Layers(layers)], &[r, g, b]) if is_color => {
+                let constant = |color: [f64; 3]| color.map(|channel| Feed::Constant(literal(channel)));
+                (0..*layers).flat_map(|layer| recipes.layer_of_image(layer).map_or([r, g, b], constant)).collect()
+            }
+            _ => feeds,
+        }
+    }
+
+    /// Whether a stage takes a channel of a source: not those of layers that no control reaches.
+    fn takes(&self, id: NodeId, kind: Kind, channel: usize) -> bool {
+        let recipes = self.planner.graph.recipes().filter(|_| matches!(kind, Kind::Layers(_)));
+        recipes.is_none_or(|recipes| recipes.is_reached(id, channel / 3))
     }
 
     /// Follows a source through nodes that only hand it on to the stage behind them, so that a file read through a

@@ -25,7 +25,7 @@ pub(crate) fn evaluate(op: &Op, of: &dyn Fn(u32) -> Values, slot: &dyn Fn(&Slot,
             r::normalize(&values, f64::from(*floor))
         }
         Op::Weight(partition, i) => vec![of(partition.0)[*i]],
-        Op::LoadColor(s) => (0..3).map(|channel| slot(s, channel)).collect(),
+        Op::LoadColor(s) => (s.channel..s.channel + 3).map(|channel| slot(s, channel)).collect(),
         Op::ConstantColor(color) => color.iter().map(|&c| f64::from(c)).collect(),
         Op::Mix { a, b, t } => {
             let t = scalar(*t);

@@ -82,7 +82,7 @@ pub(crate) fn interval(
         }
         Op::Normalize { values, .. } => vec![Interval::MASK; values.len() + 1],
         Op::Weight(partition, i) => vec![of(partition.0)[*i]],
-        Op::LoadColor(s) => (0..3).map(|channel| slot(s, channel)).collect(),
+        Op::LoadColor(s) => (s.channel..s.channel + 3).map(|channel| slot(s, channel)).collect(),
         Op::ConstantColor(color) => color.iter().map(|&c| Interval::exactly(c)).collect(),
         Op::Mix { a, b, t } => match scalar(*t).constant() {
             Some(0.0) => of(a.0),

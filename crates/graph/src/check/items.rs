@@ -168,7 +168,13 @@ impl<'a> Checker<'a> {
             (Arity::Many { min, max }, Some(value)) => match &value.json {
                 Json::Array(items) if (min..=max).contains(&items.len()) => items
                     .iter()
-                    .filter_map(|item| self.source(port.accepts, item, place.at(item.offset), names))
+                    .enumerate()
+                    .filter_map(|(index, item)| {
+                        self.element = Some(index);
+                        let source = self.source(port.accepts, item, place.at(item.offset), names);
+                        self.element = None;
+                        source
+                    })
                     .collect(),
                 _ => {
                     let expected = format!("a list of {}", count(min, max, &port.accepts.to_string()));
@@ -187,7 +193,9 @@ impl<'a> Checker<'a> {
         names: &Names<'a>,
     ) -> Option<Source> {
         match &value.json {
-            Json::String(text) if accepts.takes_color() && is_name(text) => self.named(text, place).map(Source::Color),
+            Json::String(text) if accepts.takes_color() && is_name(text) => {
+                self.named(text, place, true).map(Source::Color)
+            }
             Json::String(text) if !accepts.takes_color() && (text.starts_with('#') || is_name(text)) => {
                 let remedy = match accepts {
                     Accepts::Mask => "write a number from 0 to 1, or the name of a mask; a color cannot be a weight",

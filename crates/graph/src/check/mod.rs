@@ -39,6 +39,7 @@ pub fn check(document: &Document, registry: &Registry, folder: &Path) -> (Option
         space: Default::default(),
         palette: Palette::default(),
         records: Vec::new(),
+        element: None,
     };
     let graph = checker.graph(folder);
     let mut diagnostics = checker.diagnostics;
@@ -59,6 +60,8 @@ struct Checker<'a> {
     palette: Palette<'a>,
     /// Lists that are being read, each with the index of the record.
     records: Vec<(&'static str, usize)>,
+    /// Index of what is read of a list of connections.
+    element: Option<usize>,
 }
 
 /// Place of a fault: byte offset, node, port or knob.
@@ -285,7 +288,7 @@ impl<'a> Checker<'a> {
                 Some(CheckedNode { name: name.into(), ty, record, kinds, disabled, place: place(offset), places })
             })
             .collect::<Option<Vec<_>>>()?;
-        Some(CheckedGraph {
+        let graph = CheckedGraph {
             name: document.name().into(),
             folder: folder.into(),
             format: top.format?,
@@ -303,7 +306,13 @@ impl<'a> Checker<'a> {
             outputs,
             canonical: document.canonical(),
             access: Access::usual(folder),
-        })
+            recipes: None,
+        };
+        let all: Vec<usize> = (0..graph.outputs.len()).collect();
+        if graph.has_recipe(&all) {
+            self.diagnostics.extend(graph.clone().with_recipes(&all).err().into_iter().flatten());
+        }
+        Some(graph)
     }
 
     /// Reads a node's name and type.

@@ -6,7 +6,7 @@ use super::{Checker, Draft, FaultLocation};
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{Guarantee, Kind, OutputSpec, Precision, Severity, Source};
 
-const KEYS: [&str; 8] = ["color", "weights", "field", "file", "layer", "precision", "require", "notes"];
+const KEYS: [&str; 9] = ["color", "weights", "field", "recipe", "file", "layer", "precision", "require", "notes"];
 
 impl<'a> Checker<'a> {
     pub(super) fn outputs(&mut self, value: &'a Spanned, drafts: &[Draft<'a>], names: &Names<'a>) -> Vec<OutputSpec> {
@@ -31,12 +31,14 @@ impl<'a> Checker<'a> {
             let found = format!("the output name \"{}\"", shorten(&entry.key));
             self.error(place, found, "a–z, A–Z, 0–9, _ and -", "rename the output");
         }
-        let entries = self.object(&entry.value, place, "an object with \"color\", \"weights\" or \"field\"")?;
+        let entries =
+            self.object(&entry.value, place, "an object with \"color\", \"weights\", \"field\" or \"recipe\"")?;
         let mut spec = OutputSpec {
             name: entry.key.clone(),
             node: crate::NodeId(0),
             output: 0,
             kind: Kind::Color,
+            is_recipe: false,
             file: None,
             layer: None,
             precision: None,
@@ -48,18 +50,18 @@ impl<'a> Checker<'a> {
         for item in entries {
             let place = place.at(item.value.offset);
             match (item.key.as_str(), &item.value.json) {
-                ("color" | "weights" | "field", Json::String(text)) => {
+                ("color" | "weights" | "field" | "recipe", Json::String(text)) => {
                     if source.is_some() {
                         self.error(
                             place,
                             "a second thing to render",
-                            "only one of \"color\", \"weights\" and \"field\"",
+                            "only one of \"color\", \"weights\", \"field\" and \"recipe\"",
                             "make it a separate output",
                         );
                     }
                     source = Some((item, self.reference(text, place, names, false)));
                 }
-                ("color" | "weights" | "field", _) => {
+                ("color" | "weights" | "field" | "recipe", _) => {
                     self.error(
                         place,
                         item.value.brief(),
@@ -104,13 +106,19 @@ impl<'a> Checker<'a> {
         self.file(&mut spec, place);
         let Some((item, resolved)) = source else {
             let remedy = "add one, for example \"color\": \"node\"; a mask is written under \"weights\"";
-            self.error(place, "an output that renders nothing", "one of \"color\", \"weights\" and \"field\"", remedy);
+            self.error(
+                place,
+                "an output that renders nothing",
+                "one of \"color\", \"weights\", \"field\" and \"recipe\"",
+                remedy,
+            );
             return None;
         };
         if let Some(offset) = required_at.filter(|_| item.key != "color") {
             let found = format!("a requirement on \"{}\"", item.key);
             self.error(place.at(offset), found, "one on \"color\": only colors have a palette", "remove it");
         }
+        spec.is_recipe = item.key == "recipe";
         let resolved = resolved?;
         let Source::Output { node, output } = resolved else { return None };
         (spec.node, spec.output) = (node, output);
@@ -121,7 +129,7 @@ impl<'a> Checker<'a> {
         spec.kind = kind_of(&resolved, drafts)?;
         let fits = matches!(
             (item.key.as_str(), spec.kind),
-            ("color", Kind::Color) | ("weights", Kind::Weights(_)) | ("field", Kind::Field(_) | Kind::MASK)
+            ("color" | "recipe", Kind::Color) | ("weights", Kind::Weights(_)) | ("field", Kind::Field(_) | Kind::MASK)
         );
         if !fits {
             let remedy = match spec.kind {
@@ -184,9 +192,10 @@ impl<'a> Checker<'a> {
     fn stored(&mut self, spec: &OutputSpec, file: FaultLocation<'_>, precision: FaultLocation<'_>) {
         if let Some(path) = &spec.file
             && path.to_lowercase().ends_with(".png")
-            && !matches!(spec.kind, Kind::Color | Kind::Weights(2))
+            && (spec.is_recipe || !matches!(spec.kind, Kind::Color | Kind::Weights(2)))
         {
-            let found = format!("\"{}\", a PNG, for a {}", shorten(path), spec.kind);
+            let kind = if spec.is_recipe { "recipe".into() } else { spec.kind.to_string() };
+            let found = format!("\"{}\", a PNG, for a {kind}", shorten(path));
             self.error(
                 file,
                 found,

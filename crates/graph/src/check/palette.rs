@@ -29,6 +29,7 @@ struct Use {
     color: usize,
     node: String,
     item: String,
+    is_whole: bool,
 }
 
 /// Whether a text is the name of a color, right or wrong.
@@ -90,13 +91,13 @@ impl<'a> Checker<'a> {
     /// Reads a color, a keyed color, or the name of one in the palette.
     pub(super) fn color_or_name(&mut self, value: &'a Spanned, place: FaultLocation<'_>) -> Option<Animated> {
         match &value.json {
-            Json::String(text) if is_name(text) => self.named(text, place),
+            Json::String(text) if is_name(text) => self.named(text, place, true),
             _ => self.animated(value, place, Self::color),
         }
     }
 
-    /// Returns the color of a name, and records where it is used.
-    pub(super) fn named(&mut self, text: &str, place: FaultLocation<'_>) -> Option<Animated> {
+    /// Returns the color of a name, and records where it is used: by itself, or in a key.
+    pub(super) fn named(&mut self, text: &str, place: FaultLocation<'_>, is_whole: bool) -> Option<Animated> {
         let name = text.strip_prefix(PREFIX).unwrap_or_default();
         let Some(color) = self.palette.colors.iter().position(|known| known.name == name) else {
             if self.palette.is_unread || self.palette.faulty.contains(&name) {
@@ -116,7 +117,8 @@ impl<'a> Checker<'a> {
         };
         if let (Some(node), Some(item)) = (place.node, place.port) {
             let within: String = self.records.iter().map(|(list, index)| format!("{list}[{index}].")).collect();
-            self.palette.uses.push(Use { color, node: node.into(), item: within + item });
+            let index = self.element.map_or(String::new(), |index| format!("[{index}]"));
+            self.palette.uses.push(Use { color, node: node.into(), item: within + item + &index, is_whole });
         }
         Some(self.palette.colors[color].color.clone())
     }
@@ -150,7 +152,7 @@ impl<'a> Checker<'a> {
         let mut colors: Vec<PaletteColor> = palette.colors.into_iter().map(color).collect();
         for used in palette.uses {
             if let Some(node) = find(&used.node) {
-                colors[used.color].uses.push(PaletteUse { node, item: used.item });
+                colors[used.color].uses.push(PaletteUse { node, item: used.item, is_whole: used.is_whole });
             }
         }
         colors

@@ -92,7 +92,7 @@ impl<'a> Checker<'a> {
     pub(super) fn color(&mut self, value: &Spanned, place: FaultLocation<'_>) -> Option<Vec<f64>> {
         match &value.json {
             Json::String(text) if is_name(text) => {
-                let named = self.named(text, place)?;
+                let named = self.named(text, place, false)?;
                 if named.frames().next().is_some() {
                     let found = format!("{}, which is keyed itself, as the value of a key", value.brief());
                     let remedy = "write the name without keys, or a color that is not keyed";

@@ -82,6 +82,17 @@ impl BandBuffer {
         }
     }
 
+    /// Returns the samples of row `y` by their bits; `None` unless the channel is one of halves.
+    ///
+    /// # Panics
+    /// The band has no such channel or row.
+    pub fn row_bits(&self, channel: usize, y: i64) -> Option<&[u16]> {
+        let Stored { sample_type, before } = self.channels[channel];
+        let width = self.window.width();
+        let start = before * self.window.area() + (y - self.window.y0) as usize * width;
+        (sample_type == SampleType::Half).then(|| &self.words[start..start + width])
+    }
+
     /// Copies all samples of `window`, row by row.
     ///
     /// # Panics

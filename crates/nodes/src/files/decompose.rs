@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_image::{Window, WorkingSpace, parse_hex, srgb_decode};
-use trochoid_palette::{Decomposer, MOST_COLORS, Storing};
+use trochoid_palette::{Decomposer, MOST_COLORS};
+use trochoid_weights::Storing;
 
 /// Takes a picture file apart: how much of each color of its palette every pixel is mixed of.
 ///

@@ -197,23 +197,25 @@ impl PreparedStrokes {
     }
 }
 
-/// Accumulated strokes from the top down, and the fraction of the image that is still visible.
+/// Strokes accumulated over a part of a block from the top down, and the fraction of the image that is still visible.
 struct Sums {
-    /// Weighted sums of the strokes' values, by channel.
-    sums: Vec<Vec<f64>>,
+    part: Window,
+    /// By channel: weighted sums of the strokes' values; `None` where these and the image are 0 all over the part.
+    sums: Vec<Option<Vec<f64>>>,
     left: Vec<f64>,
 }
 
 impl Sums {
-    /// Adds a stroke to pixels of a row, given its coverage of each pixel and its value in each channel.
+    /// Adds a stroke to pixels of a row, given its coverage of each pixel and its values by channel.
     #[inline(always)]
-    fn add(&mut self, start: usize, covers: &[f32], values: &[f64], weights: &mut [f64]) {
+    fn add(&mut self, start: usize, covers: &[f32], values: &[(usize, f64)], weights: &mut [f64]) {
         let left = &mut self.left[start..start + covers.len()];
         for ((weight, left), covers) in weights.iter_mut().zip(left).zip(covers) {
             *weight = f64::from(*covers) * *left;
             *left -= *weight;
         }
-        for (sums, value) in self.sums.iter_mut().zip(values) {
+        for (channel, value) in values {
+            let Some(sums) = &mut self.sums[*channel] else { continue };
             let sums = &mut sums[start..start + covers.len()];
             if value.is_finite() {
                 for (sum, weight) in sums.iter_mut().zip(&*weights) {
@@ -229,12 +231,35 @@ impl Sums {
     }
 }
 
-/// Strokes from the top down, and the image's values at their sources, channel by channel.
+/// Strokes from the top down, and the image's values at their sources.
 struct BlockStrokes {
     strokes: Vec<Stroke>,
-    values: Vec<f64>,
+    /// Of every stroke, the channels that are not 0, with their values. Recipes have many channels, of which most are.
+    values: Vec<(usize, f64)>,
+    /// Of every stroke, the end of its values.
+    ends: Vec<usize>,
     /// Offset within its pixel of the sample they were found for.
     offset: [f64; 2],
+}
+
+impl BlockStrokes {
+    /// Returns the values of a stroke that are not 0, by channel.
+    fn values(&self, index: usize) -> &[(usize, f64)] {
+        let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.values[start..self.ends[index]]
+    }
+}
+
+/// Whether a channel of an image is 0 all over a window.
+fn is_zero(image: &Connection<'_>, channel: usize, window: Window) -> bool {
+    let Some(Some(plane)) = image.planes.get(channel) else { return true };
+    // Beyond the image its border repeats.
+    let x0 = window.x0.clamp(image.window.x0, image.window.x1 - 1);
+    let x1 = window.x1.clamp(x0 + 1, image.window.x1);
+    (window.y0..window.y1).all(|y| {
+        let start = place(image.window, x0, y);
+        plane[start..start + (x1 - x0) as usize].iter().all(|value| *value == 0.0)
+    })
 }
 
 impl PreparedStrokes {
@@ -250,12 +275,14 @@ impl PreparedStrokes {
         });
         let strokes: Vec<Stroke> = strokes.into_iter().map(|(_, stroke)| stroke).collect();
         let channels = self.kind.channels();
-        let mut values = Vec::with_capacity(strokes.len() * channels);
+        let (mut values, mut ends) = (Vec::new(), Vec::with_capacity(strokes.len()));
         for stroke in &strokes {
             let [x, y] = stroke.source;
-            values.extend((0..channels).map(|channel| sample(Some(image), channel, x, y).unwrap_or(0.0)));
+            let value = |channel: usize| (channel, sample(Some(image), channel, x, y).unwrap_or(0.0));
+            values.extend((0..channels).map(value).filter(|(_, value)| *value != 0.0));
+            ends.push(values.len());
         }
-        Ok(BlockStrokes { strokes, values, offset: block.offset })
+        Ok(BlockStrokes { strokes, values, ends, offset: block.offset })
     }
 }
 
@@ -278,9 +305,7 @@ impl Prepared for PreparedStrokes {
         };
         let shift = [0, 1].map(|axis| block.offset[axis] - block_strokes.offset[axis]);
         let strokes: Vec<Stroke> = block_strokes.strokes.iter().map(|stroke| stroke.seen_from(shift)).collect();
-        let values = &block_strokes.values;
         let area = window.area();
-        let mut sums = Sums { sums: vec![vec![0.0; area]; self.kind.channels()], left: vec![1.0; area] };
         let width = window.width();
         let (mut covers, mut weights) = (vec![0.0f32; width], vec![0.0f64; width]);
         let (flat, far) = (vec![-1.0f32; width], vec![f32::INFINITY; width]);
@@ -303,12 +328,19 @@ impl Prepared for PreparedStrokes {
                 }
             }
         }
+        let mut painted: Vec<Sums> = Vec::with_capacity(parts.len());
         for (part, on) in parts.into_iter().zip(on) {
             inputs.check_cancelled()?;
+            let mut is_used: Vec<bool> = (0..channels).map(|channel| !is_zero(image, channel, part)).collect();
+            for index in &on {
+                block_strokes.values(*index as usize).iter().for_each(|(channel, _)| is_used[*channel] = true);
+            }
+            let zero = |is_used: bool| is_used.then(|| vec![0.0; part.area()]);
+            let mut sums = Sums { part, sums: is_used.into_iter().map(zero).collect(), left: vec![1.0; part.area()] };
             dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
                 for index in &on {
                     let stroke = &strokes[*index as usize];
-                    let values = &values[*index as usize * channels..][..channels];
+                    let values = block_strokes.values(*index as usize);
                     let [first, last] = stroke.rows();
                     for y in first.max(part.y0)..(last + 1).min(part.y1) {
                         let [begin, end] = stroke.columns(y);
@@ -321,20 +353,30 @@ impl Prepared for PreparedStrokes {
                         let (parts, depths) = (parts.unwrap_or(&flat[..count]), depths.unwrap_or(&far[..count]));
                         let from = [begin as f64 - stroke.at[0], y as f64 - stroke.at[1]];
                         stroke.cover_row(from, x0 - begin, parts, depths, &mut covers[..count]);
-                        sums.add(place(window, x0, y), &covers[..count], values, &mut weights[..count]);
+                        sums.add(place(part, x0, y), &covers[..count], values, &mut weights[..count]);
                     }
                 }
             }));
+            painted.push(sums);
         }
         fill(self.kind, area, outputs, |channel, out| {
-            let rows = out.chunks_mut(width).zip(window.y0..);
-            for ((row, y), start) in rows.zip((0..).step_by(width)) {
-                for ((out, x), pixel) in row.iter_mut().zip(window.x0..).zip(start..) {
-                    let own = sample(Some(image), channel, x, y).unwrap_or(0.0);
-                    let left = sums.left[pixel];
-                    let sum = sums.sums[channel][pixel] + if left > 0.0 { left * own } else { 0.0 };
-                    // +∞ and −∞ have no mean: keep the image.
-                    *out = if sum.is_nan() { own as f32 } else { sum as f32 };
+            for Sums { part, sums, left } in &painted {
+                for y in part.y0..part.y1 {
+                    let start = place(window, part.x0, y);
+                    let out = &mut out[start..start + part.width()];
+                    let Some(sums) = &sums[channel] else {
+                        out.fill(0.0);
+                        continue;
+                    };
+                    let pixels = place(*part, part.x0, y)..;
+                    for (((out, x), sum), left) in
+                        out.iter_mut().zip(part.x0..).zip(&sums[pixels.clone()]).zip(&left[pixels])
+                    {
+                        let own = sample(Some(image), channel, x, y).unwrap_or(0.0);
+                        let sum = sum + if *left > 0.0 { left * own } else { 0.0 };
+                        // +∞ and −∞ have no mean: keep the image.
+                        *out = if sum.is_nan() { own as f32 } else { sum as f32 };
+                    }
                 }
             }
         });

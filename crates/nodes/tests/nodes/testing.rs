@@ -122,6 +122,7 @@ impl Frame {
         }
         let out = self.graph.find("out").unwrap();
         let rows: Vec<u32> = match values[out.0].clone().unwrap() {
+            Value::Layers(colors) => colors.iter().map(|color| color.0).collect(),
             Value::Color(color) => vec![color.0],
             Value::Field(components) => components.iter().map(|component| component.0).collect(),
             Value::Weights(weights) => {

@@ -6,5 +6,7 @@ mod arithmetic;
 mod audit;
 mod hull;
 mod kernel;
+mod paint;
 mod partitions;
+mod stored;
 mod sums;

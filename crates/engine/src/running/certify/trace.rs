@@ -71,7 +71,7 @@ impl<'p> Trace<'p> {
             let of = |slot: &Slot, channel: usize| planes[&Slot { channel, ..*slot }];
             loads.push(match op {
                 Op::Load(slot) => [of(slot, slot.channel); 3],
-                Op::LoadColor(slot) => [0, 1, 2].map(|channel| of(slot, channel)),
+                Op::LoadColor(slot) => [0, 1, 2].map(|c| of(slot, slot.channel + c)),
                 _ => [0; 3],
             });
             let constant = |value: &f32| {

@@ -1,0 +1,18 @@
+//! Recipes: the weights of a picture, one plane for each color that it is mixed from.
+//!
+//! A picture is Σ ωᵢCᵢ, and its weights ω do not depend on its colors C. With the weights in a file, it is painted in
+//! other colors without being rendered again. A recipe is an EXR file with one layer, `recipe`, that has a channel for
+//! each color, so that other programs read each as a mask. What comes from control images is a layer `images`: R, G and
+//! B in the working space, already weighted, and in A the weight of all images together. The weights, with A, are ≥ 0
+//! and sum to exactly 1 as stored. Metadata `trochoid:recipe` have the colors.
+
+mod info;
+mod reader;
+mod rows;
+mod whole;
+
+pub(crate) use info::{LATE, LAYER};
+pub use info::{RecipeError, RecipeInfo, Rounding};
+pub use reader::{RecipeReader, RecipeScratch};
+pub(crate) use rows::RecipeRows;
+pub use whole::Recipe;

@@ -1,0 +1,66 @@
+//! Weights as the engine computes them, rounded to what a file stores.
+
+use super::info::{RecipeInfo, Rounding};
+use std::sync::{Mutex, PoisonError};
+use trochoid_engine::Storing;
+
+/// The channels of a recipe while rows of pixels are rounded, from many threads.
+#[derive(Debug)]
+pub(crate) struct RecipeRows {
+    pub(crate) info: RecipeInfo,
+    rounding: Mutex<Rounding>,
+}
+
+impl RecipeRows {
+    pub(crate) fn new(info: RecipeInfo) -> Self {
+        Self { info, rounding: Mutex::default() }
+    }
+
+    /// Returns the metadata, when all rows are stored.
+    pub(crate) fn metadata(&self) -> (String, String) {
+        self.info.metadata(*self.rounding.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Rounds pixels: takes the layers of a recipe, channel by channel, and returns the channels of the file.
+    pub(crate) fn stored(&self, layers: &[&[f32]]) -> Vec<Vec<f32>> {
+        let RecipeInfo { has_images, storing, .. } = &self.info;
+        let count = self.info.weights();
+        let mut channels: Vec<Vec<f32>> = layers[..count].iter().map(|row| row.to_vec()).collect();
+        let mut found = Rounding::default();
+        let (mut weights, mut places, mut order) = (Vec::new(), Vec::new(), Vec::new());
+        for pixel in 0..layers[0].len() {
+            weights.clear();
+            places.clear();
+            for (place, row) in layers[..count].iter().enumerate() {
+                if row[pixel] > 0.0 {
+                    weights.push(f64::from(row[pixel]));
+                    places.push(place);
+                }
+            }
+            found.moved = found.moved.max(storing.apportion(&mut weights, &mut order));
+            for (weight, place) in weights.iter().zip(&places) {
+                channels[*place][pixel] = *weight as f32;
+            }
+        }
+        if *has_images {
+            // The color stands in the last layer; where rounding leaves an image no weight, it may keep a color.
+            for row in &layers[layers.len() - 3..] {
+                if *storing == Storing::Half {
+                    let off = row.iter().map(|value| half_step(*value));
+                    found.images = off.fold(found.images, f64::max);
+                }
+                channels.push(row.to_vec());
+            }
+        }
+        let mut rounding = self.rounding.lock().unwrap_or_else(PoisonError::into_inner);
+        *rounding = rounding.max(found);
+        channels
+    }
+}
+
+/// Bounds how far a value ≥ 0 moves as it is rounded to a half.
+fn half_step(value: f32) -> f64 {
+    // Halves have 11 bits; the smallest one is 2⁻²⁴.
+    let least = if value > 0.0 { 2.0_f64.powi(-25) } else { 0.0 };
+    (f64::from(value) * 2.0_f64.powi(-11)).max(least)
+}
