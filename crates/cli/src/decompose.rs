@@ -180,13 +180,7 @@ fn decompose(
     colors: &[[f32; 3]],
     storing: Storing,
 ) -> Recipe {
-    let round = |color: &[f32; 3]| {
-        let mut weights = decomposer.weights(color.map(f64::from));
-        let moved = storing.apportion(&mut weights, &mut Vec::new());
-        (weights.into_iter().map(|weight| weight as f32).collect(), moved)
-    };
-    let pixels: Vec<(Vec<f32>, f64)> = colors.par_iter().map(round).collect();
-    let plane = |index: usize| pixels.iter().map(|(weights, _)| weights[index]).collect();
+    let (channels, moved) = decomposer.planes(colors, storing);
     Recipe {
         info: RecipeInfo {
             names: inks.names.clone(),
@@ -198,8 +192,8 @@ fn decompose(
             source: None,
             unused: Vec::new(),
         },
-        rounding: Rounding { moved: pixels.iter().map(|(_, moved)| *moved).fold(0.0, f64::max), images: 0.0 },
+        rounding: Rounding { moved, images: 0.0 },
         window,
-        channels: (0..inks.names.len()).map(plane).collect(),
+        channels,
     }
 }

@@ -56,12 +56,8 @@ pub(crate) struct Args {
     /// Check that this document is the certified one
     #[arg(long, value_name = "GRAPH")]
     document: Option<PathBuf>,
-    /// Replace colors of the palette of --document, as for `render`
-    #[arg(long, value_name = "FILE", requires = "document")]
-    palette: Option<PathBuf>,
-    /// Set a knob or port of --document, as for `render`; may be repeated
-    #[arg(long, value_name = "NODE.KNOB=VALUE", requires = "document")]
-    set: Vec<String>,
+    #[command(flatten)]
+    changes: Changes,
     #[command(flatten)]
     reach: AccessOptions,
     /// Print nothing on stdout, and show no progress
@@ -87,8 +83,12 @@ fn seed(text: &str) -> Result<u64, NoSeed> {
 /// # Errors
 /// The certificate does not hold, with a message for each failure; or a file cannot be read.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let changes = Changes { palette: args.palette.clone(), set: args.set.clone() };
-    let document = args.document.as_ref().map(|path| args.reach.load(path, &changes.assignments())).transpose()?;
+    let changes = args.changes.assignments();
+    if let (Some(change), None) = (changes.first(), &args.document) {
+        let message = format!("found the change {change}, but no --document; expected the document that is changed");
+        return Err(Failure::usage(message, "name it with --document, or leave out --set and --palette"));
+    }
+    let document = args.document.as_ref().map(|path| args.reach.load(path, &changes)).transpose()?;
     let key = args.key.as_ref().map(|path| PublicKey::read(path)).transpose()?;
     args.reach.warn();
     let access = access(args);

@@ -12,11 +12,25 @@ use crate::program::{Half, least};
 use crate::vector::{Point, add, cross, dot, scale, sub, unit};
 use std::collections::HashMap;
 
-/// The colors that a palette has to enclose: the corners of their hull, and a point inside.
+/// What a palette has to enclose.
 #[derive(Clone, Debug)]
 pub(crate) struct Data {
+    /// Corners of the hull of the colors and the prior colors.
     pub(crate) corners: Vec<Point>,
+    /// A point inside.
     pub(crate) inside: Point,
+    /// Colors that belong to each palette as they are.
+    pub(crate) prior: Vec<Point>,
+    /// Whether moves of all corners count the distance of a color outside from its nearest point of the hull, which takes
+    /// longer, instead of that from the planes of facets, which is no larger.
+    pub(crate) is_nearest: bool,
+}
+
+impl Data {
+    /// Makes the hull of points and the prior colors; `None` if it has no volume.
+    pub(crate) fn hull(&self, points: &[Point]) -> Option<Mesh> {
+        Mesh::new(points, &self.prior)
+    }
 }
 
 /// Returns a number that grows with the angle of a direction, from −2 to 2.
@@ -84,6 +98,13 @@ fn place(boundary: &[[Point; 2]], data: &Data) -> Option<(Point, f64)> {
     Some((point, dot(growth, sub(point, data.inside)) / 6.0))
 }
 
+/// Returns a corner that is joined to a boundary and stays where it is, and the volume; `None` if it does not enclose the
+/// colors from there.
+fn stay(point: Point, boundary: &[[Point; 2]], data: &Data) -> Option<(Point, f64)> {
+    let encloses = tangents(boundary, data)?.iter().all(|half| dot(half.normal, point) <= half.offset + 1e-9);
+    encloses.then(|| (point, dot(growth(boundary, data.inside), sub(point, data.inside)) / 6.0))
+}
+
 fn boundary_of(mesh: &Mesh, corners: &[usize], inside: Point) -> (Vec<[Point; 2]>, f64) {
     let (edges, volume) = mesh.link(corners, inside);
     (edges.into_iter().map(|edge| edge.map(|corner| mesh.corners[corner])).collect(), volume)
@@ -93,16 +114,16 @@ fn boundary_of(mesh: &Mesh, corners: &[usize], inside: Point) -> (Vec<[Point; 2]
 pub(crate) fn descend(mut mesh: Mesh, data: &Data, rounds: usize) -> Mesh {
     for _ in 0..rounds {
         let before = mesh.volume;
-        for corner in 0..mesh.count() {
-            if corner >= mesh.count() {
-                break;
+        for corner in 0..mesh.corners.len() {
+            if !mesh.is_own.get(corner).is_some_and(|own| *own) {
+                continue;
             }
             let (boundary, _) = boundary_of(&mesh, &[corner], data.inside);
             let Some((point, _)) = place(&boundary, data) else { continue };
-            let mut points = mesh.corners.clone();
-            points[corner] = point;
+            let mut points = mesh.without(&[corner]);
+            points.push(point);
             // The moved corner may leave a dent, so the hull decides.
-            if let Some(moved) = Mesh::new(&points)
+            if let Some(moved) = data.hull(&points)
                 && moved.volume < mesh.volume - 1e-9
                 && moved.count() == mesh.count()
             {
@@ -133,7 +154,13 @@ impl Merges {
         let mut key: Vec<[u64; 3]> = boundary.iter().flatten().map(|point| bits(*point)).collect();
         key.sort_unstable();
         key.extend(edge.map(|corner| bits(mesh.corners[corner])));
-        *self.0.entry(key).or_insert_with(|| place(&boundary, data).map(|(point, after)| (point, after - volume)))
+        // A prior corner stays where it is.
+        let prior = edge.into_iter().find(|corner| !mesh.is_own[*corner]).map(|corner| mesh.corners[corner]);
+        let placed = || match prior {
+            Some(point) => stay(point, &boundary, data),
+            None => place(&boundary, data),
+        };
+        *self.0.entry(key).or_insert_with(|| placed().map(|(point, after)| (point, after - volume)))
     }
 }
 
@@ -144,7 +171,7 @@ const FEW: usize = 24;
 /// ones. `None` if none can be merged.
 pub(crate) fn merge(mesh: &Mesh, data: &Data, known: &mut Merges, chance: f64) -> Option<Mesh> {
     let mut merges: Vec<(f64, [usize; 2], Point)> = Vec::new();
-    for edge in mesh.edges() {
+    for edge in mesh.edges().into_iter().filter(|edge| edge.iter().any(|corner| mesh.is_own[*corner])) {
         if let Some((point, added)) = known.of(mesh, edge, data) {
             merges.push((added, edge, point));
         }
@@ -152,9 +179,9 @@ pub(crate) fn merge(mesh: &Mesh, data: &Data, known: &mut Merges, chance: f64) -
     merges.sort_by(|a, b| a.0.total_cmp(&b.0));
     merges.truncate(if mesh.count() <= FEW { 8 } else { 1 });
     let merged = |(_, edge, point): &(f64, [usize; 2], Point)| {
-        let kept =
-            mesh.corners.iter().enumerate().filter(|(index, _)| !edge.contains(index)).map(|(_, corner)| *corner);
-        Mesh::new(&kept.chain([*point]).collect::<Vec<_>>())
+        let mut points = mesh.without(edge);
+        points.push(*point);
+        data.hull(&points)
     };
     let mut hulls: Vec<Mesh> = merges.iter().filter_map(merged).collect();
     hulls.sort_by(|a, b| a.volume.total_cmp(&b.volume));

@@ -9,11 +9,15 @@
 //! times along its edges (Freudenthal), and between the nodes weights are interpolated linearly, which keeps their sum,
 //! their signs, and the color that they mix. The lattice is the definition.
 
-use crate::simplex::{Frame, Simplex, nearest, solve, triangulate};
+use crate::simplex::{Frame, Simplex, nearest, nearest_of_triangle, solve, triangulate};
 use crate::vector::{Point, add, dot, mean, scale, sub};
+use rayon::prelude::*;
+use trochoid_weights::Storing;
 
 /// Cuts along an edge of a simplex.
 const CUTS: usize = 16;
+/// Pixels that are taken apart in one piece.
+const SLICE: usize = 4096;
 /// How far outside of a simplex a point may lie by rounding, in barycentric coordinates.
 const ROUNDING: f64 = 1e-9;
 
@@ -35,6 +39,8 @@ pub struct Decomposer {
     /// Coordinates of the colors in the frame.
     points: Vec<Point>,
     simplices: Vec<Simplex>,
+    /// Facets of the hull, in coordinates of the frame: triangles, or segments and points that repeat corners.
+    facets: Vec<[Point; 3]>,
     /// Cuts along each edge: 1 without softness.
     cuts: usize,
     /// Weights at the nodes, by simplex, node and color.
@@ -65,8 +71,14 @@ impl Decomposer {
             colors.iter().map(|color| dot(sub(*color, center), sub(*color, center)) / (range * range)).collect();
         let simplices = triangulate(&points, &heights, frame.dimension());
         let cuts = if softness > 0.0 && frame.dimension() > 0 { CUTS } else { 1 };
-        let mut found = Self { colors: colors.to_vec(), frame, points, simplices, cuts, nodes: Vec::new() };
+        let mut found =
+            Self { colors: colors.to_vec(), frame, points, simplices, facets: Vec::new(), cuts, nodes: Vec::new() };
         let boundary = found.boundary();
+        let facet = |corners: &Vec<usize>| {
+            let last = corners.len().checked_sub(1)?;
+            Some([0, 1, 2].map(|at| found.points[corners[last.min(at)]]))
+        };
+        found.facets = boundary.iter().filter_map(facet).collect();
         let nodes = found.simplices.iter().flat_map(|simplex| {
             places(simplex.corners.len(), cuts).into_iter().map(|parts| (simplex, parts)).collect::<Vec<_>>()
         });
@@ -106,66 +118,134 @@ impl Decomposer {
     /// those of its nearest point.
     #[must_use]
     pub fn weights(&self, color: [f64; 3]) -> Vec<f64> {
-        let point = self.frame.of(color);
-        if let Some((simplex, _)) = self.located(point).filter(|(_, least)| *least >= -ROUNDING) {
-            return self.interpolated(simplex, point);
+        let mut weights = vec![0.0; self.colors.len()];
+        self.weigh(color, &mut 0, &mut weights);
+        weights
+    }
+
+    /// Returns the weights of displayed colors as they are stored, a plane for each color of the palette. They are the
+    /// same however the colors are divided into slices, and with any number of threads. Also returns the largest weight
+    /// that storing moved from some colors to others at a pixel.
+    ///
+    /// ```
+    /// use trochoid_palette::Decomposer;
+    /// use trochoid_weights::Storing;
+    /// let gray = Decomposer::new(&[[0.0; 3], [1.0; 3]], 0.0).ok_or("no colors")?;
+    /// let (planes, moved) = gray.planes(&[[0.25; 3], [1.0; 3]], Storing::Float);
+    /// assert_eq!((&planes[0][..], &planes[1][..], moved), (&[0.75, 0.0][..], &[0.25, 1.0][..], 0.0));
+    /// # Ok::<(), &str>(())
+    /// ```
+    #[must_use]
+    pub fn planes(&self, colors: &[[f32; 3]], storing: Storing) -> (Vec<Vec<f32>>, f64) {
+        let mut planes = vec![vec![0.0; colors.len()]; self.colors.len()];
+        let mut slices: Vec<Vec<&mut [f32]>> = colors.chunks(SLICE).map(|_| Vec::new()).collect();
+        for plane in &mut planes {
+            slices.iter_mut().zip(plane.chunks_mut(SLICE)).for_each(|(slice, part)| slice.push(part));
         }
-        let weights = nearest(&self.points, point);
-        let onto = self.points.iter().zip(&weights).fold([0.0; 3], |sum, (p, w)| add(sum, scale(*p, *w)));
-        self.located(onto).map_or(weights, |(simplex, _)| self.interpolated(simplex, onto))
+        let parts = slices.into_par_iter().zip(colors.par_chunks(SLICE));
+        let moved = parts.map(|(mut slice, colors)| self.fill(colors, storing, &mut slice)).reduce(|| 0.0, f64::max);
+        (planes, moved)
+    }
+
+    /// Does the same on one thread, into a slice of each plane. Returns the largest weight that storing moved.
+    pub fn fill(&self, colors: &[[f32; 3]], storing: Storing, planes: &mut [&mut [f32]]) -> f64 {
+        let (mut near, mut weights, mut order) = (0, vec![0.0; self.colors.len()], Vec::new());
+        let mut moved = 0.0_f64;
+        for (index, color) in colors.iter().enumerate() {
+            self.weigh(color.map(f64::from), &mut near, &mut weights);
+            moved = moved.max(storing.apportion(&mut weights, &mut order));
+            planes.iter_mut().zip(&weights).for_each(|(plane, weight)| plane[index] = *weight as f32);
+        }
+        moved
+    }
+
+    /// Computes the weights of a displayed color. `near` is the simplex of a similar color, where the search starts; it
+    /// does not change the result.
+    fn weigh(&self, color: [f64; 3], near: &mut usize, weights: &mut [f64]) {
+        let point = self.frame.of(color);
+        // A point well inside of a simplex is in no other one.
+        if let Some(simplex) = self.simplices.get(*near) {
+            let parts = simplex.coordinates(point);
+            if simplex.least_of(&parts) > ROUNDING {
+                return self.interpolate(*near, parts, weights);
+            }
+        }
+        let Some((mut simplex, least)) = self.located(point) else {
+            return weights.copy_from_slice(&nearest(&self.points, point));
+        };
+        let mut at = point;
+        if least < -ROUNDING {
+            at = self.onto(point);
+            simplex = self.located(at).map_or(simplex, |(simplex, _)| simplex);
+        }
+        *near = simplex;
+        self.interpolate(simplex, self.simplices[simplex].coordinates(at), weights);
+    }
+
+    /// Returns the nearest point of the hull to one outside.
+    fn onto(&self, point: Point) -> Point {
+        let foot = |facet: &[Point; 3]| {
+            let weights = nearest_of_triangle(*facet, point);
+            facet.iter().zip(weights).fold([0.0; 3], |sum, (corner, weight)| add(sum, scale(*corner, weight)))
+        };
+        let distance = |foot: &Point| dot(sub(*foot, point), sub(*foot, point));
+        let feet = self.facets.iter().map(foot);
+        feet.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(self.points[0])
     }
 
     /// Returns the simplex whose least barycentric coordinate of a point is the greatest, and that coordinate.
     fn located(&self, point: Point) -> Option<(usize, f64)> {
-        let least = |simplex: &Simplex| simplex.coordinates(point).fold(f64::INFINITY, f64::min);
-        let all = self.simplices.iter().enumerate().map(|(index, simplex)| (index, least(simplex)));
+        let all = self
+            .simplices
+            .iter()
+            .enumerate()
+            .map(|(index, simplex)| (index, simplex.least_of(&simplex.coordinates(point))));
         // Of equal ones the first, so that all points of a shared side have the same.
         all.reduce(|best, next| if next.1 > best.1 { next } else { best })
     }
 
-    /// Interpolates in a simplex.
-    fn interpolated(&self, index: usize, point: Point) -> Vec<f64> {
-        let simplex = &self.simplices[index];
-        let parts: Vec<f64> = simplex.coordinates(point).map(|part| part.max(0.0)).collect();
-        let sum: f64 = parts.iter().sum();
-        // Cumulative coordinates fall from the number of cuts to 0.
-        let mut left = 1.0;
-        let cumulative: Vec<f64> = parts[..parts.len() - 1]
-            .iter()
-            .map(|part| {
-                left -= part / sum;
-                self.cuts as f64 * left.clamp(0.0, 1.0)
-            })
-            .collect();
-        let mut base: Vec<usize> = Vec::with_capacity(cumulative.len());
-        for coordinate in &cumulative {
-            let most = base.last().copied().unwrap_or(self.cuts - 1).min(self.cuts - 1);
-            base.push((*coordinate as usize).min(most));
+    /// Interpolates in a simplex at a point with these barycentric coordinates.
+    fn interpolate(&self, index: usize, coordinates: [f64; 4], weights: &mut [f64]) {
+        let parts = coordinates.map(|part| part.max(0.0));
+        let dimension = self.simplices[index].corners.len() - 1;
+        let whole = 1.0 / parts.iter().sum::<f64>();
+        // Cumulative coordinates fall from the number of cuts to 0; of each, the whole part and the fraction.
+        let (mut node, mut fractions) = ([0; 3], [0.0; 3]);
+        let (mut left, mut most) = (1.0, self.cuts - 1);
+        for at in 0..dimension {
+            left -= parts[at] * whole;
+            let coordinate = self.cuts as f64 * left.clamp(0.0, 1.0);
+            most = most.min(coordinate as usize);
+            node[at] = most;
+            fractions[at] = (coordinate - most as f64).clamp(0.0, 1.0);
         }
-        let fractions: Vec<f64> = cumulative.iter().zip(&base).map(|(c, b)| (c - *b as f64).clamp(0.0, 1.0)).collect();
-        let mut order: Vec<usize> = (0..fractions.len()).collect();
-        // Of equal fractions, the first goes first, so that coordinates keep falling.
-        order.sort_by(|a, b| fractions[*b].total_cmp(&fractions[*a]).then(a.cmp(b)));
-        let count = self.colors.len();
-        let per_simplex = places_count(simplex.corners.len(), self.cuts);
-        let mut weights = vec![0.0; count];
-        let mut node = base;
-        let mut before = 1.0;
-        for step in 0..=order.len() {
-            let after = order.get(step).map_or(0.0, |at| fractions[*at]);
-            let share = before - after;
-            if share > 0.0 {
-                let at = (index * per_simplex + place(&node)) * count;
-                weights.iter_mut().zip(&self.nodes[at..at + count]).for_each(|(sum, weight)| *sum += share * weight);
+        // The largest fraction first; of equal ones, the first goes first, so that coordinates keep falling.
+        let mut order = [0, 1, 2];
+        for (a, b) in [(0, 1), (1, 2), (0, 1)] {
+            if b < dimension && fractions[order[b]] > fractions[order[a]] {
+                order.swap(a, b);
             }
-            if let Some(at) = order.get(step) {
-                node[*at] += 1;
+        }
+        let count = self.colors.len();
+        let first = index * places_count(dimension + 1, self.cuts);
+        // Shares of up to four nodes; those that there are not have none.
+        let (mut shares, mut nodes) = ([0.0; 4], [&self.nodes[first * count..][..count]; 4]);
+        let mut before = 1.0;
+        for step in 0..=dimension {
+            let after = if step < dimension { fractions[order[step]] } else { 0.0 };
+            shares[step] = before - after;
+            if shares[step] > 0.0 {
+                nodes[step] = &self.nodes[(first + place(&node[..dimension])) * count..][..count];
+            }
+            if step < dimension {
+                node[order[step]] += 1;
             }
             before = after;
         }
-        let sum: f64 = weights.iter().sum();
-        weights.iter_mut().for_each(|weight| *weight /= sum);
-        weights
+        let [a, b, c, d] = nodes;
+        for ((((weight, a), b), c), d) in weights.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            *weight = shares[0] * a + shares[1] * b + shares[2] * c + shares[3] * d;
+        }
     }
 }
 
@@ -298,6 +378,9 @@ mod tests {
                     assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
                     let off = crate::vector::length(sub(mixed(inks, &weights), color));
                     assert!(off < 1e-6, "{count} colors, softness {softness}: {color:?} off by {off}");
+                    let stored: Vec<f64> = Storing::Float.round(&weights).into_iter().map(f64::from).collect();
+                    let off = crate::vector::length(sub(mixed(inks, &stored), color));
+                    assert!(off < 0.001 / 255.0, "stored, {count} colors: {color:?} off by {off}");
                 }
             }
         }
@@ -356,5 +439,33 @@ mod tests {
         // Colors that occur twice share nothing: the first has it all.
         let twice = Decomposer::new(&[[0.1; 3], [0.9; 3], [0.9; 3]], 0.0).unwrap();
         assert!((twice.weights([0.9; 3]).iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn planes_are_the_weights_however_pixels_are_divided() {
+        let mut draw = draws();
+        // Similar colors beside each other, and some outside.
+        let mut at = [0.5; 3];
+        let mut color = || {
+            at = at.map(|v| (v + 0.2 * (draw() - 0.5)).clamp(-0.1, 1.1));
+            at.map(|v| v as f32)
+        };
+        let colors: Vec<[f32; 3]> = (0..3 * SLICE + 77).map(|_| color()).collect();
+        for count in [1, 2, 3, 4, 7] {
+            let decomposer = Decomposer::new(&INKS[..count], 0.2).unwrap();
+            let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let (planes, moved) = pool(1).install(|| decomposer.planes(&colors, Storing::Float));
+            assert_eq!(pool(3).install(|| decomposer.planes(&colors, Storing::Float)), (planes.clone(), moved));
+            assert!(moved <= Storing::Float.error(count, 1.0), "{moved}");
+            for (from, to) in [(0, 100), (1, 4097), (5000, 5001), (SLICE, colors.len())] {
+                let (part, _) = decomposer.planes(&colors[from..to], Storing::Float);
+                assert!(part.iter().zip(&planes).all(|(part, plane)| *part == plane[from..to]), "{count}: {from}");
+            }
+            for index in (0..colors.len()).step_by(37) {
+                let alone = Storing::Float.round(&decomposer.weights(colors[index].map(f64::from)));
+                assert!(alone.iter().zip(&planes).all(|(weight, plane)| *weight == plane[index]), "{count}: {index}");
+            }
+        }
+        assert_eq!(Decomposer::new(&INKS, 0.2).unwrap().planes(&[], Storing::Half), (vec![Vec::new(); 7], 0.0));
     }
 }

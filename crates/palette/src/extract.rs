@@ -1,385 +1,101 @@
 //! Finds palettes that enclose a cloud of colors.
 
 use crate::Cloud;
-use crate::corner::{Data, Merges, descend, merge};
-use crate::grid::{Gridded, snap};
-use crate::mesh::Mesh;
+use crate::few::few;
+use crate::found::{Enclosing, Extraction, Outside, Palette};
 use crate::order::{names, order};
-use crate::together::{Fit, fewer, together};
-use crate::vector::{Point, length, mean, sub};
-use rayon::prelude::*;
-use std::collections::BTreeMap;
+use crate::solid::{MOST, Solid, thickened};
+use crate::vector::Point;
 use trochoid_weights::Hull;
 
-/// Most colors of a palette.
-const MOST: usize = 12;
-/// Number of corners up to which the hull is simplified once for all runs.
-const START: usize = 24;
-/// Runs that merge corners by chance, beside the one that always takes the best.
-const RUNS: u64 = 8;
-/// Volume up to which a palette is the default, relative to that of the pixels' hull: palettes of fewer colors are loud.
-const QUIET: f64 = 2.5;
-
-/// A palette that encloses every pixel.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Enclosing {
-    /// Colors as displayed, from 0 to 1, the darkest first.
-    pub colors: Vec<[f64; 3]>,
-    /// A name for each color, by its lightness and hue.
-    pub names: Vec<String>,
-    /// Parts into which the grid of the colors divides a step of 8 bits: 1, 16 or 256.
-    pub units: u32,
-    /// Volume of the hull, relative to that of the pixels' hull; 1 if that has none.
-    pub volume: f64,
-    /// Distance of each color from the nearest pixel, in steps of 8 bits.
-    pub distances: Vec<f64>,
-}
-
-impl Enclosing {
-    /// Returns how pixels lie outside of the palette's hull: those of a larger cloud than it was made for.
-    #[must_use]
-    pub fn outside(&self, cloud: &Cloud) -> Outside {
-        let points: Vec<Point> = self.colors.iter().map(|color| color.map(|v| 255.0 * v)).collect();
-        Outside::of(&points, cloud)
-    }
-}
-
-/// Pixels outside of a hull.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Outside {
-    /// Number of pixels outside.
-    pub pixels: u64,
-    /// Largest distance of a pixel from the hull, in steps of 8 bits.
-    pub largest: f64,
-    /// Root mean square of the distances of all pixels, in steps of 8 bits.
-    pub rms: f64,
-}
-
-impl Outside {
-    fn of(points: &[Point], cloud: &Cloud) -> Self {
-        let hull = Hull::new(&points.iter().map(|point| point.map(|v| v as f32)).collect::<Vec<_>>());
-        let mut all = Self::default();
-        let mut squares = 0.0;
-        for (color, count) in cloud.colors() {
-            let distance = hull.signed_distance(color.map(f64::from));
-            // Corners are exact in f32, on any of the grids.
-            if distance > 1e-9 {
-                all.pixels += u64::from(count);
-                all.largest = all.largest.max(distance);
-                squares += distance * distance * f64::from(count);
-            }
-        }
-        all.rms = (squares / cloud.pixels().max(1) as f64).sqrt();
-        all
-    }
-}
-
-/// A palette of fewer colors than any that was found to enclose every pixel.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Short {
-    /// Colors as displayed, from 0 to 1, the darkest first, in whole steps of 8 bits.
-    pub colors: Vec<[f64; 3]>,
-    /// Share of the pixels that lie outside.
-    pub outside: f64,
-    /// Largest distance of a pixel from the hull, in steps of 8 bits.
-    pub largest: f64,
-    /// Root mean square of the distances of all pixels, in steps of 8 bits.
-    pub rms: f64,
-}
-
-/// Palettes of a cloud.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Extraction {
-    /// Number of different colors of the pixels, each rounded to 8 bits.
-    pub distinct: usize,
-    /// Number of corners of their hull.
-    pub corners: usize,
-    /// Palettes that enclose every pixel, of up to 12 colors, by their number of colors: each in a smaller hull than those
-    /// of fewer colors.
-    pub enclosing: Vec<Enclosing>,
-    /// Palettes of fewer colors than these, by their number of colors.
-    pub short: Vec<Short>,
-}
-
-impl Extraction {
-    /// Returns the palette to take if nobody asks for a number of colors: the one of the fewest colors whose hull has at
-    /// most 2.5 times the volume of the pixels' hull, in whole steps of 8 bits if there is one; or else the one of the
-    /// least volume.
-    #[must_use]
-    pub fn usual(&self) -> Option<&Enclosing> {
-        let quiet = || self.enclosing.iter().filter(|palette| palette.volume <= QUIET);
-        let whole = quiet().find(|palette| palette.units == 1);
-        whole.or_else(|| quiet().next()).or_else(|| self.enclosing.iter().min_by(|a, b| a.volume.total_cmp(&b.volume)))
-    }
-
-    /// Returns the palette of a number of colors that encloses every pixel.
-    #[must_use]
-    pub fn of(&self, colors: usize) -> Option<&Enclosing> {
-        self.enclosing.iter().find(|palette| palette.colors.len() == colors)
-    }
+/// What palettes are to be like.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Asked {
+    /// How far a pixel may lie outside, in steps of 8 bits.
+    pub within: f64,
+    /// Colors as displayed, from 0 to 1, that are in every palette, with their names. They are rounded to a 256th of a
+    /// step of 8 bits.
+    pub prior: Vec<(String, [f64; 3])>,
 }
 
 /// Finds palettes of a cloud. The same cloud has the same palettes; without pixels, it has none.
 ///
 /// The hull of the colors is simplified by merging joined corners, always by a corner that still encloses them, in
 /// several runs from 24 corners on; then all corners are moved at once, by a sequence of linear programs; and they are
-/// rounded to a grid. Each palette that is returned was counted to have no color outside, in whole numbers.
+/// rounded to a grid. Each palette that is returned was counted to have no color outside, in whole numbers, or no color
+/// farther outside than asked.
 ///
 /// ```
-/// use trochoid_palette::{Cloud, extract};
+/// use trochoid_palette::{Asked, Cloud, extract};
 /// let mut cloud = Cloud::new();
 /// for step in 0..=20 {
 ///     cloud.add([10 + step, 20 + 2 * step, 30]);
 /// }
-/// let found = extract(&cloud);
-/// assert_eq!(found.usual().map(|palette| palette.colors.len()), Some(2));
+/// let found = extract(&cloud, &Asked::default());
+/// assert_eq!(found.usual().map(|found| found.count()), Some(2));
+/// let within = extract(&cloud, &Asked { within: 25.0, ..Asked::default() });
+/// assert_eq!(within.fewest().map(|found| found.count()), Some(1));
 /// ```
 #[must_use]
-pub fn extract(cloud: &Cloud) -> Extraction {
+pub fn extract(cloud: &Cloud, asked: &Asked) -> Extraction {
     let distinct = cloud.colors().count();
     let extremes = cloud.extremes();
-    let hull = Hull::new(&extremes.iter().map(|color| color.map(|v| v as f32)).collect::<Vec<_>>());
+    let (names, prior): (Vec<String>, Vec<[f64; 3]>) = asked.prior.iter().cloned().unzip();
+    let prior: Vec<Point> = prior.iter().map(|color| color.map(|v| (v * 255.0 * 256.0).round() / 256.0)).collect();
+    let all: Vec<[f32; 3]> = extremes.iter().chain(&prior).map(|color| color.map(|v| v as f32)).collect();
+    let hull = Hull::new(&all);
     let corners: Vec<Point> = hull.vertices().iter().map(|color| color.map(f64::from)).collect();
     let found = |enclosing, short| Extraction { distinct, corners: corners.len(), enclosing, short };
-    match hull.dimension() {
-        None => found(Vec::new(), Vec::new()),
-        Some(0 | 1) => found(vec![flat(&corners, &extremes)], Vec::new()),
-        Some(2) if corners.len() <= MOST => found(vec![flat(&corners, &extremes)], Vec::new()),
+    if extremes.is_empty() {
+        return found(Vec::new(), Vec::new());
+    }
+    let (more, short) = match hull.dimension() {
+        None | Some(0 | 1) => (vec![flat(&corners, &extremes, (&prior, &names))], Vec::new()),
+        Some(2) if corners.len() <= MOST => (vec![flat(&corners, &extremes, (&prior, &names))], Vec::new()),
         dimension => {
+            let own = Hull::new(&all[..extremes.len()]);
+            let own: Vec<Point> = own.vertices().iter().map(|color| color.map(f64::from)).collect();
             // A planar cloud gets a thickness, since palettes of few colors are not in its plane.
-            let around = if dimension == Some(2) { thickened(&corners, 1.0) } else { corners.clone() };
-            let Some(solid) = Solid::new(&around, &extremes) else { return found(Vec::new(), Vec::new()) };
-            let (enclosing, short) = solid.palettes(cloud);
-            found(enclosing, short)
+            let around = if dimension == Some(2) { thickened(&own, 1.0) } else { own };
+            let solid = Solid::new(cloud, &extremes, &around, asked.within, (&prior, &names));
+            solid.map_or((Vec::new(), Vec::new()), |solid| solid.palettes())
         }
-    }
-}
-
-/// Returns points with others around them, along each axis.
-fn thickened(points: &[Point], by: f64) -> Vec<Point> {
-    let mut all = Vec::with_capacity(6 * points.len());
-    for point in points {
-        for c in 0..3 {
-            for step in [-by, by] {
-                let mut near = *point;
-                near[c] = (near[c] + step).clamp(0.0, 255.0);
-                all.push(near);
-            }
-        }
-    }
-    all
-}
-
-fn shown(points: &[Point]) -> Vec<[f64; 3]> {
-    points.iter().map(|point| point.map(|v| v / 255.0)).collect()
-}
-
-/// Makes a palette of points, in steps of 8 bits.
-fn enclosing(points: &[Point], units: i64, volume: f64, extremes: &[Point]) -> Enclosing {
-    let colors = shown(points);
-    let way = order(&colors);
-    let colors: Vec<[f64; 3]> = way.iter().map(|index| colors[*index]).collect();
-    let distance = |index: &usize| {
-        let nearest = extremes.iter().map(|color| length(sub(*color, points[*index])));
-        nearest.fold(f64::INFINITY, f64::min)
     };
-    let distances = way.iter().map(distance).collect();
-    Enclosing { names: names(&colors), colors, units: units as u32, volume, distances }
+    let least = more.first().map_or(MOST, Enclosing::count);
+    let mut enclosing = if prior.is_empty() { few(&corners, &extremes, cloud, asked.within) } else { Vec::new() };
+    enclosing.retain(|found| found.count() < least);
+    enclosing.extend(more);
+    let least = enclosing.first().map_or(0, Enclosing::count);
+    found(enclosing, short.into_iter().filter(|short| short.colors.len() < least).collect())
 }
 
-/// Makes the palette of a cloud without volume: the corners of its hull.
-fn flat(corners: &[Point], extremes: &[Point]) -> Enclosing {
-    enclosing(corners, 1, 1.0, extremes)
-}
-
-/// Numbers drawn by a seed (Steele, Lea and Flood, *Fast splittable pseudorandom number generators*, 2014).
-struct Draws(u64);
-
-impl Draws {
-    /// Returns a number from 0 to 1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((mixed ^ mixed >> 31) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
-/// A cloud whose hull has a volume.
-struct Solid<'c> {
-    data: Data,
-    hull: Mesh,
-    extremes: &'c [Point],
-}
-
-/// Hulls that enclose all colors, by their number of corners.
-type Hulls = BTreeMap<usize, Mesh>;
-
-fn note(hulls: &mut Hulls, mesh: Mesh) {
-    let count = mesh.count();
-    if hulls.get(&count).is_none_or(|known| mesh.volume < known.volume) {
-        hulls.insert(count, mesh);
-    }
-}
-
-impl<'c> Solid<'c> {
-    fn new(corners: &[Point], extremes: &'c [Point]) -> Option<Self> {
-        let hull = Mesh::new(corners)?;
-        let data = Data { inside: mean(&hull.corners), corners: hull.corners.clone() };
-        Some(Self { data, hull, extremes })
-    }
-
-    fn palettes(&self, cloud: &Cloud) -> (Vec<Enclosing>, Vec<Short>) {
-        let mut hulls = self.merged();
-        let beyond = self.fewer(&mut hulls);
-        let rounded: Vec<Option<Enclosing>> = hulls
-            .range(..=MOST)
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .map(|(_, hull)| self.rounded(hull, cloud))
-            .collect();
-        let mut found: Vec<Enclosing> = rounded.into_iter().flatten().collect();
-        // More colors are of no use in a larger hull.
-        let mut least = f64::INFINITY;
-        found.retain(|palette| {
-            let is_smaller = palette.volume < least;
-            least = least.min(palette.volume);
-            is_smaller
-        });
-        let least = found.first().map_or(MOST + 1, |palette| palette.colors.len());
-        let short = beyond.iter().filter(|(count, _)| **count < least).rev().take(2);
-        let mut short: Vec<Short> = short.filter_map(|(_, fit)| self.short(fit, cloud)).collect();
-        short.reverse();
-        (found, short)
-    }
-
-    /// Merges corners in several runs.
-    fn merged(&self) -> Hulls {
-        let mut known = Merges::default();
-        let mut start = self.hull.clone();
-        while start.count() > START {
-            match merge(&start, &self.data, &mut known, 0.0) {
-                Some(merged) => start = merged,
-                None => break,
-            }
-        }
-        let run = |run: u64| {
-            let mut draws = Draws(run);
-            let (mut known, mut hulls, mut mesh) = (Merges::default(), Hulls::new(), start.clone());
-            if mesh.count() <= MOST + 4 {
-                note(&mut hulls, mesh.clone());
-            }
-            while mesh.count() > 4 {
-                let chance = if run == 0 { 0.0 } else { draws.next() };
-                let Some(merged) = merge(&mesh, &self.data, &mut known, chance) else { break };
-                mesh = merged;
-                if mesh.count() <= 14 {
-                    mesh = descend(mesh, &self.data, if run == 0 { 6 } else { 3 });
-                }
-                if mesh.count() <= MOST + 4 {
-                    note(&mut hulls, mesh.clone());
-                }
-            }
-            hulls
-        };
-        let runs: Vec<Hulls> = (0..=RUNS).into_par_iter().map(run).collect();
-        let mut hulls = Hulls::new();
-        runs.into_iter().flatten().for_each(|(_, mesh)| note(&mut hulls, mesh));
-        hulls
-    }
-
-    /// Goes on to fewer corners than merging reaches; returns the hulls that do not enclose all colors.
-    fn fewer(&self, hulls: &mut Hulls) -> BTreeMap<usize, Fit> {
-        let mut beyond: BTreeMap<usize, Fit> = BTreeMap::new();
-        let Some(first) = hulls.keys().next().copied() else { return beyond };
-        let mut count = first.max(5);
-        while count > 4 {
-            let Some(from) = hulls.get(&count).or_else(|| beyond.get(&count).map(|fit| &fit.mesh)) else { break };
-            let Some(fit) = fewer(from, &self.data, self.hull.volume) else { break };
-            let is_enclosing = fit.encloses() && hulls.contains_key(&count);
-            count -= 1;
-            if is_enclosing {
-                note(hulls, fit.mesh);
-            } else if !hulls.contains_key(&count) {
-                beyond.insert(count, fit);
-            }
-        }
-        beyond
-    }
-
-    /// Rounds a hull to a grid, as coarse as one that still encloses all colors can be.
-    fn rounded(&self, hull: &Mesh, cloud: &Cloud) -> Option<Enclosing> {
-        let mut best: Option<(f64, Gridded)> = None;
-        let consider = |best: &mut Option<(f64, Gridded)>, points: &[Point], units: i64| {
-            let Some(gridded) = Gridded::round(points, units) else { return };
-            let Some(mesh) = Mesh::new(&gridded.points()) else { return };
-            let is_better = best.as_ref().is_none_or(|(volume, _)| mesh.volume < *volume);
-            let corners = || self.data.corners.iter().map(|corner| corner.map(|v| v as u8));
-            if is_better && gridded.corners.len() == hull.count() && gridded.outside(corners()) == Some(0) {
-                *best = Some((mesh.volume, gridded));
-            }
-        };
-        let volume = self.hull.volume;
-        // Where rounding finds no room, a little more is enclosed.
-        for margin in [0.0, 0.5, 1.0, 2.0] {
-            let data = self.around(margin);
-            let fit = together(&hull.corners, &data, volume, 30, 4.0).filter(Fit::encloses);
-            let plain = (margin == 0.0).then_some(hull);
-            for mesh in fit.iter().map(|fit| &fit.mesh).chain(plain) {
-                if let Some(snapped) = snap(mesh, &self.data, 1.0) {
-                    consider(&mut best, &snapped, 1);
-                }
-                consider(&mut best, &mesh.corners, 1);
-            }
-            if best.is_some() {
-                break;
-            }
-        }
-        for (units, margin) in [(16, 0.0), (16, 0.1), (256, 0.01), (256, 0.03), (256, 0.1), (256, 0.3)] {
-            if best.is_some() {
-                break;
-            }
-            let data = self.around(margin);
-            let fit = together(&hull.corners, &data, volume, 40, 4.0);
-            for mesh in fit.iter().map(|fit| &fit.mesh).chain([hull]) {
-                if margin == 0.0
-                    && let Some(snapped) = snap(mesh, &self.data, 1.0 / units as f64)
-                {
-                    consider(&mut best, &snapped, units);
-                }
-                consider(&mut best, &mesh.corners, units);
-            }
-        }
-        let (volume, gridded) = best?;
-        // The claim is counted on all colors.
-        (gridded.outside(cloud.enclosed()) == Some(0))
-            .then(|| enclosing(&gridded.points(), gridded.units, volume / self.hull.volume, self.extremes))
-    }
-
-    /// Returns the colors with others around them.
-    fn around(&self, margin: f64) -> Data {
-        if margin == 0.0 {
-            return self.data.clone();
-        }
-        let corners = Mesh::new(&thickened(&self.data.corners, margin));
-        corners.map_or_else(|| self.data.clone(), |mesh| Data { corners: mesh.corners, inside: self.data.inside })
-    }
-
-    /// Judges a hull that does not enclose all colors, on all pixels.
-    fn short(&self, fit: &Fit, cloud: &Cloud) -> Option<Short> {
-        let points: Vec<Point> = fit.mesh.corners.iter().map(|point| point.map(f64::round)).collect();
-        let outside = Outside::of(&points, cloud);
-        let colors = shown(&points);
-        let colors = order(&colors).into_iter().map(|index| colors[index]).collect();
-        let share = outside.pixels as f64 / cloud.pixels().max(1) as f64;
-        Some(Short { colors, outside: share, largest: outside.largest, rms: outside.rms })
-    }
+/// Makes the palette of a cloud without volume: the prior colors, and the other corners of its hull.
+fn flat(corners: &[Point], extremes: &[Point], (prior, known): (&[Point], &[String])) -> Enclosing {
+    let shown = |point: &Point| point.map(|v| v / 255.0);
+    let others: Vec<[f64; 3]> = corners.iter().filter(|corner| !prior.contains(corner)).map(shown).collect();
+    let colors = prior.iter().map(shown).chain(order(&others).into_iter().map(|index| others[index]));
+    let colors: Vec<[f64; 3]> = colors.collect();
+    let units = [1_u32, 16, 256]
+        .into_iter()
+        .find(|units| prior.iter().flatten().all(|v| (v * f64::from(*units)).fract() == 0.0));
+    let palette = Palette { names: names(&colors, known), colors, units: units.unwrap_or(256) };
+    Enclosing::new(palette, 1.0, extremes, Outside::default())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::found::QUIET;
+    use crate::solid::Draws;
     use crate::vector::add;
+
+    fn found(cloud: &Cloud) -> Extraction {
+        extract(cloud, &Asked::default())
+    }
+
+    fn within(cloud: &Cloud, within: f64) -> Extraction {
+        extract(cloud, &Asked { within, ..Asked::default() })
+    }
 
     /// A cloud of mixes of some colors, with weights drawn by a seed.
     fn mixes(corners: &[[u8; 3]], count: usize, seed: u64) -> Cloud {
@@ -398,13 +114,13 @@ mod tests {
         cloud
     }
 
-    /// Tests that no color of a cloud lies outside of a palette, by the distances of the exact hull.
-    fn encloses(palette: &Enclosing, cloud: &Cloud) {
+    /// Tests that no color of a cloud lies farther outside of a palette than allowed, by the distances of the exact hull.
+    fn encloses(found: &Enclosing, cloud: &Cloud, within: f64) {
         let scaled = |color: &[f64; 3]| color.map(|v| (v * 255.0) as f32);
-        let hull = Hull::new(&palette.colors.iter().map(scaled).collect::<Vec<_>>());
+        let hull = Hull::new(&found.palette.colors.iter().map(scaled).collect::<Vec<_>>());
         for color in cloud.enclosed() {
             let distance = hull.signed_distance(color.map(f64::from));
-            assert!(distance <= 1e-4, "{color:?} lies {distance} outside of {palette:?}");
+            assert!(distance <= within + 1e-9, "{color:?} lies {distance} outside of {found:?}");
         }
     }
 
@@ -419,27 +135,24 @@ mod tests {
         .enumerate()
         {
             let cloud = mixes(&corners, 4000, seed as u64);
-            let found = extract(&cloud);
-            assert!(found.enclosing[0].colors.len() <= corners.len(), "{found:?}");
+            let found = found(&cloud);
+            assert!(found.enclosing[0].count() <= corners.len(), "{found:?}");
             assert!(found.usual().is_some_and(|usual| usual.volume <= QUIET));
             for palette in &found.enclosing {
-                encloses(palette, &cloud);
-                assert_eq!(
-                    (palette.names.len(), palette.distances.len()),
-                    (palette.colors.len(), palette.colors.len())
-                );
-                assert!(palette.colors.iter().flatten().all(|v| (0.0..=1.0).contains(v)));
+                encloses(palette, &cloud, 0.0);
+                assert_eq!((palette.palette.names.len(), palette.distances.len()), (palette.count(), palette.count()));
+                assert!(palette.palette.colors.iter().flatten().all(|v| (0.0..=1.0).contains(v)));
                 assert!(palette.volume > 0.999, "{palette:?}");
             }
-            assert!(found.enclosing.windows(2).all(|pair| pair[0].colors.len() < pair[1].colors.len()));
+            assert!(found.enclosing.windows(2).all(|pair| pair[0].count() < pair[1].count()));
         }
     }
 
     #[test]
     fn the_same_cloud_has_the_same_palettes() {
         let corners = [[20, 38, 46], [201, 143, 90], [45, 63, 82], [240, 207, 142], [255, 255, 240], [90, 0, 60]];
-        let found = || extract(&mixes(&corners, 2000, 5));
-        assert_eq!(found(), found());
+        let once = || found(&mixes(&corners, 2000, 5));
+        assert_eq!(once(), once());
     }
 
     #[test]
@@ -447,18 +160,21 @@ mod tests {
         let of = |colors: &[[u8; 3]]| {
             let mut cloud = Cloud::new();
             colors.iter().for_each(|color| cloud.add(*color));
-            extract(&cloud)
+            extract(&cloud, &Asked::default())
         };
         assert_eq!(of(&[]).usual(), None);
         let one = of(&[[7, 8, 9], [7, 8, 9]]);
         assert_eq!(
-            (one.distinct, one.usual().map(|palette| palette.colors.clone())),
+            (one.distinct, one.usual().map(|found| found.palette.colors.clone())),
             (1, Some(vec![[7, 8, 9].map(|v| f64::from(v) / 255.0)]))
         );
         let grays: Vec<[u8; 3]> = (3..=250).map(|v| [v; 3]).collect();
-        assert_eq!(of(&grays).usual().map(|palette| palette.names.clone()), Some(vec!["black".into(), "white".into()]));
+        assert_eq!(
+            of(&grays).usual().map(|found| found.palette.names.clone()),
+            Some(vec!["black".into(), "white".into()])
+        );
         let plane: Vec<[u8; 3]> = (0..50).flat_map(|x| (0..40).map(move |y| [x, y, 7])).collect();
-        assert_eq!(of(&plane).usual().map(|palette| palette.colors.len()), Some(4));
+        assert_eq!(of(&plane).usual().map(Enclosing::count), Some(4));
         // A disc has more corners than a palette has colors, so it gets a thickness.
         let disc = (0..=60).flat_map(|x| (0..=60).map(move |y| [x, y, 30])).collect::<Vec<[u8; 3]>>();
         let disc: Vec<[u8; 3]> = disc
@@ -466,7 +182,7 @@ mod tests {
             .filter(|[x, y, _]| (f64::from(*x) - 30.0).powi(2) + (f64::from(*y) - 30.0).powi(2) <= 900.0)
             .collect();
         let found = of(&disc);
-        assert!(found.usual().is_some_and(|palette| palette.colors.len() <= 8), "{found:?}");
+        assert!(found.usual().is_some_and(|found| found.count() <= 8), "{found:?}");
     }
 
     #[test]
@@ -476,10 +192,104 @@ mod tests {
         for _ in 0..200_000 {
             cloud.add([(); 3].map(|()| (256.0 * draws.next()) as u8));
         }
-        let found = extract(&cloud);
+        let found = found(&cloud);
         let usual = found.usual().expect("the cube encloses everything");
-        assert!(usual.colors.len() <= 8 && usual.volume < 1.2, "{usual:?}");
-        encloses(usual, &cloud);
-        assert!(found.short.iter().all(|short| short.outside > 0.0 && short.largest >= short.rms));
+        assert!(usual.count() <= 8 && usual.volume < 1.2, "{usual:?}");
+        encloses(usual, &cloud, 0.0);
+        assert!(found.short.iter().all(|short| short.share > 0.0 && short.outside.largest >= short.outside.rms));
+    }
+
+    #[test]
+    fn fewer_colors_do_if_pixels_may_lie_a_little_outside() {
+        let corners = [[20, 38, 46], [201, 143, 90], [45, 63, 82], [240, 207, 142], [255, 255, 240], [90, 0, 60]];
+        let cloud = mixes(&corners, 4000, 11);
+        let mut counts = Vec::new();
+        for reach in [0.0, 0.5, 4.0, 16.0, 60.0, 300.0] {
+            let found = within(&cloud, reach);
+            for palette in &found.enclosing {
+                encloses(palette, &cloud, reach);
+                assert_eq!(palette.outside, palette.palette.outside(&cloud), "{reach}");
+            }
+            assert!(found.enclosing.windows(2).all(|pair| pair[0].count() < pair[1].count()));
+            assert!(found.short.iter().all(|short| short.outside.largest > reach));
+            counts.push(found.fewest().map(Enclosing::count));
+        }
+        assert!(counts.is_sorted_by(|a, b| a >= b) && counts[0] > counts[3], "{counts:?}");
+        assert_eq!(counts[5], Some(1), "{counts:?}");
+    }
+
+    #[test]
+    fn clouds_that_are_nearly_flat_have_flat_palettes() {
+        let mut cloud = Cloud::new();
+        for v in 10..=240_u8 {
+            let wave = (f64::from(v) / 9.0).sin();
+            cloud.add([v, (f64::from(v) + 2.0 * wave).round() as u8, (f64::from(v) - 2.0 * wave).round() as u8]);
+        }
+        assert!(found(&cloud).fewest().is_some_and(|found| found.count() >= 4));
+        let line = within(&cloud, 4.0);
+        assert_eq!(line.fewest().map(Enclosing::count), Some(2));
+        encloses(&line.enclosing[0], &cloud, 4.0);
+        for v in 0..60_u8 {
+            cloud.add([120 + v, 120, 120 - v]);
+        }
+        let plane = within(&cloud, 5.0);
+        assert_eq!(plane.fewest().map(Enclosing::count), Some(3));
+        encloses(&plane.enclosing[0], &cloud, 5.0);
+    }
+
+    #[test]
+    fn prior_colors_are_kept_and_few_are_added() {
+        let corners = [[20, 38, 46], [201, 143, 90], [45, 63, 182], [240, 207, 142], [255, 255, 240], [90, 0, 60]];
+        // A little smaller, since the steps around a mix are enclosed, too.
+        let inside = corners.map(|corner: [u8; 3]| corner.map(|v| (0.9 * f64::from(v) + 12.0) as u8));
+        let cloud = mixes(&inside, 4000, 12);
+        let named = |colors: &[[u8; 3]]| {
+            let color =
+                |(index, color): (usize, &[u8; 3])| (format!("own_{index}"), color.map(|v| f64::from(v) / 255.0));
+            Asked { within: 0.0, prior: colors.iter().enumerate().map(color).collect() }
+        };
+        let plain = found(&cloud).fewest().map_or(0, Enclosing::count);
+        // All, none missing; some missing; one that lies inside; one that lies far out.
+        let some: [&[[u8; 3]]; 4] = [&corners, &corners[..4], &[[120, 110, 100]], &[[0, 255, 0]]];
+        for prior in some {
+            let asked = named(prior);
+            let found = extract(&cloud, &asked);
+            assert!(!found.enclosing.is_empty());
+            for palette in &found.enclosing {
+                encloses(palette, &cloud, 0.0);
+                for (index, (name, color)) in asked.prior.iter().enumerate() {
+                    assert_eq!((&palette.palette.names[index], palette.palette.colors[index]), (name, *color));
+                }
+            }
+            let fewest = found.enclosing[0].count();
+            match prior.len() {
+                6 => assert_eq!(fewest, 6),
+                4 => assert!(fewest <= 7, "{found:?}"),
+                _ => assert!(fewest <= plain + 1, "{found:?}"),
+            }
+        }
+        let found = extract(&cloud, &named(&[[120, 110, 100]]));
+        assert_eq!(found.enclosing[0].palette.inner(), [0]);
+    }
+
+    #[test]
+    fn prior_colors_of_flat_clouds() {
+        let mut cloud = Cloud::new();
+        (20..200).for_each(|v| cloud.add([v; 3]));
+        let asked = |colors: &[[f64; 3]]| {
+            let prior = colors.iter().map(|color| ("own".to_owned(), *color)).collect();
+            extract(&cloud, &Asked { within: 0.0, prior })
+        };
+        let gray = |v: f64| [v / 255.0; 3];
+        // A gray at an end leaves one to add, a gray within both, and a color beside them makes a triangle.
+        assert_eq!(asked(&[gray(10.0)]).fewest().map(Enclosing::count), Some(2));
+        assert_eq!(asked(&[gray(100.0)]).fewest().map(Enclosing::count), Some(3));
+        let red = asked(&[[1.0, 0.0, 0.0]]);
+        assert_eq!(red.fewest().map(Enclosing::count), Some(3));
+        encloses(&red.enclosing[0], &cloud, 0.0);
+        // Colors between the steps keep their places up to a 512th of a step.
+        let fine = asked(&[[0.123_456; 3]]);
+        assert!((fine.enclosing[0].palette.colors[0][0] - 0.123_456).abs() < 1.0 / 255.0 / 512.0);
+        assert_eq!(fine.enclosing[0].palette.units, 256);
     }
 }

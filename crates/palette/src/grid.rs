@@ -1,20 +1,19 @@
 //! Corners rounded to a grid, so that enclosing can be decided in whole numbers.
 
 use crate::corner::{Data, growth, tangents};
-use crate::mesh::Mesh;
 use crate::program::least;
 use crate::vector::{Point, dot};
 
 /// Rounds corners to multiples of a unit, one after the other, as the colors allow; the others adapt. `None` if there is
 /// no room.
-pub(crate) fn snap(mesh: &Mesh, data: &Data, unit: f64) -> Option<Vec<Point>> {
-    let count = mesh.count();
-    let mut points = mesh.corners.clone();
+pub(crate) fn snap(corners: &[Point], data: &Data, unit: f64) -> Option<Vec<Point>> {
+    let count = corners.len();
+    let mut points = corners.to_vec();
     let off = |point: &Point| point.iter().map(|v| (v / unit - (v / unit).round()).abs()).sum::<f64>();
     points.sort_by(|a, b| off(a).total_cmp(&off(b)));
     for fixed in 0..count {
         let halves_of = |points: &[Point], corner: usize| {
-            let mesh = Mesh::new(points).filter(|mesh| mesh.count() == count)?;
+            let mesh = data.hull(points).filter(|mesh| mesh.count() == count)?;
             let own = mesh.corners.iter().position(|point| *point == points[corner])?;
             let (edges, _) = mesh.link(&[own], data.inside);
             let boundary: Vec<[Point; 2]> = edges.iter().map(|edge| edge.map(|at| mesh.corners[at])).collect();
@@ -55,12 +54,12 @@ pub(crate) struct Gridded {
 }
 
 impl Gridded {
-    /// Rounds points; `None` if the rounded points are not as many corners of a hull.
-    pub(crate) fn round(points: &[Point], units: i64) -> Option<Self> {
+    /// Rounds points, and puts the prior ones before them; `None` if these are not on the grid.
+    pub(crate) fn round(points: &[Point], prior: &[Point], units: i64) -> Option<Self> {
         let whole = |v: f64| ((v * units as f64).round() as i64).clamp(0, 255 * units);
-        let corners: Vec<Whole> = points.iter().map(|point| point.map(whole)).collect();
+        let corners: Vec<Whole> = prior.iter().chain(points).map(|point| point.map(whole)).collect();
         let found = Self { corners, units };
-        (Mesh::new(&found.points())?.count() == points.len()).then_some(found)
+        found.points().starts_with(prior).then_some(found)
     }
 
     /// Returns the corners in steps of 8 bits.

@@ -1,4 +1,4 @@
-//! Convex hulls of few points as meshes of triangles.
+//! Convex hulls of few points as meshes of triangles. Some of the corners may be prior ones, which nothing moves.
 
 use crate::vector::{Point, cross, dot, sub};
 
@@ -8,20 +8,35 @@ pub(crate) struct Mesh {
     pub(crate) corners: Vec<Point>,
     pub(crate) triangles: Vec<[usize; 3]>,
     pub(crate) volume: f64,
+    /// For each corner, whether it is none of the prior ones.
+    pub(crate) is_own: Vec<bool>,
 }
 
 impl Mesh {
-    /// Makes the hull of points; `None` if it has no volume.
-    pub(crate) fn new(points: &[Point]) -> Option<Self> {
-        let (corners, triangles) = trochoid_weights::surface(points)?;
-        let corners: Vec<Point> = corners.iter().map(|&index| points[index]).collect();
+    /// Makes the hull of points and of prior ones; `None` if it has no volume.
+    pub(crate) fn new(points: &[Point], prior: &[Point]) -> Option<Self> {
+        let all = [prior, points].concat();
+        let (indices, triangles) = trochoid_weights::surface(&all)?;
+        let corners: Vec<Point> = indices.iter().map(|&index| all[index]).collect();
         let volume = volume(&corners, &triangles);
-        (volume > 0.0).then_some(Self { corners, triangles, volume })
+        let is_own = indices.iter().map(|index| *index >= prior.len()).collect();
+        (volume > 0.0).then_some(Self { corners, triangles, volume, is_own })
     }
 
-    /// Returns the number of corners.
+    /// Returns the number of corners beside the prior ones.
     pub(crate) fn count(&self) -> usize {
-        self.corners.len()
+        self.is_own.iter().filter(|own| **own).count()
+    }
+
+    /// Returns the corners beside the prior ones.
+    pub(crate) fn own(&self) -> Vec<Point> {
+        self.corners.iter().zip(&self.is_own).filter(|(_, own)| **own).map(|(corner, _)| *corner).collect()
+    }
+
+    /// Returns the own corners without some.
+    pub(crate) fn without(&self, left_out: &[usize]) -> Vec<Point> {
+        let kept = (0..self.corners.len()).filter(|index| self.is_own[*index] && !left_out.contains(index));
+        kept.map(|index| self.corners[index]).collect()
     }
 
     /// Returns the pairs of corners that are joined.

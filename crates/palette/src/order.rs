@@ -95,10 +95,10 @@ pub(crate) fn name(color: [f64; 3]) -> String {
     format!("{shade}{hue}")
 }
 
-/// Returns names for displayed colors, each once.
-pub(crate) fn names(colors: &[[f64; 3]]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for color in colors {
+/// Returns names for displayed colors, each once, of which the first ones are known.
+pub(crate) fn names(colors: &[[f64; 3]], known: &[String]) -> Vec<String> {
+    let mut names = known.to_vec();
+    for color in &colors[known.len()..] {
         let plain = name(*color);
         let numbered = (2..).map(|count| format!("{plain}_{count}"));
         let free = std::iter::once(plain.clone()).chain(numbered).find(|name| !names.contains(name));
@@ -135,7 +135,8 @@ mod tests {
         ] {
             assert_eq!(name(color), expected, "{color:?}");
         }
-        assert_eq!(names(&[[0.5; 3], [0.52; 3], [0.51; 3]]), ["gray", "gray_2", "gray_3"]);
+        assert_eq!(names(&[[0.5; 3], [0.52; 3], [0.51; 3]], &[]), ["gray", "gray_2", "gray_3"]);
+        assert_eq!(names(&[[0.1; 3], [0.5; 3]], &["gray".into()]), ["gray", "gray_2"]);
     }
 
     #[test]

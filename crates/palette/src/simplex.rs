@@ -75,8 +75,9 @@ pub(crate) fn solve(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
 #[derive(Clone, Debug)]
 pub(crate) struct Simplex {
     pub(crate) corners: Vec<usize>,
-    /// For each corner, the factors of the coordinates, and the constant.
-    forms: Vec<[f64; 4]>,
+    /// For each corner, the factors of the coordinates, and the constant; 0 for corners that a simplex of fewer dimensions
+    /// lacks.
+    forms: [[f64; 4]; 4],
 }
 
 impl Simplex {
@@ -95,13 +96,21 @@ impl Simplex {
             form[3] = solution[dimension];
             Some(form)
         };
-        let forms = (0..corners.len()).map(form).collect::<Option<_>>()?;
+        let mut forms = [[0.0; 4]; 4];
+        for (own, place) in forms.iter_mut().enumerate().take(corners.len()) {
+            *place = form(own)?;
+        }
         Some(Self { corners: corners.to_vec(), forms })
     }
 
-    /// Returns the barycentric coordinates of a point.
-    pub(crate) fn coordinates(&self, point: Point) -> impl Iterator<Item = f64> {
-        self.forms.iter().map(move |form| form[0] * point[0] + form[1] * point[1] + form[2] * point[2] + form[3])
+    /// Returns the barycentric coordinates of a point; 0 for corners that a simplex of fewer dimensions lacks.
+    pub(crate) fn coordinates(&self, point: Point) -> [f64; 4] {
+        self.forms.map(|form| form[0] * point[0] + form[1] * point[1] + form[2] * point[2] + form[3])
+    }
+
+    /// Returns the least of a point's barycentric coordinates.
+    pub(crate) fn least_of(&self, coordinates: &[f64; 4]) -> f64 {
+        coordinates[..self.corners.len()].iter().copied().fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -138,6 +147,7 @@ pub(crate) fn triangulate(points: &[Point], heights: &[f64], dimension: usize) -
         let is_below = |index: usize| {
             let plane: f64 = simplex
                 .coordinates(points[index])
+                .iter()
                 .zip(&simplex.corners)
                 .map(|(part, corner)| part * lifted[*corner])
                 .sum();
@@ -148,6 +158,41 @@ pub(crate) fn triangulate(points: &[Point], heights: &[f64], dimension: usize) -
         }
     });
     simplices
+}
+
+/// Returns the weights of the nearest point of a triangle, given by its corners; the last two or all of them may be the
+/// same (Ericson, *Real-time collision detection*, 2005, 5.1.5).
+pub(crate) fn nearest_of_triangle([a, b, c]: [Point; 3], to: Point) -> [f64; 3] {
+    let (ab, ac) = (sub(b, a), sub(c, a));
+    let along = |from: Point| (dot(ab, sub(to, from)), dot(ac, sub(to, from)));
+    let ((ab_a, ac_a), (ab_b, ac_b), (ab_c, ac_c)) = (along(a), along(b), along(c));
+    if ab_a <= 0.0 && ac_a <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    if ab_b >= 0.0 && ac_b <= ab_b {
+        return [0.0, 1.0, 0.0];
+    }
+    let part_c = ab_a * ac_b - ab_b * ac_a;
+    if part_c <= 0.0 && ab_a >= 0.0 && ab_b <= 0.0 {
+        let share = ab_a / (ab_a - ab_b);
+        return [1.0 - share, share, 0.0];
+    }
+    if ac_c >= 0.0 && ab_c <= ac_c {
+        return [0.0, 0.0, 1.0];
+    }
+    let part_b = ab_c * ac_a - ab_a * ac_c;
+    if part_b <= 0.0 && ac_a >= 0.0 && ac_c <= 0.0 {
+        let share = ac_a / (ac_a - ac_c);
+        return [1.0 - share, 0.0, share];
+    }
+    let part_a = ab_b * ac_c - ab_c * ac_b;
+    let (beyond_b, beyond_c) = (ac_b - ab_b, ab_c - ac_c);
+    if part_a <= 0.0 && beyond_b >= 0.0 && beyond_c >= 0.0 {
+        let share = beyond_b / (beyond_b + beyond_c);
+        return [0.0, 1.0 - share, share];
+    }
+    let all = part_a + part_b + part_c;
+    [1.0 - part_b / all - part_c / all, part_b / all, part_c / all]
 }
 
 /// Returns the weights of the nearest point of the hull of points, found among all their corners, edges and triangles.
@@ -220,5 +265,29 @@ mod tests {
         assert_eq!(near([-1.0, -1.0, -1.0]), [1.0, 0.0, 0.0, 0.0]);
         assert_eq!(near([0.25, -1.0, -1.0]), [0.75, 0.25, 0.0, 0.0]);
         assert_eq!(near([0.25, 0.5, -1.0]), [0.25, 0.25, 0.5, 0.0]);
+    }
+
+    #[test]
+    fn triangles_have_the_nearest_points_that_a_search_finds() {
+        let mut state = 5_u64;
+        let mut draw = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let at = |points: &[Point], weights: &[f64]| {
+            points.iter().zip(weights).fold([0.0; 3], |sum, (point, weight)| add(sum, scale(*point, *weight)))
+        };
+        for kind in 0..3 {
+            for _ in 0..2000 {
+                let mut points = [(); 3].map(|()| [(); 3].map(|()| draw()));
+                // Triangles, segments and points.
+                (0..kind).for_each(|same| points[2 - same] = points[2 - kind]);
+                let to = [(); 3].map(|()| 4.0 * draw() - 1.5);
+                let weights = nearest_of_triangle(points, to);
+                assert!(weights.iter().all(|weight| *weight >= 0.0), "{weights:?}");
+                let (found, searched) = (at(&points, &weights), at(&points, &nearest(&points, to)));
+                assert!(length(sub(found, searched)) < 1e-7, "{points:?} to {to:?}: {found:?}, {searched:?}");
+            }
+        }
     }
 }

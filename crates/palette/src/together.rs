@@ -3,11 +3,13 @@
 //! A sequence of linear programs: for each facet f with unit normal n and each color p near it, at a distance d (positive
 //! outside), moving the corners by δᵢ changes d by −Σ αᵢ n·δᵢ, with the barycentric coordinates α of p's foot on the
 //! facet. Minimized is V/V₀ + M·s, the volume relative to that of the colors' hull and a slack s ≥ d that all share, with
-//! |δ| at most a trust radius, and corners within the cube.
+//! |δ| at most a trust radius, and corners within the cube. Where colors stay outside, they may have a row more, with
+//! their distance from the nearest point of the hull, which may be on an edge.
 
 use crate::corner::Data;
 use crate::mesh::Mesh;
-use crate::vector::{Point, cross, dot, length, scale, sub};
+use crate::simplex::nearest;
+use crate::vector::{Point, add, cross, dot, length, scale, sub, unit};
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Solution, SolveOutcome};
 
 /// Cost of a slack of one step of 8 bits. It exceeds what any volume could save.
@@ -23,10 +25,15 @@ pub(crate) struct Fit {
 
 impl Fit {
     fn of(points: &[Point], data: &Data) -> Option<Self> {
-        let mesh = Mesh::new(points)?;
+        let mesh = data.hull(points)?;
         let facets = facets(&mesh);
-        let excesses = facets.iter().flat_map(|facet| data.corners.iter().map(|color| facet.excess(*color)));
-        let outside = excesses.fold(0.0, f64::max);
+        let farthest = |color: &Point| facets.iter().map(|facet| facet.excess(*color)).fold(0.0, f64::max);
+        let distance = |color: &Point| match farthest(color) {
+            // Beside an edge or a corner, a color is farther from the hull than from any facet's plane.
+            excess if excess > 0.0 && data.is_nearest => Row::near(&mesh, *color).map_or(0.0, |row| row.excess),
+            excess => excess,
+        };
+        let outside = data.corners.iter().map(distance).fold(0.0, f64::max);
         Some(Self { mesh, outside })
     }
 
@@ -91,7 +98,9 @@ fn moves(fit: &Fit, data: &Data, volume: f64, radius: f64) -> Option<Vec<Point>>
     let variables: Vec<[microlp::Variable; 3]> = corners
         .iter()
         .zip(&gradient)
-        .map(|(corner, gradient)| {
+        .zip(&fit.mesh.is_own)
+        .map(|((corner, gradient), is_own)| {
+            let radius = if *is_own { radius } else { 0.0 };
             [0, 1, 2].map(|c| {
                 let range = ((-corner[c]).max(-radius), (255.0 - corner[c]).min(radius));
                 problem.add_var(gradient[c] / volume, range)
@@ -100,14 +109,21 @@ fn moves(fit: &Fit, data: &Data, volume: f64, radius: f64) -> Option<Vec<Point>>
         .collect();
     let slack = problem.add_var(SLACK, (0.0, f64::INFINITY));
     let rows: Vec<Row> = facets.iter().flat_map(|facet| Row::of(facet, data, radius)).collect();
+    let is_outside = |color: &&Point| facets.iter().any(|facet| facet.excess(**color) > 0.0);
+    let near = data.corners.iter().filter(|_| data.is_nearest).filter(is_outside);
+    let near: Vec<Row> = near.filter_map(|color| Row::near(&fit.mesh, *color)).collect();
     let expression = |row: &Row| {
         let mut terms: Vec<(microlp::Variable, f64)> = Vec::with_capacity(10);
-        for (corner, by) in row.corners.iter().zip(row.by) {
+        // A row of a point on an edge or a corner has no more corners than these.
+        for (corner, by) in row.corners.iter().zip(row.by).filter(|(_, by)| *by != [0.0; 3]) {
             (0..3).for_each(|c| terms.push((variables[*corner][c], by[c])));
         }
         terms.push((slack, -1.0));
         terms
     };
+    for row in &near {
+        problem.add_constraint(expression(row), ComparisonOp::Le, -row.excess);
+    }
     // Few of the colors hold a facet, so rows are added as they are broken: at first the nearest color of each facet.
     let mut is_held = vec![false; rows.len()];
     for facet in &facets {
@@ -169,6 +185,20 @@ impl Row {
         data.corners.iter().filter_map(row).collect()
     }
 
+    /// Returns the row of a color outside and its nearest point of the hull; `None` if that is the color itself.
+    fn near(mesh: &Mesh, color: Point) -> Option<Self> {
+        let weights = nearest(&mesh.corners, color);
+        let foot = mesh.corners.iter().zip(&weights).fold([0.0; 3], |sum, (at, weight)| add(sum, scale(*at, *weight)));
+        let rest = sub(color, foot);
+        let (excess, direction) = (length(rest), unit(rest)?);
+        let mut row = Self { corners: [0; 3], by: [[0.0; 3]; 3], excess };
+        let used = weights.iter().enumerate().filter(|(_, weight)| **weight > 0.0).take(3);
+        for (at, (corner, weight)) in used.enumerate() {
+            (row.corners[at], row.by[at]) = (corner, scale(direction, -weight));
+        }
+        Some(row)
+    }
+
     /// Returns the distance after moves.
     fn after(&self, moves: &[Point]) -> f64 {
         self.excess + self.corners.iter().zip(self.by).map(|(corner, by)| dot(by, moves[*corner])).sum::<f64>()
@@ -181,8 +211,8 @@ pub(crate) fn together(points: &[Point], data: &Data, volume: f64, steps: usize,
     let mut radius = radius;
     for _ in 0..steps {
         let moved = moves(&fit, data, volume, radius).and_then(|moves| {
-            let moved = fit.mesh.corners.iter().zip(moves);
-            let moved = moved.map(|(corner, by)| [0, 1, 2].map(|c| (corner[c] + by[c]).clamp(0.0, 255.0)));
+            let own = fit.mesh.corners.iter().zip(moves).zip(&fit.mesh.is_own).filter(|(_, is_own)| **is_own);
+            let moved = own.map(|((corner, by), _)| [0, 1, 2].map(|c| (corner[c] + by[c]).clamp(0.0, 255.0)));
             Fit::of(&moved.collect::<Vec<_>>(), data)
         });
         match moved {
@@ -203,18 +233,15 @@ pub(crate) fn together(points: &[Point], data: &Data, volume: f64, steps: usize,
 /// end. Returns one that encloses all colors, or else the one that they exceed least.
 pub(crate) fn fewer(mesh: &Mesh, data: &Data, volume: f64) -> Option<Fit> {
     use rayon::prelude::*;
-    let without = |left_out: &[usize]| -> Vec<Point> {
-        let kept = mesh.corners.iter().enumerate().filter(|(index, _)| !left_out.contains(index));
-        kept.map(|(_, corner)| *corner).collect()
-    };
     let mut starts: Vec<Vec<Point>> = Vec::new();
-    for [a, b] in mesh.edges() {
+    let is_own = |corner: &usize| mesh.is_own[*corner];
+    for [a, b] in mesh.edges().into_iter().filter(|edge| edge.iter().all(is_own)) {
         let middle = [0, 1, 2].map(|c| 0.5 * (mesh.corners[a][c] + mesh.corners[b][c]));
-        let mut points = without(&[a, b]);
+        let mut points = mesh.without(&[a, b]);
         points.push(middle);
         starts.push(points);
     }
-    starts.extend((0..mesh.count()).map(|corner| without(&[corner])));
+    starts.extend((0..mesh.corners.len()).filter(is_own).map(|corner| mesh.without(&[corner])));
     let mut begun: Vec<Fit> =
         starts.into_par_iter().filter_map(|points| together(&points, data, volume, 8, 24.0)).collect();
     begun.sort_by(|a, b| {
@@ -222,8 +249,7 @@ pub(crate) fn fewer(mesh: &Mesh, data: &Data, volume: f64) -> Option<Fit> {
         cost(a).total_cmp(&cost(b))
     });
     begun.truncate(3);
-    let ended: Vec<Fit> =
-        begun.par_iter().filter_map(|fit| together(&fit.mesh.corners, data, volume, 40, 6.0)).collect();
+    let ended: Vec<Fit> = begun.par_iter().filter_map(|fit| together(&fit.mesh.own(), data, volume, 40, 6.0)).collect();
     let enclosing = ended.iter().filter(|fit| fit.encloses()).min_by(|a, b| a.mesh.volume.total_cmp(&b.mesh.volume));
     enclosing.or_else(|| ended.iter().min_by(|a, b| a.outside.total_cmp(&b.outside))).cloned()
 }

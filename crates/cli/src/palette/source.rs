@@ -1,70 +1,70 @@
 //! Colors of pictures, as `Read` reads them.
 
 use crate::failure::{FAILED, Failure};
-use crate::remedies;
+use crate::{frames, remedies};
 use serde_json::json;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use trochoid::io::{self, Limits};
-use trochoid::{Access, Buffers, Cache, Monitor, Plan, Settings, Window, escape_frame, parse_within};
-use trochoid_palette::Cloud;
+use trochoid::{
+    Access, Buffers, Cache, Monitor, Plan, Settings, Window, escape_frame, expand_frame, parse_within, quoted_path,
+};
 
-/// Part of a picture, in pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Region {
-    /// Columns from the left, and rows from the top.
-    at: [u32; 2],
-    /// Width and height.
-    size: [u32; 2],
-}
-
-/// Text that is no region.
-#[derive(Debug, thiserror::Error)]
-#[error("expected four whole numbers, such as 0,0,1920,400, with a width and a height above 0")]
-pub(super) struct NoRegion;
-
-/// Parses a region.
-pub(super) fn region(text: &str) -> Result<Region, NoRegion> {
-    let numbers: Result<Vec<u32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
-    match numbers.map_err(|_| NoRegion)?[..] {
-        [x, y, width, height] if width > 0 && height > 0 => Ok(Region { at: [x, y], size: [width, height] }),
-        _ => Err(NoRegion),
-    }
-}
-
-impl Region {
-    fn contains(self, place: [usize; 2]) -> bool {
-        (0..2).all(|axis| {
-            let (at, end) = (u64::from(self.at[axis]), u64::from(self.at[axis]) + u64::from(self.size[axis]));
-            (at..end).contains(&(place[axis] as u64))
-        })
-    }
-}
-
-/// Adds the pixels of a picture to a cloud: those in one of the regions, if there are any. Returns the number of pixels
-/// that are brighter than white.
+/// Returns the files of pictures: of each with a place for the frame one for each of the frames, if there is a list.
 ///
 /// # Errors
-/// The picture cannot be read, has illegal values, or has no pixel in the regions.
-pub(super) fn read(path: &Path, regions: &[Region], cloud: &mut Cloud, monitor: &dyn Monitor) -> Result<u64, Failure> {
-    let (window, colors) = self::colors(path, monitor)?;
-    let width = window.width();
-    let before = cloud.pixels();
-    let mut brighter = 0;
-    for (index, color) in colors.iter().enumerate() {
-        let place = [index % width, index / width];
-        if !regions.is_empty() && !regions.iter().any(|region| region.contains(place)) {
-            continue;
+/// The list names no frames, or no picture has a place for them; a picture that does not exist has one, and there is no
+/// list.
+pub(super) fn files(pictures: &[PathBuf], list: Option<&str>) -> Result<Vec<PathBuf>, Failure> {
+    let at = |picture: &Path, frame| PathBuf::from(expand_frame(&picture.to_string_lossy(), frame));
+    let has_frame = |picture: &Path| at(picture, 1) != at(picture, 2);
+    let Some(list) = list else {
+        let lost = pictures.iter().filter(|picture| has_frame(picture) && !picture.exists());
+        Failure::all(lost.map(|picture| {
+            let message = format!("{}: found a sequence; expected its frames", picture.display());
+            Failure::usage(message, "say which, such as --frames 1-96")
+        }))?;
+        return Ok(pictures.to_vec());
+    };
+    let frames = match frames::parse(list) {
+        Ok(frames) => frames,
+        Err(faults) => {
+            let remedy = "use a list such as 1-10,20-40x2";
+            Failure::all(faults.into_iter().map(|fault| Failure::usage(fault, remedy)))?;
+            Vec::new()
         }
-        let color = color.map(|channel| 255.0 * f64::from(channel));
-        brighter += u64::from(color.iter().any(|channel| *channel > 255.0 + 1e-4));
-        cloud.add_between(color);
+    };
+    if !pictures.iter().any(|picture| has_frame(picture)) {
+        let name = pictures.first().map_or(String::new(), |picture| quoted_path(picture));
+        let message = format!("--frames {list}: found {name}; expected a place for the frame in a name");
+        return Err(Failure::usage(message, "write #### where the number is, such as shot.####.png"));
     }
-    if cloud.pixels() == before {
-        let (name, height) = (path.display(), window.height());
-        let message = format!("{name}: found {width} × {height} pixels, none of them in a --region");
-        return Err(Failure::usage(message, "correct the region: x and y are of its upper left corner, in pixels"));
+    let expand = |picture: &PathBuf| -> Vec<PathBuf> {
+        if has_frame(picture) {
+            frames.iter().map(|frame| at(picture, *frame)).collect()
+        } else {
+            vec![picture.clone()]
+        }
+    };
+    Ok(pictures.iter().flat_map(expand).collect())
+}
+
+/// Pixels of a picture, row by row.
+pub(super) struct Pixels {
+    pub(super) window: Window,
+    /// Colors as displayed.
+    pub(super) colors: Vec<[f32; 3]>,
+    /// Alpha, if the picture has one.
+    alpha: Option<Vec<f32>>,
+}
+
+impl Pixels {
+    /// Returns the colors that are not transparent, with their places: columns from the left, rows from the top.
+    pub(super) fn seen(&self) -> impl Iterator<Item = ([usize; 2], [f32; 3])> {
+        let width = self.window.width().max(1);
+        let is_seen = |index: &usize| self.alpha.as_ref().is_none_or(|alpha| alpha[*index] > 0.0);
+        let all = (0..self.colors.len()).filter(is_seen);
+        all.map(move |index| ([index % width, index / width], self.colors[index]))
     }
-    Ok(brighter)
 }
 
 /// Returns the colors of a picture as displayed, row by row.
@@ -72,40 +72,59 @@ pub(super) fn read(path: &Path, regions: &[Region], cloud: &mut Cloud, monitor: 
 /// # Errors
 /// The picture cannot be read, or has illegal values.
 pub(crate) fn colors(path: &Path, monitor: &dyn Monitor) -> Result<(Window, Vec<[f32; 3]>), Failure> {
+    pixels(path, monitor).map(|pixels| (pixels.window, pixels.colors))
+}
+
+/// Returns the pixels of a picture.
+///
+/// # Errors
+/// The picture cannot be read, or has illegal values.
+pub(super) fn pixels(path: &Path, monitor: &dyn Monitor) -> Result<Pixels, Failure> {
     let info = io::info(path, &Limits::default()).map_err(|error| Failure::new(FAILED, error))?;
     let part = &info.parts[0];
+    let has_alpha = part.channels.iter().any(|channel| channel.full_name == "A");
     let [width, height] = [part.display.width(), part.display.height()];
     let file = trochoid::resolved(path);
-    let document = json!({
+    let file = escape_frame(&file.to_string_lossy());
+    let mut document = json!({
         "trochoid": 1,
         "format": { "width": width, "height": height },
         "working_space": "srgb",
-        "nodes": { "picture": { "type": "Read", "file": escape_frame(&file.to_string_lossy()), "as": "color" } },
+        "nodes": { "picture": { "type": "Read", "file": file, "as": "color" } },
         "outputs": { "picture": { "color": "picture" } },
     });
+    if has_alpha {
+        document["nodes"]["alpha"] = json!({ "type": "Read", "file": file, "as": "field", "channels": ["A"] });
+        document["outputs"]["alpha"] = json!({ "field": "alpha" });
+    }
     let name = path.display().to_string();
     let loaded = parse_within(&name, &document.to_string(), Path::new("."), &[], Access::everything())?;
     let failed = |error: &trochoid::EvalError| Failure::new(FAILED, remedies::evaluation(error));
-    let plan = Plan::new(&loaded.graph, &["picture"], 1, &[], &Settings::default())
-        .map_err(|error| Failure::new(FAILED, error))?;
+    let outputs: &[&str] = if has_alpha { &["picture", "alpha"] } else { &["picture"] };
+    let plan =
+        Plan::new(&loaded.graph, outputs, 1, &[], &Settings::default()).map_err(|error| Failure::new(FAILED, error))?;
     let frame = plan.evaluate(&Buffers::new(), &mut Cache::new(), monitor).map_err(|error| failed(&error))?;
     let [r, g, b] = [0, 1, 2].map(|channel| frame.pictures[0].planes[channel].samples());
     let colors = r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]).collect();
-    Ok((frame.window, colors))
+    let alpha = has_alpha.then(|| frame.pictures[1].planes[0].samples().to_vec());
+    Ok(Pixels { window: frame.window, colors, alpha })
 }
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may panic")]
+
     use super::*;
 
     #[test]
-    fn regions_are_four_numbers() {
-        let region = super::region("10, 20,30,40").unwrap();
-        assert_eq!(region, Region { at: [10, 20], size: [30, 40] });
-        assert!(region.contains([10, 20]) && region.contains([39, 59]));
-        assert!(!region.contains([40, 20]) && !region.contains([9, 20]));
-        for wrong in ["", "1,2,3", "1,2,3,4,5", "1,2,0,4", "a,2,3,4", "-1,2,3,4"] {
-            assert!(super::region(wrong).is_err(), "{wrong}");
-        }
+    fn sequences_have_a_file_for_each_frame() {
+        let paths = |names: &[&str]| names.iter().map(PathBuf::from).collect::<Vec<_>>();
+        let pictures = paths(&["a.##.png", "b.png"]);
+        assert_eq!(files(&pictures, Some("1-3x2")).unwrap(), paths(&["a.01.png", "a.03.png", "b.png"]));
+        assert_eq!(files(&pictures[1..], None).unwrap(), paths(&["b.png"]));
+        let told = |pictures: &[PathBuf], list| files(pictures, list).unwrap_err().messages[0].text().to_owned();
+        assert!(told(&pictures, None).starts_with("a.##.png: found a sequence; expected its frames"));
+        assert!(told(&pictures[1..], Some("1")).contains("expected a place for the frame"));
+        assert!(told(&pictures, Some("x")).contains("--frames: found \"x\""));
     }
 }

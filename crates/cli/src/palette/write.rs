@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use trochoid::io::{PngImage, Samples, write_png8};
 use trochoid::{Form, GENERATOR, VERSION, marks, quoted_path};
-use trochoid_palette::Enclosing;
+use trochoid_palette::Palette;
 
 /// Returns the form of a file by its extension.
 pub(super) fn form(path: &Path) -> Option<Form> {
@@ -29,7 +29,7 @@ pub(super) fn no_form(path: &Path) -> Failure {
 }
 
 /// Returns the failure of a file whose form cannot hold the colors.
-pub(super) fn unfit(path: &Path, palette: &Enclosing) -> Option<Failure> {
+pub(super) fn unfit(path: &Path, palette: &Palette) -> Option<Failure> {
     (form(path) == Some(Form::Gimp) && palette.units != 1).then(|| {
         let message = format!(
             "{}: found colors between the steps of 8 bits; expected whole steps, which are all that .gpl holds",
@@ -43,7 +43,7 @@ pub(super) fn unfit(path: &Path, palette: &Enclosing) -> Option<Failure> {
 ///
 /// # Errors
 /// The file cannot be written.
-pub(super) fn write(path: &Path, palette: &Enclosing, over: &OverwriteOptions) -> Result<(), Failure> {
+pub(super) fn write(path: &Path, palette: &Palette, over: &OverwriteOptions) -> Result<(), Failure> {
     match form(path) {
         Some(Form::Swatches) => {
             let image = swatches(&palette.colors);
@@ -64,7 +64,7 @@ pub(super) fn write(path: &Path, palette: &Enclosing, over: &OverwriteOptions) -
 }
 
 /// Returns the colors by name, as documents have them.
-pub(super) fn colors(palette: &Enclosing) -> Value {
+pub(super) fn colors(palette: &Palette) -> Value {
     let color = |color: &[f64; 3]| match palette.units {
         1 => json!(hex(*color)),
         _ => json!(color),
@@ -74,7 +74,7 @@ pub(super) fn colors(palette: &Enclosing) -> Value {
 }
 
 /// Returns the text of a palette as JSON.
-fn file(palette: &Enclosing) -> Value {
+fn file(palette: &Palette) -> Value {
     json!({
         "trochoid_palette": 1,
         "working_space": "srgb",
@@ -89,7 +89,7 @@ pub(super) fn hex(color: [f64; 3]) -> String {
 }
 
 /// Returns the text of a palette of GIMP.
-fn gimp(path: &Path, palette: &Enclosing) -> String {
+fn gimp(path: &Path, palette: &Palette) -> String {
     let name = path.file_stem().map_or("palette".into(), |stem| stem.to_string_lossy().replace(char::is_control, " "));
     let mut text = format!("GIMP Palette\nName: {name}\nColumns: {}\n# {GENERATOR}{VERSION}\n", palette.colors.len());
     for (name, color) in palette.names.iter().zip(&palette.colors) {

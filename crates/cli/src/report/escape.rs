@@ -3,7 +3,7 @@
 use crate::shell::printable;
 
 /// Escapes a text for HTML, and replaces its control characters.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let escaped = printable(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     escaped.replace('"', "&quot;").replace('\'', "&#39;")
 }

@@ -32,11 +32,11 @@
 
 mod csv;
 mod data;
-mod escape;
+pub(crate) mod escape;
 mod html;
 mod json;
-mod numbers;
-mod pictures;
+pub(crate) mod numbers;
+pub(crate) mod pictures;
 mod plots;
 mod tables;
 #[cfg(test)]

@@ -45,7 +45,7 @@ pub(super) fn seconds(value: f64) -> String {
 }
 
 /// Formats a share: `1.45 %`. Shares above 0 do not look like 0.
-pub(super) fn percent(share: f64) -> String {
+pub(crate) fn percent(share: f64) -> String {
     match 100.0 * share {
         part if !part.is_finite() => "–".into(),
         part if part > 0.0 && part < 0.005 => "< 0.01 %".into(),

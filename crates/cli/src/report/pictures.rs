@@ -59,7 +59,15 @@ pub(super) fn color(bound: f64, scale: &Range<f64>) -> RGBColor {
 
 fn encode(pixels: &[[f32; 3]], like: &Picture) -> Result<String, Box<dyn Error>> {
     let window = like.planes[0].window();
-    let image = PngImage::new(window.width() as u32, window.height() as u32, Samples::rgb(pixels));
+    data_url(pixels, window.width(), window.height())
+}
+
+/// Encodes displayed colors as a data URL, row by row.
+///
+/// # Errors
+/// They are not as many as the width and the height say.
+pub(crate) fn data_url(pixels: &[[f32; 3]], width: usize, height: usize) -> Result<String, Box<dyn Error>> {
+    let image = PngImage::new(width as u32, height as u32, Samples::rgb(pixels));
     let png = encode_png8(&PngImage { clamp: true, ..image })?;
     Ok(format!("data:image/png;base64,{}", STANDARD.encode(png)))
 }

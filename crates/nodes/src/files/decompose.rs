@@ -194,21 +194,23 @@ impl Prepared for PreparedDecompose {
     }
 
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
+        let Some(decomposer) = &*self.decomposer else { return Ok(()) };
         let area = block.window.area();
-        let mut colors = [(); 3].map(|()| vec![0.0; area]);
-        for (layer, plane) in self.layers.iter().zip(&mut colors) {
+        let mut planes = [(); 3].map(|()| vec![0.0; area]);
+        for (layer, plane) in self.layers.iter().zip(&mut planes) {
             layer.fill(block, plane);
         }
-        let mut wanted: Vec<_> = (0..self.kind.channels()).map(|channel| outputs.only(channel)).collect();
-        for sample in 0..area {
-            let color = [0, 1, 2].map(|channel: usize| f64::from(colors[channel][sample]));
-            let weights = channels(self.kind, Storing::Float.round(&self.weights(color)));
-            for (plane, weight) in wanted.iter_mut().zip(weights) {
-                if let Some(plane) = plane {
-                    plane[sample] = weight;
-                }
-            }
-        }
+        let [r, g, b] = &planes;
+        let colors: Vec<[f32; 3]> = r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]).collect();
+        // Planes that nobody wants, and the first weight of a mask, are thrown away.
+        let first = usize::from(self.kind == Kind::MASK);
+        let mut wanted: Vec<Option<&mut [f32]>> = (0..first).map(|_| None).collect();
+        wanted.extend((0..self.kind.channels()).map(|channel| outputs.only(channel)));
+        let mut spare: Vec<Vec<f32>> =
+            wanted.iter().map(|plane| if plane.is_some() { Vec::new() } else { vec![0.0; area] }).collect();
+        let mut planes: Vec<&mut [f32]> =
+            wanted.into_iter().zip(&mut spare).map(|(plane, spare)| plane.unwrap_or(spare)).collect();
+        decomposer.fill(&colors, Storing::Float, &mut planes);
         Ok(())
     }
 
