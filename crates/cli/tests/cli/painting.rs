@@ -278,7 +278,10 @@ fn a_page_shows_the_palette_without_other_files() {
     let json = write(&["--json"]).code(0).json();
     let page = fs::read_to_string(scene.path("p.html")).unwrap();
     for (name, color) in json["palette"].as_object().unwrap() {
-        assert!(page.contains(&format!("<b>{name}</b>")) && page.contains(color.as_str().unwrap()), "{name}");
+        assert!(
+            page.contains(&format!("<b>{}</b>", name.replace('_', "_<wbr>"))) && page.contains(color.as_str().unwrap()),
+            "{name}"
+        );
     }
     let words =
         ["Palette of a&lt;b&gt;.png", "none lies outside of their hull", "data:image/png;base64,", "<table>", "<svg"];

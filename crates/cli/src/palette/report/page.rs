@@ -103,6 +103,7 @@ fn swatches(page: &mut String, found: &Found, shares: Option<&[f64]>) {
         if let Some(measured) = measured {
             about.push(match measured.distances[index] {
                 distance if distance < 0.5 => "a pixel has it".into(),
+                distance if distance < 1.5 => "1 step from any pixel".into(),
                 distance => format!("{distance:.0} steps from any pixel"),
             });
         }
@@ -121,7 +122,8 @@ fn swatches(page: &mut String, found: &Found, shares: Option<&[f64]>) {
             "<li data-color=\"{index}\"><span class=\"color\" style=\"background:{}\"></span>\
              <b>{}</b><code>{value}</code>{bar}<small>{}</small></li>",
             hex(*color),
-            escape(name),
+            // Long names break between their words.
+            escape(name).replace('_', "_<wbr>"),
             about.join("<br>")
         );
     }
