@@ -211,13 +211,13 @@ impl Decomposer {
         let whole = 1.0 / parts.iter().sum::<f64>();
         // Cumulative coordinates fall from the number of cuts to 0; of each, the whole part and the fraction.
         let (mut node, mut fractions) = ([0; 3], [0.0; 3]);
-        let (mut left, mut most) = (1.0, self.cuts - 1);
+        let (mut left, mut most) = (1.0, self.cuts as u32 - 1);
         for at in 0..dimension {
             left -= parts[at] * whole;
             let coordinate = self.cuts as f64 * left.clamp(0.0, 1.0);
-            most = most.min(coordinate as usize);
-            node[at] = most;
-            fractions[at] = (coordinate - most as f64).clamp(0.0, 1.0);
+            most = most.min(coordinate as u32);
+            node[at] = most as usize;
+            fractions[at] = (coordinate - f64::from(most)).clamp(0.0, 1.0);
         }
         // The largest fraction first; of equal ones, the first goes first, so that coordinates keep falling.
         let mut order = [0, 1, 2];
