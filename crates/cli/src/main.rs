@@ -13,6 +13,7 @@ mod edit;
 mod explain;
 mod failure;
 mod files;
+mod fit;
 mod frames;
 mod graph;
 mod info;
@@ -90,6 +91,8 @@ enum Command {
     Decompose(decompose::Args),
     /// Paint what was taken apart in other colors
     Recolor(recolor::Args),
+    /// Find the colors in which a picture comes nearest to a painting
+    Fit(fit::Args),
     /// Find the settings that meet a tolerance
     Plan(plan::Args),
     /// Compare settings by error and run time, as a page of plots
@@ -121,6 +124,7 @@ fn main() -> ExitCode {
         Command::Palette(args) => palette::run(args),
         Command::Decompose(args) => decompose::run(args),
         Command::Recolor(args) => recolor::run(args),
+        Command::Fit(args) => fit::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Report(args) => report::run(args),
         Command::Verify(args) => verify::run(args),

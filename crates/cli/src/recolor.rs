@@ -69,7 +69,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         (path.clone(), frame.or(known))
     };
     let recipes: Vec<(PathBuf, Option<i64>)> = recipes.iter().map(frame).collect();
-    let outs = outputs_at(&args.out, &recipes, &["png", "exr"])?;
+    let outs = outputs_at("--out", &args.out, &recipes, &["png", "exr"])?;
     let mut faults: Vec<Failure> = Vec::new();
     for out in &outs {
         let cannot = || trochoid::check_destination(out).err().map(Failure::from);

@@ -73,6 +73,10 @@ pub enum Form {
     Gimp,
     /// Picture of a palette's colors as PNG.
     Swatches,
+    /// Table of colors for other programs, .cube.
+    Cube,
+    /// Document; one that is there is never ours, but its author's.
+    Document,
     /// Certificate as JSON.
     Certificate,
     /// Report of a run or of measurements as JSON.
@@ -102,8 +106,8 @@ impl Form {
 /// because nothing can be lost.
 ///
 /// EXR and PNG have metadata `trochoid:…`, which are found even if the rest is cut off. Reports, certificates, plans and
-/// palettes have their own keys, palettes of GIMP a comment; pages, graph drawings and animations name their generator; a table has our header. All other
-/// files, including documents, are foreign.
+/// palettes have their own keys, palettes of GIMP and tables of colors a comment; pages, graph drawings and animations name
+/// their generator; a table has our header. All other files, including documents, are foreign.
 pub fn is_ours(path: &Path, form: Form) -> bool {
     open_file(path).is_ok_and(|found| found.length == 0 || form_of(path, found).is_ok_and(|found| found == Some(form)))
 }
@@ -138,6 +142,9 @@ fn form_of(path: &Path, found: OpenFile) -> std::io::Result<Option<Form>> {
             | MarkerFields { trochoid: Some(Version::Text(_)), rungs: Some(_), .. } => Some(Form::Report),
             _ => None,
         }));
+    }
+    if head.starts_with(b"# ") && head[2..].starts_with(GENERATOR.as_bytes()) {
+        return Ok(Some(Form::Cube));
     }
     if head.starts_with(b"GIMP Palette") {
         return Ok(says(&head, "# ").then_some(Form::Gimp));
@@ -185,7 +192,7 @@ mod tests {
     use super::*;
     use trochoid_io::{ExrChannel, ExrImage, PngImage};
 
-    const FORMS: [Form; 12] = [
+    const FORMS: [Form; 14] = [
         Form::Exr,
         Form::Png,
         Form::Preview,
@@ -198,6 +205,8 @@ mod tests {
         Form::Plan,
         Form::Certificate,
         Form::Report,
+        Form::Cube,
+        Form::Document,
     ];
 
     #[test]
@@ -216,6 +225,7 @@ mod tests {
             (r#"{"status": "done", "trochoid": "0.1.0"}"#, Form::Report),
             (r#"{"trochoid_plan": 1, "set": {}}"#, Form::Plan),
             (&format!("{TABLE}is_method\r\n"), Form::Table),
+            (&format!("# {GENERATOR}0.1.0\nTITLE \"a\"\n"), Form::Cube),
             (&page, Form::Page),
             (&svg, Form::Svg),
             (&webp, Form::WebP),

@@ -18,7 +18,7 @@ mod regions;
 mod report;
 pub(crate) mod source;
 mod text;
-mod write;
+pub(crate) mod write;
 
 use crate::failure::{FAILED, Failure, MISSED};
 use crate::files;

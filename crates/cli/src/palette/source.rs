@@ -2,11 +2,12 @@
 
 use crate::failure::{FAILED, Failure};
 use crate::{frames, remedies};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use trochoid::io::{self, Limits};
 use trochoid::{
-    Access, Buffers, Cache, Monitor, Plan, Settings, Window, escape_frame, expand_frame, parse_within, quoted_path,
+    Access, Buffers, Cache, Frame, Monitor, Plan, Settings, Window, escape_frame, expand_frame, parse_within,
+    quoted_path,
 };
 
 /// Returns the files of pictures: of each with a place for the frame one for each of the frames, if there is a list.
@@ -97,17 +98,49 @@ pub(super) fn pixels(path: &Path, monitor: &dyn Monitor) -> Result<Pixels, Failu
         document["nodes"]["alpha"] = json!({ "type": "Read", "file": file, "as": "field", "channels": ["A"] });
         document["outputs"]["alpha"] = json!({ "field": "alpha" });
     }
+    let outputs: &[&str] = if has_alpha { &["picture", "alpha"] } else { &["picture"] };
+    let frame = evaluated(path, &document, outputs, monitor)?;
+    let colors = displayed(&frame);
+    let alpha = has_alpha.then(|| frame.pictures[1].planes[0].samples().to_vec());
+    Ok(Pixels { window: frame.window, colors, alpha })
+}
+
+/// Returns the colors of a picture as displayed, row by row, scaled to a size.
+///
+/// # Errors
+/// The picture cannot be read, or has illegal values.
+pub(crate) fn scaled(
+    path: &Path,
+    [width, height]: [usize; 2],
+    monitor: &dyn Monitor,
+) -> Result<Vec<[f32; 3]>, Failure> {
+    let file = trochoid::resolved(path);
+    let file = escape_frame(&file.to_string_lossy());
+    let document = json!({
+        "trochoid": 1,
+        // Many samples: pixels of larger pictures are averaged.
+        "format": { "width": width, "height": height, "samples": 16 },
+        "working_space": "srgb",
+        "nodes": { "picture": { "type": "Read", "file": file, "as": "color", "fit": "bilinear" } },
+        "outputs": { "picture": { "color": "picture" } },
+    });
+    Ok(displayed(&evaluated(path, &document, &["picture"], monitor)?))
+}
+
+/// Evaluates a document that reads a picture.
+fn evaluated(path: &Path, document: &Value, outputs: &[&str], monitor: &dyn Monitor) -> Result<Frame, Failure> {
     let name = path.display().to_string();
     let loaded = parse_within(&name, &document.to_string(), Path::new("."), &[], Access::everything())?;
     let failed = |error: &trochoid::EvalError| Failure::new(FAILED, remedies::evaluation(error));
-    let outputs: &[&str] = if has_alpha { &["picture", "alpha"] } else { &["picture"] };
     let plan =
         Plan::new(&loaded.graph, outputs, 1, &[], &Settings::default()).map_err(|error| Failure::new(FAILED, error))?;
-    let frame = plan.evaluate(&Buffers::new(), &mut Cache::new(), monitor).map_err(|error| failed(&error))?;
+    plan.evaluate(&Buffers::new(), &mut Cache::new(), monitor).map_err(|error| failed(&error))
+}
+
+/// Returns the pixels of a frame's first picture.
+fn displayed(frame: &Frame) -> Vec<[f32; 3]> {
     let [r, g, b] = [0, 1, 2].map(|channel| frame.pictures[0].planes[channel].samples());
-    let colors = r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]).collect();
-    let alpha = has_alpha.then(|| frame.pictures[1].planes[0].samples().to_vec());
-    Ok(Pixels { window: frame.window, colors, alpha })
+    r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]).collect()
 }
 
 #[cfg(test)]

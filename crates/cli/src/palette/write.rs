@@ -11,7 +11,7 @@ use trochoid::{Form, GENERATOR, VERSION, marks, quoted_path};
 use trochoid_palette::Palette;
 
 /// Returns the form of a file by its extension.
-pub(super) fn form(path: &Path) -> Option<Form> {
+pub(crate) fn form(path: &Path) -> Option<Form> {
     let ending = path.extension()?.to_string_lossy().to_lowercase();
     match ending.as_str() {
         "json" => Some(Form::Palette),
@@ -22,7 +22,7 @@ pub(super) fn form(path: &Path) -> Option<Form> {
 }
 
 /// Returns the failure of a file without a form.
-pub(super) fn no_form(path: &Path) -> Failure {
+pub(crate) fn no_form(path: &Path) -> Failure {
     let found = path.extension().map_or("no extension".into(), |ending| format!("the extension .{}", ending.display()));
     let message = format!("--out {}: found {found}; expected .json, .gpl or .png", quoted_path(path));
     Failure::usage(message, format!("name it {}", quoted_path(&path.with_extension("json"))))
@@ -43,7 +43,7 @@ pub(super) fn unfit(path: &Path, palette: &Palette) -> Option<Failure> {
 ///
 /// # Errors
 /// The file cannot be written.
-pub(super) fn write(path: &Path, palette: &Palette, over: &OverwriteOptions) -> Result<(), Failure> {
+pub(crate) fn write(path: &Path, palette: &Palette, over: &OverwriteOptions) -> Result<(), Failure> {
     match form(path) {
         Some(Form::Swatches) => {
             let image = swatches(&palette.colors);
@@ -83,7 +83,7 @@ fn file(palette: &Palette) -> Value {
 }
 
 /// Returns a color as text, rounded to 8 bits.
-pub(super) fn hex(color: [f64; 3]) -> String {
+pub(crate) fn hex(color: [f64; 3]) -> String {
     let [r, g, b] = color.map(|channel| (255.0 * channel).round() as u8);
     format!("#{r:02x}{g:02x}{b:02x}")
 }

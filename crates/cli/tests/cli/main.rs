@@ -11,6 +11,7 @@ mod edit;
 mod examine;
 mod explain;
 mod files;
+mod fit;
 #[cfg(target_os = "linux")]
 mod hostile;
 mod kills;
