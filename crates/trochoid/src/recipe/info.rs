@@ -191,6 +191,6 @@ fn said(text: &str) -> Option<(RecipeInfo, Rounding)> {
         names,
     };
     let rounding = Rounding { moved: number("moved")?, images: number("images_moved")? };
-    let is_whole = info.names.len() == info.colors.len() && !(info.names.is_empty() && !info.has_images);
-    is_whole.then_some((info, rounding))
+    let has_weights = info.has_images || !info.names.is_empty();
+    (has_weights && info.names.len() == info.colors.len()).then_some((info, rounding))
 }

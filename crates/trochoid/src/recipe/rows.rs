@@ -58,9 +58,12 @@ impl RecipeRows {
     }
 }
 
+/// Largest share by which a half differs from a number that was rounded to it: 2⁻¹¹.
+const HALF: f64 = 1.0 / 2048.0;
+/// Half of the smallest half: 2⁻²⁵.
+const LEAST: f64 = 1.0 / 33_554_432.0;
+
 /// Bounds how far a value ≥ 0 moves as it is rounded to a half.
 fn half_step(value: f32) -> f64 {
-    // Halves have 11 bits; the smallest one is 2⁻²⁴.
-    let least = if value > 0.0 { 2.0_f64.powi(-25) } else { 0.0 };
-    (f64::from(value) * 2.0_f64.powi(-11)).max(least)
+    if value > 0.0 { (f64::from(value) * HALF).max(LEAST) } else { 0.0 }
 }
