@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Renders what README.md and graphs/README.md show: stills at half size, animated previews, scenes in their second
-# palettes, trees of the graphs, the editor.
+# palettes, trees of the graphs, a page, the editor.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release
@@ -46,6 +46,12 @@ recolored noise_and_shapes night 1 1
 for scene in stormy_sea stormy_sea_bare great_wave toon_sea cartoon_bay toon_teapot from_passes open_sea; do
   tree "$scene"
 done
+
+# A page of a recipe, as a browser shows it.
+"$trochoid" decompose samples/great_wave.png --palette graphs/great_wave.json --overwrite -o out/great_wave.exr
+"$trochoid" page out/great_wave.exr --palette graphs/palettes/great_wave_autumn.json --title 'The great wave' \
+  --overwrite -o out/great_wave.html
+TROCHOID=$trochoid .ci/page picture out/great_wave.html samples/page_great_wave.png
 
 # The editor is drawn without a window, but not without a graphics driver.
 cargo run --release -p trochoid-editor --features snapshots --example screenshots -- samples

@@ -20,6 +20,7 @@ mod info;
 mod interrupt;
 mod nodes;
 mod outputs;
+mod page;
 mod palette;
 mod plan;
 mod preview;
@@ -91,6 +92,8 @@ enum Command {
     Decompose(decompose::Args),
     /// Paint what was taken apart in other colors
     Recolor(recolor::Args),
+    /// Put recipes into one HTML file, whose colors can be changed in any browser
+    Page(page::Args),
     /// Find the colors in which a picture comes nearest to a painting
     Fit(fit::Args),
     /// Find the settings that meet a tolerance
@@ -124,6 +127,7 @@ fn main() -> ExitCode {
         Command::Palette(args) => palette::run(args),
         Command::Decompose(args) => decompose::run(args),
         Command::Recolor(args) => recolor::run(args),
+        Command::Page(args) => page::run(args),
         Command::Fit(args) => fit::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Report(args) => report::run(args),

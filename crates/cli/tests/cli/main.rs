@@ -18,6 +18,7 @@ mod kills;
 #[cfg(unix)]
 mod memory;
 mod overwrite;
+mod page;
 mod painting;
 mod palette;
 mod plan;
