@@ -216,12 +216,12 @@ impl Prepared for PreparedDecompose {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let truths: Vec<Vec<f64>> = bounding.block.places().map(|at| self.truth(at)).collect();
-        for channel in 0..self.kind.channels() {
+        (0..self.kind.channels()).for_each(|channel| {
             bounding.bound_by(outputs, SoleOutput, channel, |sample| {
                 let truth = truths[sample][channel];
                 Span::of(&[truth, truth]).within(0.0, 1.0)
             });
-        }
+        });
         Ok(())
     }
 
