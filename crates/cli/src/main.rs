@@ -6,6 +6,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
+mod blame;
 mod changes;
 mod check;
 mod decompose;
@@ -96,6 +97,8 @@ enum Command {
     Page(page::Args),
     /// Find the colors in which a picture comes nearest to a painting
     Fit(fit::Args),
+    /// Tell which colors a pixel is mixed from, and how much of each
+    Blame(blame::Args),
     /// Find the settings that meet a tolerance
     Plan(plan::Args),
     /// Compare settings by error and run time, as a page of plots
@@ -129,6 +132,7 @@ fn main() -> ExitCode {
         Command::Recolor(args) => recolor::run(args),
         Command::Page(args) => page::run(args),
         Command::Fit(args) => fit::run(args),
+        Command::Blame(args) => blame::run(args),
         Command::Plan(args) => plan::run(args),
         Command::Report(args) => report::run(args),
         Command::Verify(args) => verify::run(args),

@@ -9,7 +9,7 @@ mod lab;
 mod painting;
 mod picture;
 mod sliced;
-mod source;
+pub(crate) mod source;
 
 use crate::changes::Changes;
 use crate::failure::Failure;
@@ -142,7 +142,7 @@ fn source(args: &Args, progress: &Progress) -> Result<Source, Failure> {
     shell::tell(&crate::remedies::texts(&loaded.warnings));
     let output = source::output(&loaded.graph, args.output.as_deref())?;
     let frame = args.frame.unwrap_or(loaded.graph.frames().0);
-    Source::of_graph(&loaded.graph, output, frame, progress)
+    Source::of_graph(&loaded.graph, output, frame, None, progress)
 }
 
 /// Returns the colors that may change: those with names, but not the fixed ones.

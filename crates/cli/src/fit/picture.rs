@@ -2,28 +2,28 @@
 
 /// Weights of a picture over colors, and what is not looked for.
 #[derive(Clone, Debug)]
-pub(super) struct Weighed {
+pub(crate) struct Weighed {
     /// Number of the colors that are looked for.
-    pub(super) colors: usize,
+    pub(crate) colors: usize,
     /// Their weights, pixel by pixel.
-    pub(super) weights: Vec<f32>,
+    pub(crate) weights: Vec<f32>,
     /// What the other colors, and images, add to each pixel, in the working space.
-    pub(super) rest: Vec<[f32; 3]>,
+    pub(crate) rest: Vec<[f32; 3]>,
 }
 
 impl Weighed {
     /// Returns the number of pixels.
-    pub(super) fn pixels(&self) -> usize {
+    pub(crate) fn pixels(&self) -> usize {
         self.rest.len()
     }
 
     /// Returns the weights of a pixel.
-    pub(super) fn of(&self, pixel: usize) -> &[f32] {
+    pub(crate) fn of(&self, pixel: usize) -> &[f32] {
         &self.weights[pixel * self.colors..][..self.colors]
     }
 
     /// Returns the mean weight of each color.
-    pub(super) fn shares(&self) -> Vec<f64> {
+    pub(crate) fn shares(&self) -> Vec<f64> {
         let mut sums = vec![0.0; self.colors];
         for pixel in 0..self.pixels() {
             sums.iter_mut().zip(self.of(pixel)).for_each(|(sum, weight)| *sum += f64::from(*weight));
@@ -33,7 +33,7 @@ impl Weighed {
     }
 
     /// Returns a pixel in some colors.
-    pub(super) fn mixed(&self, pixel: usize, colors: &[[f64; 3]]) -> [f64; 3] {
+    pub(crate) fn mixed(&self, pixel: usize, colors: &[[f64; 3]]) -> [f64; 3] {
         let mut sum = self.rest[pixel].map(f64::from);
         for (weight, color) in self.of(pixel).iter().zip(colors) {
             (0..3).for_each(|c| sum[c] += f64::from(*weight) * color[c]);
@@ -42,7 +42,7 @@ impl Weighed {
     }
 
     /// Returns so many pixels, or all if there are fewer, evenly from all over the picture.
-    pub(super) fn sampled(&self, most: usize) -> Self {
+    pub(crate) fn sampled(&self, most: usize) -> Self {
         let pixels = evenly(self.pixels(), most);
         Self {
             colors: self.colors,
@@ -54,7 +54,7 @@ impl Weighed {
 
 /// Returns so many of some indices, or all if there are fewer: evenly, and without the beat that a constant step would have
 /// with the rows of a picture.
-pub(super) fn evenly(count: usize, most: usize) -> Vec<usize> {
+pub(crate) fn evenly(count: usize, most: usize) -> Vec<usize> {
     if count <= most {
         return (0..count).collect();
     }

@@ -6,18 +6,19 @@ use crate::progress::Progress;
 use crate::{interrupt, remedies};
 use std::path::Path;
 use trochoid::{
-    Buffers, Cache, CheckedGraph, EvalError, Kind, LoadError, Plan, Plane, Recipe, RecipeError, Settings, WorkingSpace,
+    Buffers, Cache, CheckedGraph, EvalError, Kind, LoadError, Plan, Plane, Recipe, RecipeError, Settings, Window,
+    WorkingSpace,
 };
 
 /// A picture by its weights.
-pub(super) struct Source {
+pub(crate) struct Source {
     /// Names of all colors.
-    pub(super) names: Vec<String>,
+    pub(crate) names: Vec<String>,
     /// The colors, in the working space.
-    pub(super) colors: Vec<[f64; 3]>,
-    pub(super) space: WorkingSpace,
-    pub(super) width: usize,
-    pub(super) height: usize,
+    pub(crate) colors: Vec<[f64; 3]>,
+    pub(crate) space: WorkingSpace,
+    pub(crate) width: usize,
+    pub(crate) height: usize,
     /// Weights of each color, then what images add to red, green and blue, if there are any.
     channels: Vec<Vec<f32>>,
 }
@@ -27,7 +28,7 @@ impl Source {
     ///
     /// # Errors
     /// The file cannot be read, or is none.
-    pub(super) fn of_recipe(path: &Path) -> Result<Self, Failure> {
+    pub(crate) fn of_recipe(path: &Path) -> Result<Self, Failure> {
         let mut recipe = Recipe::read(path).map_err(|error| match &error {
             RecipeError::Read(_) => Failure::new(FAILED, &error),
             RecipeError::NoRecipe { .. } => {
@@ -43,14 +44,15 @@ impl Source {
         Ok(Self { names: info.names, colors: info.colors, space: info.space, width, height, channels })
     }
 
-    /// Renders the weights of an output of a document at a frame.
+    /// Renders the weights of an output of a document at a frame, of all pixels or of a region.
     ///
     /// # Errors
     /// The graph has no recipe, or cannot be rendered.
-    pub(super) fn of_graph(
+    pub(crate) fn of_graph(
         graph: &CheckedGraph,
         output: usize,
         frame: i64,
+        region: Option<Window>,
         progress: &Progress,
     ) -> Result<Self, Failure> {
         let mut graph = graph.clone();
@@ -58,7 +60,9 @@ impl Source {
         let graph = graph.with_recipes(&[recipe]).map_err(|refused| Failure::from(LoadError::Invalid(refused)))?;
         let failed = |error: &dyn std::fmt::Display| Failure::new(FAILED, format!("frame {frame}: {error}"));
         let name = graph.outputs()[recipe].name.as_str();
-        let plan = Plan::new(&graph, &[name], frame, &[], &Settings::default()).map_err(|error| failed(&error))?;
+        let mut settings = Settings::default();
+        settings.region = region;
+        let plan = Plan::new(&graph, &[name], frame, &[], &settings).map_err(|error| failed(&error))?;
         let evaluated = plan.evaluate(&Buffers::new(), &mut Cache::new(), progress).map_err(|error| match error {
             EvalError::Cancelled => Failure::new(INTERRUPTED, "interrupted; nothing was written"),
             error => Failure::new(FAILED, format!("frame {frame}: {}", remedies::evaluation(&error))),
@@ -84,7 +88,7 @@ impl Source {
     }
 
     /// Returns the weights of the colors with these indices at some pixels; the others are part of the rest.
-    pub(super) fn weighed(&self, free: &[usize], pixels: &[usize]) -> Weighed {
+    pub(crate) fn weighed(&self, free: &[usize], pixels: &[usize]) -> Weighed {
         let (weights, images) = self.channels.split_at(self.names.len());
         let rest = pixels.iter().map(|pixel| {
             let mut sum = [0.0_f64; 3];
@@ -101,8 +105,16 @@ impl Source {
         }
     }
 
+    /// Returns the weight of each color at a pixel, and what images add to its red, green and blue.
+    pub(crate) fn at(&self, pixel: usize) -> (Vec<f64>, [f64; 3]) {
+        let (weights, images) = self.channels.split_at(self.names.len());
+        let mut added = [0.0; 3];
+        images.iter().zip(&mut added).for_each(|(image, sum)| *sum = f64::from(image[pixel]));
+        (weights.iter().map(|plane| f64::from(plane[pixel])).collect(), added)
+    }
+
     /// Returns at most so many pixels, evenly from all over the picture.
-    pub(super) fn pixels(&self, most: usize) -> Vec<usize> {
+    pub(crate) fn pixels(&self, most: usize) -> Vec<usize> {
         evenly(self.width * self.height, most)
     }
 }
@@ -111,7 +123,7 @@ impl Source {
 ///
 /// # Errors
 /// There is none, or it is no color.
-pub(super) fn output(graph: &CheckedGraph, asked: Option<&str>) -> Result<usize, Failure> {
+pub(crate) fn output(graph: &CheckedGraph, asked: Option<&str>) -> Result<usize, Failure> {
     let is_color = |index: &usize| graph.outputs()[*index].kind == Kind::Color && !graph.outputs()[*index].is_recipe;
     let colors: Vec<usize> = (0..graph.outputs().len()).filter(is_color).collect();
     let named = |name: &str| colors.iter().copied().find(|index| graph.outputs()[*index].name == name);
@@ -127,6 +139,6 @@ pub(super) fn output(graph: &CheckedGraph, asked: Option<&str>) -> Result<usize,
 }
 
 /// Fails if the run was interrupted.
-pub(super) fn check_interrupted() -> Result<(), Failure> {
+pub(crate) fn check_interrupted() -> Result<(), Failure> {
     if interrupt::asked() { Err(Failure::new(INTERRUPTED, "interrupted; nothing was written")) } else { Ok(()) }
 }

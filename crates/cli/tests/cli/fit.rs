@@ -106,3 +106,27 @@ fn a_recoloring_is_a_document_and_a_table_for_other_programs() {
     scene.run(&["decompose", "--palette", "a.json", "--to", "others.json", "--cube", "b.txt"]).code(2);
     assert!(!scene.path("b.cube").exists());
 }
+
+#[test]
+fn the_colors_of_a_pixel_are_told_and_sum_to_1() {
+    let scene = Scene::new(SUNSET);
+    let run = scene.run(&["blame", "a.json", "--at", "0,0", "--at", "47,31"]).code(0);
+    run.says(&["all, frame 1, pixel 0,0: #5", "  %  #5a3f5e  dusk"]);
+    let run = scene.run(&["blame", "a.json", "--at", "20,11", "--json"]).code(0);
+    let told: Value = serde_json::from_str(&run.out).unwrap();
+    let colors = told["pixels"][0]["colors"].as_array().unwrap();
+    let weights: Vec<f64> = colors.iter().map(|color| color["weight"].as_f64().unwrap()).collect();
+    assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-6 && weights.len() == 4, "{told}");
+    assert!(weights.windows(2).all(|pair| pair[0] >= pair[1]), "{told}");
+    // They mix the pixel that is rendered.
+    scene.run(&["render", "a.json"]).code(0);
+    let picture = trochoid::io::read(scene.path("sunset.png"), &Default::default(), &Default::default()).unwrap();
+    for (c, channel) in picture.channels.iter().enumerate() {
+        let mixed: f64 =
+            colors.iter().zip(&weights).map(|(own, w)| w * channels(own["color"].as_str().unwrap())[c]).sum();
+        let pixel = 255.0 * f64::from(channel.plane.samples()[11 * 48 + 20]);
+        assert!((pixel - mixed).abs() < 0.51, "{pixel} {mixed}");
+    }
+    scene.run(&["blame", "a.json", "--at", "48,0"]).fails(2, &["--at 48,0", "the last one is 47,31"]);
+    scene.run(&["blame", "a.json", "--at", "x"]).fails(2, &["such as 960,540"]);
+}
