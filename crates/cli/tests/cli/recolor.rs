@@ -77,7 +77,7 @@ fn many_pictures_are_taken_apart_alike() {
     fs::copy(scene.path("land.png"), scene.path("again.png")).unwrap();
     let all = ["decompose", "land.png", "again.png", "--palette", "a.json", "--out", "r.{name}.exr", "--json"];
     let json: Value = scene.run(&all).code(0).json();
-    assert_eq!(json["recipes"][1]["file"], "r.again.exr");
+    assert_eq!(json["recipes"][1]["files"][0], "r.again.exr");
     assert_eq!(apart(&picture(&scene, "r.land.exr"), &picture(&scene, "r.again.exr")), 0.0);
     scene.run(&["recolor", "r.land.exr", "r.again.exr", "--out", "{name}.png"]).code(0);
     assert!(scene.path("r.again.png").exists());
