@@ -111,7 +111,7 @@ fn a_recoloring_is_a_document_and_a_table_for_other_programs() {
 fn the_colors_of_a_pixel_are_told_and_sum_to_1() {
     let scene = Scene::new(SUNSET);
     let run = scene.run(&["blame", "a.json", "--at", "0,0", "--at", "47,31"]).code(0);
-    run.says(&["all, frame 1, pixel 0,0: #5", "  %  #5a3f5e  dusk"]);
+    run.says(&["all, frame 1, pixel 0,0: #5", "100.00 %  #5a3f5e  dusk"]);
     let run = scene.run(&["blame", "a.json", "--at", "20,11", "--json"]).code(0);
     let told: Value = serde_json::from_str(&run.out).unwrap();
     let colors = told["pixels"][0]["colors"].as_array().unwrap();
