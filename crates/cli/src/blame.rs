@@ -6,6 +6,7 @@
 
 use crate::changes::Changes;
 use crate::failure::Failure;
+use crate::files::AccessOptions;
 use crate::fit::source::{self, Source};
 use crate::palette::write::hex;
 use crate::progress::Progress;
@@ -39,6 +40,8 @@ pub(crate) struct Args {
     output: Option<String>,
     #[command(flatten)]
     changes: Changes,
+    #[command(flatten)]
+    reach: AccessOptions,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -72,7 +75,12 @@ struct Blamed {
 /// # Errors
 /// The document is invalid, has no such pixel, or cannot be rendered.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let loaded = trochoid::load(&args.graph, &args.changes.assignments())?;
+    if trochoid::io::kind(&args.graph).is_ok() {
+        let message = format!("{}: found a picture; expected a document", args.graph.display());
+        let remedy = "for a picture, make one first: trochoid decompose PICTURE --palette FILE --graph a.json";
+        return Err(Failure::usage(message, remedy));
+    }
+    let loaded = args.reach.load(&args.graph, &args.changes.assignments())?;
     shell::tell(&remedies::texts(&loaded.warnings));
     let output = source::output(&loaded.graph, args.output.as_deref())?;
     let window = loaded.graph.format().window();

@@ -193,6 +193,8 @@ fn colors(
             assignment.split_once('=').and_then(|(name, color)| Some((name, trochoid::parse_hex(color).ok()?)));
         match parsed {
             Some((name, color)) => {
+                // As render names it.
+                let name = name.strip_prefix("palette.").unwrap_or(name);
                 let linear = color.map(trochoid::srgb_decode);
                 // As in documents, where colors are ≥ 0.
                 let color = info.space.from_linear_srgb(linear).map(|channel| channel.max(0.0));

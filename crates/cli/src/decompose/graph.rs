@@ -21,8 +21,13 @@ pub(super) fn document(file: &Path, picture: &Path, [width, height]: [usize; 2],
             "weights": { "type": "Decompose", "file": beside(file, picture), "colors": colors, "softness": softness },
             "picture": { "type": "Blend", "colors": named, "weights": "weights" },
         },
-        "outputs": { "picture": { "color": "picture" } },
+        "outputs": { "picture": { "color": "picture", "file": format!("{}.repainted.png", stem(file)) } },
     })
+}
+
+/// Returns the name of a file without its extension, as a document names it.
+fn stem(file: &Path) -> String {
+    escape_frame(&file.file_stem().unwrap_or_default().to_string_lossy())
 }
 
 /// Returns the path of a picture as a document names it: relative to the document's folder, with / between folders.

@@ -13,7 +13,7 @@ pub(crate) mod source;
 
 use crate::changes::Changes;
 use crate::failure::Failure;
-use crate::files::{self, OverwriteOptions};
+use crate::files::{self, AccessOptions, OverwriteOptions};
 use crate::palette::write;
 use crate::progress::Progress;
 use crate::{interrupt, shell};
@@ -64,6 +64,8 @@ pub(crate) struct Args {
     fix: Vec<String>,
     #[command(flatten)]
     changes: Changes,
+    #[command(flatten)]
+    reach: AccessOptions,
     #[command(flatten)]
     over: OverwriteOptions,
     /// Print nothing on stdout, and show no progress
@@ -138,7 +140,7 @@ fn source(args: &Args, progress: &Progress) -> Result<Source, Failure> {
         }))?;
         return Source::of_recipe(&args.picture);
     }
-    let loaded = trochoid::load(&args.picture, &args.changes.assignments())?;
+    let loaded = args.reach.load(&args.picture, &args.changes.assignments())?;
     shell::tell(&crate::remedies::texts(&loaded.warnings));
     let output = source::output(&loaded.graph, args.output.as_deref())?;
     let frame = args.frame.unwrap_or(loaded.graph.frames().0);

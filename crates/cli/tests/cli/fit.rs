@@ -128,5 +128,6 @@ fn the_colors_of_a_pixel_are_told_and_sum_to_1() {
         assert!((pixel - mixed).abs() < 0.51, "{pixel} {mixed}");
     }
     scene.run(&["blame", "a.json", "--at", "48,0"]).fails(2, &["--at 48,0", "the last one is 47,31"]);
+    scene.run(&["blame", "sunset.png", "--at", "0,0"]).fails(2, &["expected a document", "--graph"]);
     scene.run(&["blame", "a.json", "--at", "x"]).fails(2, &["such as 960,540"]);
 }
