@@ -78,3 +78,39 @@ fn illegal_weights_are_found_where_they_are() {
     let nothing = vec![vec![0.0_f32; 1200]; 6];
     assert_eq!(found(&nothing), Err(0));
 }
+
+#[test]
+fn signs_and_infinities_of_halves_are_told_apart() {
+    let found = |weights: [f32; 3]| {
+        // More colors than are added at once, and a pixel behind others.
+        let mut planes = vec![vec![0_u16; 600]; 11];
+        planes[10].fill(f16::ONE.to_bits());
+        for (plane, weight) in [0, 7, 10].into_iter().zip(weights) {
+            planes[plane][599] = f16::from_f32(weight).to_bits();
+        }
+        let rows: Vec<&[u16]> = planes.iter().map(Vec::as_slice).collect();
+        let mut out = [(); 3].map(|()| vec![0.0_f32; 600]);
+        paint(&rows, &[[0.5; 3]; 11], None, out.each_mut().map(Vec::as_mut_slice)).map(|()| out[0][599])
+    };
+    assert_eq!(found([0.25, 0.5, 0.25]), Ok(0.5));
+    assert_eq!(found([-0.0, -0.0, 1.0]), Ok(0.5));
+    assert_eq!(found([2.0_f32.powi(-24), 0.0, 1.0 - 2.0_f32.powi(-11)]), Err(599));
+    assert_eq!(found([-0.25, 0.5, 0.75]), Err(599));
+    for endless in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
+        assert_eq!(found([endless, 0.5, 0.25]), Err(599));
+    }
+}
+
+#[test]
+fn all_halves_are_converted_as_the_standard_says() {
+    let halves: Vec<u16> = (0..=u16::MAX).collect();
+    let one = vec![f16::ONE.to_bits(); halves.len()];
+    let mut out = [(); 3].map(|()| vec![0.0_f32; halves.len()]);
+    let images = [&halves[..]; 3];
+    paint(&[&one[..]], &[[0.0; 3]], Some(images), out.each_mut().map(Vec::as_mut_slice)).unwrap();
+    for (bits, found) in halves.iter().zip(&out[1]) {
+        // The color that is added makes 0 of −0.
+        let expected = f16::from_bits(*bits).to_f32() + 0.0;
+        assert!(found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan(), "{bits:#06x}: {found}");
+    }
+}
