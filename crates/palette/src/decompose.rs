@@ -18,6 +18,8 @@ use trochoid_weights::Storing;
 const CUTS: usize = 16;
 /// Pixels that are taken apart in one piece.
 const SLICE: usize = 4096;
+/// Pixels whose weights are stored together.
+const RUN: usize = 64;
 /// How far outside of a simplex a point may lie by rounding, in barycentric coordinates.
 const ROUNDING: f64 = 1e-9;
 
@@ -149,12 +151,20 @@ impl Decomposer {
 
     /// Does the same on one thread, into a slice of each plane. Returns the largest weight that storing moved.
     pub fn fill(&self, colors: &[[f32; 3]], storing: Storing, planes: &mut [&mut [f32]]) -> f64 {
-        let (mut near, mut weights, mut order) = (0, vec![0.0; self.colors.len()], Vec::new());
+        let count = self.colors.len();
+        let (mut near, mut weights) = (0, vec![0.0; RUN.min(colors.len()) * count]);
         let mut moved = 0.0_f64;
-        for (index, color) in colors.iter().enumerate() {
-            self.weigh(color.map(f64::from), &mut near, &mut weights);
-            moved = moved.max(storing.apportion(&mut weights, &mut order));
-            planes.iter_mut().zip(&weights).for_each(|(plane, weight)| plane[index] = *weight as f32);
+        for (run, colors) in colors.chunks(RUN).enumerate() {
+            let weights = &mut weights[..colors.len() * count];
+            for (color, weights) in colors.iter().zip(weights.chunks_exact_mut(count)) {
+                self.weigh(color.map(f64::from), &mut near, weights);
+            }
+            moved = moved.max(storing.apportion_each(weights, count));
+            for (index, plane) in planes.iter_mut().enumerate() {
+                let plane = &mut plane[run * RUN..][..colors.len()];
+                let own = weights[index..].iter().step_by(count);
+                plane.iter_mut().zip(own).for_each(|(stored, weight)| *stored = *weight as f32);
+            }
         }
         moved
     }
@@ -164,22 +174,27 @@ impl Decomposer {
     fn weigh(&self, color: [f64; 3], near: &mut usize, weights: &mut [f64]) {
         let point = self.frame.of(color);
         // A point well inside of a simplex is in no other one.
-        if let Some(simplex) = self.simplices.get(*near) {
-            let parts = simplex.coordinates(point);
-            if simplex.least_of(&parts) > ROUNDING {
-                return self.interpolate(*near, parts, weights);
+        let known = self.simplices.get(*near).map(|simplex| (simplex, simplex.coordinates(point)));
+        let known = known.filter(|(simplex, parts)| simplex.least_of(parts) > ROUNDING);
+        match known.map(|(_, parts)| (*near, parts)).or_else(|| self.searched(point)) {
+            Some((simplex, parts)) => {
+                *near = simplex;
+                self.interpolate(simplex, parts, weights);
             }
+            None => weights.copy_from_slice(&nearest(&self.points, point)),
         }
-        let Some((mut simplex, least)) = self.located(point) else {
-            return weights.copy_from_slice(&nearest(&self.points, point));
-        };
+    }
+
+    /// Returns the simplex in which a point or its nearest one in the hull lies, and that one's coordinates.
+    #[cold]
+    fn searched(&self, point: Point) -> Option<(usize, [f64; 4])> {
+        let (mut simplex, least) = self.located(point)?;
         let mut at = point;
         if least < -ROUNDING {
             at = self.onto(point);
             simplex = self.located(at).map_or(simplex, |(simplex, _)| simplex);
         }
-        *near = simplex;
-        self.interpolate(simplex, self.simplices[simplex].coordinates(at), weights);
+        Some((simplex, self.simplices[simplex].coordinates(at)))
     }
 
     /// Returns the nearest point of the hull to one outside.

@@ -250,16 +250,45 @@ impl BlockStrokes {
     }
 }
 
+/// Returns of each channel of an image whether it differs from 0 anywhere in a window.
+fn used(level: Level, image: &Connection<'_>, channels: usize, window: Window) -> Vec<bool> {
+    let mut used = vec![false; channels];
+    dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+        for (channel, used) in used.iter_mut().enumerate() {
+            *used = !is_zero(image, channel, window);
+        }
+    }));
+    used
+}
+
 /// Whether a channel of an image is 0 all over a window.
+#[inline(always)]
 fn is_zero(image: &Connection<'_>, channel: usize, window: Window) -> bool {
     let Some(Some(plane)) = image.planes.get(channel) else { return true };
     // Beyond the image its border repeats.
     let x0 = window.x0.clamp(image.window.x0, image.window.x1 - 1);
     let x1 = window.x1.clamp(x0 + 1, image.window.x1);
-    (window.y0..window.y1).all(|y| {
-        let start = place(image.window, x0, y);
-        plane[start..start + (x1 - x0) as usize].iter().all(|value| *value == 0.0)
-    })
+    // A closure would not be compiled for the vectors of the caller.
+    for y in window.y0..window.y1 {
+        let row = &plane[place(image.window, x0, y)..][..(x1 - x0) as usize];
+        // Without leaving early, rows are compared as vectors.
+        if row.iter().fold(0, |bits, value| bits | value.to_bits()) << 1 != 0 {
+            return false;
+        }
+    }
+    true
+}
+
+/// Returns the pixels of a channel of an image from column `x0` up to `x1`, in row `y`. Beyond the image its border
+/// repeats: then they are copied to `own`.
+#[inline(always)]
+fn own_row<'r>(plane: &'r [f32], window: Window, [x0, x1]: [i64; 2], y: i64, own: &'r mut Vec<f32>) -> &'r [f32] {
+    if window.x0 <= x0 && x1 <= window.x1 {
+        return &plane[place(window, x0, y)..][..(x1 - x0) as usize];
+    }
+    own.clear();
+    own.extend((x0..x1).map(|x| plane[place(window, x, y)]));
+    own
 }
 
 impl PreparedStrokes {
@@ -274,12 +303,13 @@ impl PreparedStrokes {
             other.cmp(layer).then(b.order.cmp(&a.order)).then_with(|| at(1)).then_with(|| at(0))
         });
         let strokes: Vec<Stroke> = strokes.into_iter().map(|(_, stroke)| stroke).collect();
-        let channels = self.kind.channels();
+        let is_used = used(Level::new(), image, self.kind.channels(), image.window);
+        let channels: Vec<usize> = (0..is_used.len()).filter(|channel| is_used[*channel]).collect();
         let (mut values, mut ends) = (Vec::new(), Vec::with_capacity(strokes.len()));
         for stroke in &strokes {
             let [x, y] = stroke.source;
-            let value = |channel: usize| (channel, sample(Some(image), channel, x, y).unwrap_or(0.0));
-            values.extend((0..channels).map(value).filter(|(_, value)| *value != 0.0));
+            let value = |channel: &usize| (*channel, sample(Some(image), *channel, x, y).unwrap_or(0.0));
+            values.extend(channels.iter().map(value).filter(|(_, value)| *value != 0.0));
             ends.push(values.len());
         }
         Ok(BlockStrokes { strokes, values, ends, offset: block.offset })
@@ -331,7 +361,7 @@ impl Prepared for PreparedStrokes {
         let mut painted: Vec<Sums> = Vec::with_capacity(parts.len());
         for (part, on) in parts.into_iter().zip(on) {
             inputs.check_cancelled()?;
-            let mut is_used: Vec<bool> = (0..channels).map(|channel| !is_zero(image, channel, part)).collect();
+            let mut is_used = used(level, image, channels, part);
             for index in &on {
                 block_strokes.values(*index as usize).iter().for_each(|(channel, _)| is_used[*channel] = true);
             }
@@ -359,26 +389,30 @@ impl Prepared for PreparedStrokes {
             }));
             painted.push(sums);
         }
+        let (mut own, black) = (Vec::new(), vec![0.0f32; width]);
         fill(self.kind, area, outputs, |channel, out| {
-            for Sums { part, sums, left } in &painted {
-                for y in part.y0..part.y1 {
-                    let start = place(window, part.x0, y);
-                    let out = &mut out[start..start + part.width()];
-                    let Some(sums) = &sums[channel] else {
-                        out.fill(0.0);
-                        continue;
-                    };
-                    let pixels = place(*part, part.x0, y)..;
-                    for (((out, x), sum), left) in
-                        out.iter_mut().zip(part.x0..).zip(&sums[pixels.clone()]).zip(&left[pixels])
-                    {
-                        let own = sample(Some(image), channel, x, y).unwrap_or(0.0);
-                        let sum = sum + if *left > 0.0 { left * own } else { 0.0 };
-                        // +∞ and −∞ have no mean: keep the image.
-                        *out = if sum.is_nan() { own as f32 } else { sum as f32 };
+            let plane = image.planes.get(channel).copied().flatten();
+            dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                for Sums { part, sums, left } in &painted {
+                    for y in part.y0..part.y1 {
+                        let out = &mut out[place(window, part.x0, y)..][..part.width()];
+                        let Some(sums) = &sums[channel] else {
+                            out.fill(0.0);
+                            continue;
+                        };
+                        let pixels = place(*part, part.x0, y)..;
+                        let row = [part.x0, part.x1];
+                        let own = plane.map_or(&black[..], |plane| own_row(plane, image.window, row, y, &mut own));
+                        for (((out, own), sum), left) in
+                            out.iter_mut().zip(own).zip(&sums[pixels.clone()]).zip(&left[pixels])
+                        {
+                            let sum = sum + if *left > 0.0 { left * f64::from(*own) } else { 0.0 };
+                            // +∞ and −∞ have no mean: keep the image.
+                            *out = if sum.is_nan() { *own } else { sum as f32 };
+                        }
                     }
                 }
-            }
+            }));
         });
         Ok(())
     }

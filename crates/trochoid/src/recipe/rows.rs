@@ -24,24 +24,9 @@ impl RecipeRows {
     /// Rounds pixels: takes the layers of a recipe, channel by channel, and returns the channels of the file.
     pub(crate) fn stored(&self, layers: &[&[f32]]) -> Vec<Vec<f32>> {
         let RecipeInfo { has_images, storing, .. } = &self.info;
-        let count = self.info.weights();
-        let mut channels: Vec<Vec<f32>> = layers[..count].iter().map(|row| row.to_vec()).collect();
-        let mut found = Rounding::default();
-        let (mut weights, mut places, mut order) = (Vec::new(), Vec::new(), Vec::new());
-        for pixel in 0..layers[0].len() {
-            weights.clear();
-            places.clear();
-            for (place, row) in layers[..count].iter().enumerate() {
-                if row[pixel] > 0.0 {
-                    weights.push(f64::from(row[pixel]));
-                    places.push(place);
-                }
-            }
-            found.moved = found.moved.max(storing.apportion(&mut weights, &mut order));
-            for (weight, place) in weights.iter().zip(&places) {
-                channels[*place][pixel] = *weight as f32;
-            }
-        }
+        let rows = &layers[..self.info.weights()];
+        let mut channels: Vec<Vec<f32>> = rows.iter().map(|row| vec![0.0; row.len()]).collect();
+        let mut found = Rounding { moved: storing.apportion_rows(rows, &mut channels), ..Rounding::default() };
         if *has_images {
             // The color stands in the last layer; where rounding leaves an image no weight, it may keep a color.
             for row in &layers[layers.len() - 3..] {

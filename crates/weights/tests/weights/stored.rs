@@ -1,5 +1,6 @@
 //! Stored weights: exact sums, and as little moved as possible.
 
+use proptest::prelude::*;
 use trochoid_weights::Storing;
 
 #[test]
@@ -25,7 +26,7 @@ fn sums_are_exact_in_any_order_and_errors_within_their_bound() {
                 };
                 let off = mix(&mut stored.iter().map(|w| f64::from(*w))) - mix(&mut weights.iter().copied());
                 let mut again = weights.clone();
-                let moved = storing.apportion(&mut again, &mut Vec::new());
+                let moved = storing.apportion(&mut again);
                 assert!(again.iter().zip(&stored).all(|(a, b)| *a == f64::from(*b)));
                 assert!(off.abs() <= moved + 1e-12, "{off} by {moved}");
                 assert!(moved <= storing.error(count, 1.0) + 1e-12, "{moved}");
@@ -40,10 +41,53 @@ fn what_is_stored_already_stays_and_nothing_stays_nothing() {
         let unit = 1.0 / f64::from(storing.units());
         let mut weights = [0.25, 0.0, 3.0 * unit, 0.75 - 3.0 * unit, 0.0];
         let before = weights;
-        assert_eq!(storing.apportion(&mut weights, &mut Vec::new()), 0.0);
+        assert_eq!(storing.apportion(&mut weights), 0.0);
         assert_eq!(weights, before);
         let rounded = storing.round(&[0.5, 0.0, 0.25 + unit / 3.0, 0.25 - unit / 3.0]);
         assert_eq!(rounded[1], 0.0);
         assert_eq!(rounded.iter().sum::<f32>(), 1.0);
+    }
+}
+
+proptest! {
+    /// Few colors are apportioned without sorting, and as many are, also where remainders are equal and weights are 0.
+    #[test]
+    fn few_are_apportioned_as_many(parts in prop::collection::vec(prop_oneof![Just(0.0), 1e-9..1.0, Just(0.125)], 1..33)) {
+        let sum: f64 = parts.iter().sum();
+        prop_assume!(sum > 0.0);
+        let weights: Vec<f64> = parts.iter().map(|part| part / sum).collect();
+        for storing in [Storing::Half, Storing::Float] {
+            let mut few = weights.clone();
+            let mut many = [&weights[..], &[0.0; 33]].concat();
+            let moved = [storing.apportion(&mut few), storing.apportion(&mut many)];
+            prop_assert_eq!(&few[..], &many[..few.len()]);
+            prop_assert!((moved[0] - moved[1]).abs() < 1e-12 && many[few.len()..].iter().all(|weight| *weight == 0.0));
+        }
+    }
+}
+
+#[test]
+fn rows_are_apportioned_as_their_pixels() {
+    // More pixels than are looked at together, some of which mix few of the colors.
+    let rows: Vec<Vec<f32>> = (0..40)
+        .map(|color| {
+            (0..300).map(|pixel| if (pixel / 90 + color) % 7 < 3 { (color * 7 % 11) as f32 } else { 0.0 }).collect()
+        })
+        .collect();
+    let sum = |pixel: usize| rows.iter().map(|row| f64::from(row[pixel])).sum::<f64>();
+    let rows: Vec<Vec<f32>> =
+        rows.iter().map(|row| (0..300).map(|pixel| (f64::from(row[pixel]) / sum(pixel)) as f32).collect()).collect();
+    for storing in [Storing::Half, Storing::Float] {
+        // What was in the rows before does not matter.
+        let mut stored = vec![vec![7.0; 300]; 40];
+        let slices: Vec<&[f32]> = rows.iter().map(Vec::as_slice).collect();
+        let moved = storing.apportion_rows(&slices, &mut stored);
+        let mut most = 0.0_f64;
+        for pixel in 0..300 {
+            let mut weights: Vec<f64> = rows.iter().map(|row| f64::from(row[pixel])).collect();
+            most = most.max(storing.apportion(&mut weights));
+            assert!(stored.iter().zip(&weights).all(|(row, weight)| f64::from(row[pixel]) == *weight), "{pixel}");
+        }
+        assert!((moved - most).abs() < 1e-12);
     }
 }
