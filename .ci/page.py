@@ -74,7 +74,7 @@ def in_space(folder, space):
         for pixels in channels.values():
             pixels[:, :80] = numpy.floor(pixels[:, :80].astype("f8") * 64) / 2048
         rest = 1 - sum(pixels.astype("f8") for pixels in channels.values())
-        channels["recipe.night"] = (channels["recipe.night"] + rest).astype("f2")
+        channels["recipe.night.Y"] = (channels["recipe.night.Y"] + rest).astype("f2")
         with OpenEXR.File(header, channels) as file:
             file.write(str(folder / f"{space}.000{frame}.exr"))
 

@@ -136,12 +136,12 @@ impl fmt::Display for NameFault {
 }
 
 /// Returns the layer of an output: the one that the document names, else the name of the output if several outputs
-/// share the file, else none; of a recipe `recipe`.
+/// share the file, else none. A recipe is never the main layer: it is `recipe` then.
 pub(crate) fn layer<'s>(spec: &'s OutputSpec, file: &OutputFile) -> &'s str {
     match &spec.layer {
-        Some(layer) => layer,
-        None if spec.is_recipe => LAYER,
-        None if file.outputs.len() > 1 => &spec.name,
-        None => "",
+        Some(layer) if !layer.is_empty() || !spec.is_recipe => layer,
+        _ if spec.is_recipe => LAYER,
+        _ if file.outputs.len() > 1 => &spec.name,
+        _ => "",
     }
 }

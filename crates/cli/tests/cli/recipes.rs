@@ -56,10 +56,10 @@ fn recipes_are_rendered_beside_pictures_on_request() {
     let scene = Scene::new(SCENE);
     let run = ["render", "a.json", "--frames", "2", "--output", "beauty", "--out", "p.png", "--recipe", "q.####.exr"];
     scene.run(&run).code(0).says(&["beauty → p.png, beauty-recipe → q.0002.exr"]);
-    let recipe = picture(&scene, "q.0002.exr");
+    let recipe = scene.layers("q.0002.exr");
     let mut names: Vec<&str> = recipe.channels.iter().map(|channel| channel.full_name.as_str()).collect();
     names.sort_unstable();
-    assert_eq!(names, ["recipe.foam", "recipe.night", "recipe.sky_stops_1_color", "recipe.sun"]);
+    assert_eq!(names, ["recipe.foam.Y", "recipe.night.Y", "recipe.sky_stops_1_color.Y", "recipe.sun.Y"]);
     for pixel in 0..recipe.data.area() {
         let weights = recipe.channels.iter().map(|channel| channel.plane.samples()[pixel]);
         assert!(weights.clone().all(|weight| weight >= 0.0));
@@ -68,7 +68,7 @@ fn recipes_are_rendered_beside_pictures_on_request() {
     // No bit depends on threads, nor on what else is rendered; a complete file is not rendered again.
     let alone = ["render", "a.json", "--frames", "2", "--threads", "1", "--unoptimized", "--output", "beauty"];
     scene.run(&[&alone[..], &["--out", "p.exr", "--recipe", "s.exr"]].concat()).code(0);
-    let planes = |name: &str| picture(&scene, name).channels;
+    let planes = |name: &str| scene.layers(name).channels;
     assert!(planes("s.exr") == planes("q.0002.exr"));
     scene.run(&[&run[..], &["--resume"]].concat()).code(0).says(&["up to date"]);
     // Unnamed colors are set by node and port.
@@ -76,6 +76,17 @@ fn recipes_are_rendered_beside_pictures_on_request() {
     assert!(apart(&picture(&scene, "w.png"), &picture(&scene, "p.png")) > 0.1);
     scene.run(&["recolor", "q.0002.exr", "--out", "same.png"]).code(0);
     assert!(apart(&picture(&scene, "same.png"), &picture(&scene, "p.png")) < 1.01 / 255.0);
+}
+
+#[test]
+fn recipes_share_files_but_are_never_the_main_layer() {
+    let shared = SCENE.replace(r#""file": "r.####.exr""#, r#""file": "b.####.exr", "layer": """#);
+    let scene = Scene::new(&shared.replace(r#""color": "soft""#, r#""color": "soft", "layer": "picture""#));
+    scene.run(&["render", "a.json", "--frames", "1"]).code(0).says(&["beauty + weights → b.0001.exr"]);
+    let mut names: Vec<String> = scene.layers("b.0001.exr").channels.into_iter().map(|one| one.full_name).collect();
+    names.sort_unstable();
+    assert_eq!(names[..4], ["picture.B", "picture.G", "picture.R", "recipe.foam.Y"]);
+    scene.run(&["recolor", "b.0001.exr", "--out", "c.png"]).code(0);
 }
 
 #[test]

@@ -58,10 +58,10 @@ fn weights_are_masks_whose_sum_is_exactly_1() {
     let scene = made();
     for (out, more) in [("h.exr", &[][..]), ("f.exr", &["--float"]), ("s.exr", &["--softness", "0"])] {
         scene.run(&[&["decompose", "land.png", "--palette", "a.json", "--out", out][..], more].concat()).code(0);
-        let recipe = picture(&scene, out);
+        let recipe = scene.layers(out);
         let names: Vec<&str> = recipe.channels.iter().map(|channel| channel.full_name.as_str()).collect();
         for name in ["night", "dusk", "sun", "foam", "moss"] {
-            assert!(names.contains(&format!("recipe.{name}").as_str()), "{names:?}");
+            assert!(names.contains(&format!("recipe.{name}.Y").as_str()), "{names:?}");
         }
         for pixel in 0..recipe.data.area() {
             let weights = recipe.channels.iter().map(|channel| channel.plane.samples()[pixel]);
@@ -78,7 +78,7 @@ fn many_pictures_are_taken_apart_alike() {
     let all = ["decompose", "land.png", "again.png", "--palette", "a.json", "--out", "r.{name}.exr", "--json"];
     let json: Value = scene.run(&all).code(0).json();
     assert_eq!(json["recipes"][1]["files"][0], "r.again.exr");
-    assert_eq!(apart(&picture(&scene, "r.land.exr"), &picture(&scene, "r.again.exr")), 0.0);
+    assert_eq!(apart(&scene.layers("r.land.exr"), &scene.layers("r.again.exr")), 0.0);
     scene.run(&["recolor", "r.land.exr", "r.again.exr", "--out", "{name}.png"]).code(0);
     assert!(scene.path("r.again.png").exists());
 }

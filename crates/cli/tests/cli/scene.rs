@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
-use trochoid::io::{ExrChannel, ExrImage, Samples, write_exr};
+use trochoid::io::{ExrChannel, ExrImage, Picture, Samples, Selection, info, read, write_exr};
 use trochoid::{Plane, Window};
 
 /// Temporary folder with the document `a.json`.
@@ -47,6 +47,13 @@ impl Scene {
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
+    }
+
+    /// Reads all channels of an EXR file, whatever layers they are in.
+    pub(crate) fn layers(&self, name: &str) -> Picture {
+        let found = info(self.path(name), &Default::default()).unwrap();
+        let names = found.parts[0].channels.iter().map(|channel| channel.full_name.clone());
+        read(self.path(name), &Selection::channels(names), &Default::default()).unwrap()
     }
 
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {

@@ -8,10 +8,12 @@ use trochoid_image::{Window, WorkingSpace};
 
 /// Key of the metadata of a recipe.
 const KEY: &str = "trochoid:recipe";
-/// Layer of the weights, unless an output names another.
+/// Layer that those of the colors are in, unless an output names another.
 pub(crate) const LAYER: &str = "recipe";
-/// Channels of what images contribute: the weight, and the weighted color.
-const IMAGES: [&str; 4] = ["images.A", "images.R", "images.G", "images.B"];
+/// Layer of what images contribute, beside those of the colors.
+const IMAGES: &str = "images";
+/// Channels of that layer: the weight, and the weighted color.
+const IMAGES_CHANNELS: [&str; 4] = ["A", "R", "G", "B"];
 /// Bytes to reserve for what is known only when all weights are stored.
 pub(crate) const LATE: usize = 128;
 
@@ -26,7 +28,7 @@ pub struct RecipeInfo {
     pub space: WorkingSpace,
     /// Whether control images contribute to the picture.
     pub has_images: bool,
-    /// Layer of the weights.
+    /// Layer that those of the colors are in.
     pub layer: String,
     /// How the weights are stored.
     pub storing: Storing,
@@ -124,20 +126,23 @@ impl RecipeInfo {
     /// Returns the names of the channels in the file: of the weights in the order of the colors, then of what images
     /// contribute.
     ///
-    /// A channel's name has only letters, digits, `_` and `-` after its layer, since other programs take a dot for the
-    /// end of the layer's name; so `sea.stops[1].color` becomes `sea_stops_1_color`.
+    /// Each color is a layer with the one channel `Y`, such as `recipe.night.Y`, since other programs merge or drop the
+    /// channels of a layer that has more than four or eight. The layer's name has only letters, digits, `_` and `-`,
+    /// since a dot ends it; so `sea.stops[1].color` becomes `sea_stops_1_color`.
     pub fn channels(&self) -> Vec<String> {
-        let mut channels: Vec<String> = Vec::with_capacity(self.names.len() + IMAGES.len());
+        // Taken even without images, so that a color's name does not depend on them.
+        let mut layers = vec![IMAGES.to_owned()];
         for name in &self.names {
             let legal = |c: char| c.is_alphanumeric() || c == '-';
             let words: Vec<&str> = name.split(|c| !legal(c) && c != '_').filter(|word| !word.is_empty()).collect();
-            let plain = format!("{}.{}", self.layer, words.join("_"));
+            let plain = words.join("_");
             let others = (2..).map(|n: usize| format!("{plain}_{n}"));
-            let free = std::iter::once(plain.clone()).chain(others).find(|name| !channels.contains(name));
-            channels.push(free.unwrap_or_default());
+            let free = std::iter::once(plain.clone()).chain(others).find(|name| !layers.contains(name));
+            layers.push(free.unwrap_or_default());
         }
+        let mut channels: Vec<String> = layers[1..].iter().map(|layer| format!("{}.{layer}.Y", self.layer)).collect();
         if self.has_images {
-            channels.extend(IMAGES.map(String::from));
+            channels.extend(IMAGES_CHANNELS.map(|channel| format!("{}.{IMAGES}.{channel}", self.layer)));
         }
         channels
     }
@@ -193,4 +198,28 @@ fn said(text: &str) -> Option<(RecipeInfo, Rounding)> {
     let rounding = Rounding { moved: number("moved")?, images: number("images_moved")? };
     let has_weights = info.has_images || !info.names.is_empty();
     (has_weights && info.names.len() == info.colors.len()).then_some((info, rounding))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_color_is_a_layer_of_its_own() {
+        let names = ["night", "images", "sky.stops[1].color", "sky_stops_1_color", "Y"].map(String::from);
+        let info = RecipeInfo {
+            names: names.into(),
+            colors: vec![[0.0; 3]; 5],
+            space: WorkingSpace::Srgb,
+            has_images: true,
+            layer: LAYER.into(),
+            storing: Storing::Half,
+            source: None,
+            unused: Vec::new(),
+        };
+        let colors = ["night", "images_2", "sky_stops_1_color", "sky_stops_1_color_2", "Y"];
+        let colors = colors.map(|name| format!("recipe.{name}.Y"));
+        let images = ["A", "R", "G", "B"].map(|channel| format!("recipe.images.{channel}"));
+        assert_eq!(info.channels(), [&colors[..], &images].concat());
+    }
 }
