@@ -129,30 +129,8 @@ impl CheckedGraph {
             has_images: upstream.iter().enumerate().any(|(index, needed)| *needed && is_image(NodeId(index))),
             ..Recipes::default()
         };
-        // By node: the weight of each of its literal colors.
-        let mut weights: Vec<Vec<Option<usize>>> = colors.iter().map(|colors| vec![None; colors.len()]).collect();
-        let places = |named: &PaletteColor| -> Vec<(usize, usize)> {
-            let place = |(node, item): (NodeId, &str)| {
-                let at = colors[node.0].iter().position(|(name, _)| name == item)?;
-                (upstream[node.0] && mixes[node.0]).then_some((node.0, at))
-            };
-            named.uses.iter().filter_map(|used| place((used.node, &used.item))).collect()
-        };
-        for named in &self.palette {
-            let places = places(named);
-            if !places.is_empty() {
-                places.iter().for_each(|(node, at)| weights[*node][*at] = Some(recipes.controls.len()));
-                recipes.controls.push(Control { name: named.name.clone(), color: named.color.clone() });
-            }
-        }
-        for (index, node) in self.nodes.iter().enumerate().filter(|(index, _)| upstream[*index] && mixes[*index]) {
-            for ((item, color), weight) in colors[index].iter().zip(&mut weights[index]) {
-                if weight.is_none() {
-                    *weight = Some(recipes.controls.len());
-                    recipes.controls.push(Control { name: format!("{}.{item}", node.name), color: color.clone() });
-                }
-            }
-        }
+        let weights;
+        (recipes.controls, weights) = self.numbered(&upstream, &mixes, &colors);
         recipes.reached = self.reached(&recipes, &weights, &mixes);
         for (index, node) in self.nodes.iter_mut().enumerate().filter(|(index, _)| mixes[*index]) {
             let mut weights = weights[index].iter();
@@ -174,15 +152,72 @@ impl CheckedGraph {
         Ok(self)
     }
 
+    /// Returns the colors that the document names or writes for an output's color, each once, and the nodes whose images it
+    /// takes colors from.
+    pub fn controls(&self, output: usize) -> (Vec<Control>, Vec<&str>) {
+        let spec = &self.outputs[output];
+        if !matches!(spec.kind, Kind::Color | Kind::Layers(_)) {
+            return Default::default();
+        }
+        let upstream = self.upstream([spec.node]);
+        let colors: Vec<Vec<(String, Animated)>> = self.nodes.iter().map(CheckedNode::colors).collect();
+        let mixes: Vec<bool> = (0..self.nodes.len()).map(|index| self.mixes(NodeId(index))).collect();
+        let (mut controls, _) = self.numbered(&upstream, &mixes, &colors);
+        // In a graph with recipes, weights follow.
+        controls.iter_mut().for_each(|control| control.color = control.color.map(|values| values[..3].to_vec()));
+        let images = self
+            .nodes
+            .iter()
+            .enumerate()
+            .filter(|(index, node)| upstream[*index] && !mixes[*index] && node.kinds.contains(&Kind::Color));
+        (controls, images.map(|(_, node)| &*node.name).collect())
+    }
+
+    /// Lists the colors of the nodes upstream that mix colors: those of the palette, then those that nodes have of their
+    /// own. Also returns, by node, the index of each of its literal colors.
+    fn numbered(
+        &self,
+        upstream: &[bool],
+        mixes: &[bool],
+        colors: &[Vec<(String, Animated)>],
+    ) -> (Vec<Control>, Vec<Vec<Option<usize>>>) {
+        let mut controls = Vec::new();
+        let mut numbers: Vec<Vec<Option<usize>>> = colors.iter().map(|colors| vec![None; colors.len()]).collect();
+        let places = |named: &PaletteColor| -> Vec<(usize, usize)> {
+            let place = |(node, item): (NodeId, &str)| {
+                let at = colors[node.0].iter().position(|(name, _)| name == item)?;
+                (upstream[node.0] && mixes[node.0]).then_some((node.0, at))
+            };
+            named.uses.iter().filter_map(|used| place((used.node, &used.item))).collect()
+        };
+        for named in &self.palette {
+            let places = places(named);
+            if !places.is_empty() {
+                places.iter().for_each(|(node, at)| numbers[*node][*at] = Some(controls.len()));
+                controls.push(Control { name: named.name.clone(), color: named.color.clone() });
+            }
+        }
+        for (index, node) in self.nodes.iter().enumerate().filter(|(index, _)| upstream[*index] && mixes[*index]) {
+            for ((item, color), number) in colors[index].iter().zip(&mut numbers[index]) {
+                if number.is_none() {
+                    *number = Some(controls.len());
+                    controls.push(Control { name: format!("{}.{item}", node.name), color: color.clone() });
+                }
+            }
+        }
+        (controls, numbers)
+    }
+
     /// Whether a node makes a color of other colors, or of a control: then it has layers. Other colors are images.
     fn mixes(&self, id: NodeId) -> bool {
+        let is_color = |kind: &Kind| matches!(kind, Kind::Color | Kind::Layers(_));
         let node = self.node(id);
         let takes_color = node.record.sources().into_iter().any(|source| match source {
             Source::Color(_) => true,
-            Source::Output { node, output } => self.node(*node).kinds[*output] == Kind::Color,
+            Source::Output { node, output } => is_color(&self.node(*node).kinds[*output]),
             _ => false,
         });
-        let is_color = node.kinds.contains(&Kind::Color);
+        let is_color = node.kinds.iter().any(is_color);
         is_color && (takes_color || self.settle(id, self.first).pointwise().is_some())
     }
 

@@ -2,8 +2,7 @@
 
 use serde_json::{Value, json};
 use trochoid_engine::{Frame, State};
-use trochoid_graph::{CheckedGraph, PaletteColor, literal};
-use trochoid_image::Rgb;
+use trochoid_graph::CheckedGraph;
 
 /// Result of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,13 +61,15 @@ impl RunReport {
     }
 }
 
-/// Returns the names of colors in the document's palette; `None` for those without one.
-fn color_names<'g>(graph: &'g CheckedGraph, frame: i64, colors: &[Rgb]) -> Vec<Option<&'g str>> {
-    let named = graph.palette().iter().map(|named| (named, named.color.at(frame as f64)));
-    let named: Vec<(&PaletteColor, Rgb)> =
-        named.map(|(named, color)| (named, [0, 1, 2].map(|c| literal(color[c]) + 0.0))).collect();
-    let name = |color: &Rgb| named.iter().find(|(_, known)| known == color).map(|(named, _)| named.name.as_str());
-    colors.iter().map(name).collect()
+/// Returns what an output is mixed from: the colors that the document names or writes, and the nodes with images.
+fn controls(graph: &CheckedGraph, output: usize, frame: i64) -> Value {
+    let (controls, images) = graph.controls(output);
+    json!({
+        "count": controls.len(),
+        "names": controls.iter().map(|control| &control.name).collect::<Vec<_>>(),
+        "values": controls.iter().map(|control| control.color.at(frame as f64)).collect::<Vec<_>>(),
+        "images": images,
+    })
 }
 
 /// Returns the report of a frame: outputs with their guarantees and counts, nodes with their states and times.
@@ -82,11 +83,7 @@ pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> 
             let value = json!({
                 "kind": picture.kind.to_string(),
                 "guarantee": picture.guarantee.map(trochoid_graph::Guarantee::name),
-                "control_colors": {
-                    "count": picture.control_count,
-                    "values": picture.control_colors,
-                    "names": color_names(graph, frame.number, &picture.control_colors),
-                },
+                "control_colors": controls(graph, picture.output, frame.number),
                 "hull_exits": audit.hull_exits,
                 "worst_exit": number(audit.worst_exit),
                 "margin": picture.margin,

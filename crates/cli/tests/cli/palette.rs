@@ -51,10 +51,15 @@ fn reports_and_diagrams_know_the_names() {
     let scene = Scene::new(NAMED);
     let run = scene.run(&["render", "a.json", "--frames", "1", "--report", "-"]).code(0);
     let colors = &run.json()["frames"][0]["outputs"]["beauty"]["control_colors"];
-    assert_eq!((&colors["count"], colors["names"].as_array().unwrap().len()), (&json!(3), 3));
-    for name in [json!("dark"), json!("light"), json!(null)] {
-        assert!(colors["names"].as_array().unwrap().contains(&name), "{name} in {colors}");
-    }
+    assert_eq!((&colors["count"], &colors["images"]), (&json!(3), &json!([])));
+    assert_eq!(colors["names"], json!(["dark", "light", "ramp.stops[1].color"]));
+    assert_eq!(colors["values"].as_array().unwrap().len(), 3);
+    // Colors count as the document has them, whatever constants they are folded to.
+    let folded = NAMED.replace(r#""weight": "ramped""#, r#""weight": 0.5"#).replace("palette.light", "#f0e0d0");
+    fs::write(scene.path("folded.json"), folded).unwrap();
+    let run = scene.run(&["render", "folded.json", "--frames", "1", "--report", "-", "--overwrite"]).code(0);
+    let colors = &run.json()["frames"][0]["outputs"]["beauty"]["control_colors"];
+    assert_eq!(colors["names"], json!(["dark", "ramp.stops[1].color", "mix.b"]));
     scene.run(&["graph", "a.json", "--out", "a.svg"]).code(0);
     let drawn = fs::read_to_string(scene.path("a.svg")).unwrap();
     assert!(["dark", "light", "#101820"].iter().all(|word| drawn.contains(word)), "{drawn}");
