@@ -60,6 +60,9 @@ fn pixel(text: &str) -> Result<[i64; 2], NoPixel> {
     }
 }
 
+/// Least weight that is listed for reading; JSON has all.
+const LISTED: f64 = 5e-5;
+
 /// A pixel and its colors.
 struct Blamed {
     at: [i64; 2],
@@ -131,8 +134,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let mut text = String::new();
     for Blamed { at: [x, y], color, colors: parts, images } in &blamed {
         let _ = writeln!(text, "{name}, frame {frame}, pixel {x},{y}: {}", shown(*color));
-        for (index, weight) in parts {
+        let (listed, rest) = parts.split_at(parts.partition_point(|(_, weight)| *weight >= LISTED));
+        for (index, weight) in listed {
             let _ = writeln!(text, "  {:6.2} %  {}  {}", 100.0 * weight, shown(colors[*index]), names[*index]);
+        }
+        if !rest.is_empty() {
+            let (sum, count) = (rest.iter().map(|(_, weight)| weight).sum::<f64>(), rest.len());
+            let colors = if count == 1 { "color" } else { "colors" };
+            let _ = writeln!(text, "  {:6.2} %  {count} more {colors}, each below 0.005 %", 100.0 * sum);
         }
         if *images > 0.0 {
             let _ = writeln!(text, "  {:6.2} %  pictures that the document reads", 100.0 * images);
