@@ -253,17 +253,16 @@ impl Plan<'_> {
     }
 
     /// Returns the width and height that each stage of a pass fills for a tile, without what lies beyond the picture,
-    /// and the largest number of temporary samples of any stage: its inputs, of which it gets copies and makes about
-    /// as much again, and the values of the program before it.
+    /// and the largest number of temporary samples: of any stage its inputs, of which it gets copies and makes about as
+    /// much again, and of all stages the planes of the programs before them, which share their memory.
     fn sizes(&self, pass: &Pass, tile: [usize; 2]) -> (Vec<[usize; 2]>, u64) {
         let mut sizes: Vec<[usize; 2]> = pass.fills.iter().map(|fill| if fill.read { tile } else { [0, 0] }).collect();
-        let mut most = 0;
+        let (mut most, mut taps, mut tapped) = (0, HashSet::new(), [0, 0]);
         for (index, fill) in pass.fills.iter().enumerate().rev() {
             let Some(stage) = self.stage(fill.node) else { continue };
             let [width, height] = sizes[index];
             let own = Window::new(0, 0, width as i64, height as i64);
             let mut passing = 0_u64;
-            let (mut taps, mut tapped) = (HashSet::new(), [0, 0]);
             for (port, connections) in &fill.inputs {
                 let asked = stage.regions_of_interest(*port, own, self.graph.format());
                 let asked = [asked.width().min(self.window.width()), asked.height().min(self.window.height())];
@@ -284,9 +283,9 @@ impl Plan<'_> {
                     }
                 }
             }
-            most = most.max(passing.saturating_add(samples(taps.len(), tapped)));
+            most = most.max(passing);
         }
-        (sizes, most)
+        (sizes, most.saturating_add(samples(taps.len(), tapped)))
     }
 
     /// Returns a node's stage, if it is needed and not filled from outside.

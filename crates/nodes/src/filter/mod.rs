@@ -12,7 +12,7 @@ mod warp;
 
 pub(crate) use bilinear::{blended, weights};
 pub(crate) use bounded::{BoundedChannel, BoundedSum};
-pub(crate) use values::{fill, kind, mean, numbers, value};
+pub(crate) use values::{fill, fill_together, kind, mean, numbers, value};
 
 use trochoid_graph::NodeType;
 

@@ -1,5 +1,6 @@
 //! Access to images of any kind: as planes to fill, and as numbers of the reference.
 
+use std::convert::Infallible;
 use trochoid_graph::{Kind, Outputs, Prepare, Reference, References, Source};
 use trochoid_weights::arithmetic;
 
@@ -11,25 +12,39 @@ pub(crate) fn kind(prepare: &Prepare<'_>) -> Kind {
 /// Fills the requested planes of the first output, of `area` samples each, channel by channel. Weights, which are
 /// filtered one by one, are rounded so that they sum to exactly 1 again.
 pub(crate) fn fill(kind: Kind, area: usize, outputs: &mut Outputs<'_>, mut channel: impl FnMut(usize, &mut [f32])) {
-    let count = kind.channels();
-    let mut wanted: Vec<Option<&mut [f32]>> = (0..count).map(|index| outputs.only(index)).collect();
-    if !matches!(kind, Kind::Weights(n) if n > 2) {
-        for (index, plane) in wanted.into_iter().enumerate() {
+    let Ok(()) = fill_together(kind, area, outputs, |planes| -> Result<(), Infallible> {
+        for (index, plane) in planes.iter_mut().enumerate() {
             if let Some(plane) = plane {
                 channel(index, plane);
             }
         }
-        return;
+        Ok(())
+    });
+}
+
+/// Does the same with all planes at once; those that are not needed are `None`.
+///
+/// # Errors
+/// The error of `paint`; then the planes are of no use.
+pub(crate) fn fill_together<E>(
+    kind: Kind,
+    area: usize,
+    outputs: &mut Outputs<'_>,
+    paint: impl FnOnce(&mut [Option<&mut [f32]>]) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut planes: Vec<Option<&mut [f32]>> = (0..kind.channels()).map(|index| outputs.only(index)).collect();
+    if !matches!(kind, Kind::Weights(n) if n > 2) {
+        return paint(&mut planes);
     }
     // The sum needs every weight, including those that are not requested.
     let mut spare: Vec<Vec<f32>> =
-        wanted.iter().map(|plane| if plane.is_some() { Vec::new() } else { vec![0.0; area] }).collect();
-    let mut planes: Vec<&mut [f32]> =
-        wanted.iter_mut().zip(&mut spare).map(|(plane, spare)| plane.as_deref_mut().unwrap_or(spare)).collect();
-    for (index, plane) in planes.iter_mut().enumerate() {
-        channel(index, plane);
+        planes.iter().map(|plane| if plane.is_some() { Vec::new() } else { vec![0.0; area] }).collect();
+    for (plane, spare) in planes.iter_mut().zip(&mut spare) {
+        plane.get_or_insert(spare);
     }
-    arithmetic::round_partition_rows(&mut planes);
+    paint(&mut planes)?;
+    arithmetic::round_partition_rows(&mut planes.into_iter().flatten().collect::<Vec<_>>());
+    Ok(())
 }
 
 /// Returns a value of the reference as one number per plane.

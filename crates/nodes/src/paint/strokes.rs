@@ -1,6 +1,6 @@
 //! Strokes: repaints an image with brush strokes.
 
-use crate::filter::{fill, kind, numbers, value};
+use crate::filter::{fill_together, kind, numbers, value};
 use crate::paint::{
     BlockSurroundings, Canvas, Cells, Layer, LayerKnobs, MARGIN, RESTS, ReferenceSurroundings, STRIDES, Stroke,
     StrokeInputs, StrokeSettings, StrokeSurroundings, index as place, layers, pixels, placed, reach, sample, seeds_of,
@@ -198,14 +198,29 @@ impl PreparedStrokes {
 }
 
 /// Strokes accumulated over a part of a block from the top down, and the fraction of the image that is still visible.
+#[derive(Default)]
 struct Sums {
     part: Window,
-    /// By channel: weighted sums of the strokes' values; `None` where these and the image are 0 all over the part.
-    sums: Vec<Option<Vec<f64>>>,
+    /// Channels in which a stroke or the image differs from 0.
+    is_used: Vec<bool>,
+    /// Of these channels the weighted sums of the strokes' values.
+    sums: Vec<Vec<f64>>,
     left: Vec<f64>,
 }
 
 impl Sums {
+    /// Starts with another part; the memory stays.
+    fn begin(&mut self, part: Window, is_used: Vec<bool>) {
+        self.sums.resize_with(is_used.len(), Vec::new);
+        for (sums, _) in self.sums.iter_mut().zip(&is_used).filter(|(_, is_used)| **is_used) {
+            sums.clear();
+            sums.resize(part.area(), 0.0);
+        }
+        self.left.clear();
+        self.left.resize(part.area(), 1.0);
+        (self.part, self.is_used) = (part, is_used);
+    }
+
     /// Adds a stroke to pixels of a row, given its coverage of each pixel and its values by channel.
     #[inline(always)]
     fn add(&mut self, start: usize, covers: &[f32], values: &[(usize, f64)], weights: &mut [f64]) {
@@ -215,8 +230,10 @@ impl Sums {
             *left -= *weight;
         }
         for (channel, value) in values {
-            let Some(sums) = &mut self.sums[*channel] else { continue };
-            let sums = &mut sums[start..start + covers.len()];
+            if !self.is_used[*channel] {
+                continue;
+            }
+            let sums = &mut self.sums[*channel][start..start + covers.len()];
             if value.is_finite() {
                 for (sum, weight) in sums.iter_mut().zip(&*weights) {
                     *sum += weight * value;
@@ -324,7 +341,7 @@ impl Prepared for PreparedStrokes {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let window = block.window;
         let image = &inputs.all(&self.image)[0];
-        let planes = BlockSurroundings::new(&self.stroke_inputs, self.picture, self.on_surfaces, block, inputs);
+        let around = BlockSurroundings::new(&self.stroke_inputs, self.picture, self.on_surfaces, block, inputs);
         let own;
         let block_strokes = match inputs.found::<BlockStrokes>() {
             Some(found) => found,
@@ -339,7 +356,6 @@ impl Prepared for PreparedStrokes {
         let width = window.width();
         let (mut covers, mut weights) = (vec![0.0f32; width], vec![0.0f64; width]);
         let (flat, far) = (vec![-1.0f32; width], vec![f32::INFINITY; width]);
-        let channels = self.kind.channels();
         let level = Level::new();
         // Paint part by part, so that the sums stay in the cache; results do not depend on where parts end.
         let parts: Vec<Window> = window.tiles(PART.0, PART.1).collect();
@@ -358,63 +374,59 @@ impl Prepared for PreparedStrokes {
                 }
             }
         }
-        let mut painted: Vec<Sums> = Vec::with_capacity(parts.len());
-        for (part, on) in parts.into_iter().zip(on) {
-            inputs.check_cancelled()?;
-            let mut is_used = used(level, image, channels, part);
-            for index in &on {
-                block_strokes.values(*index as usize).iter().for_each(|(channel, _)| is_used[*channel] = true);
-            }
-            let zero = |is_used: bool| is_used.then(|| vec![0.0; part.area()]);
-            let mut sums = Sums { part, sums: is_used.into_iter().map(zero).collect(), left: vec![1.0; part.area()] };
-            dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+        let (mut sums, mut own, black) = (Sums::default(), Vec::new(), vec![0.0f32; width]);
+        fill_together(self.kind, area, outputs, |planes| {
+            for (part, on) in parts.into_iter().zip(on) {
+                inputs.check_cancelled()?;
+                let mut is_used = used(level, image, planes.len(), part);
                 for index in &on {
-                    let stroke = &strokes[*index as usize];
-                    let values = block_strokes.values(*index as usize);
-                    let [first, last] = stroke.rows();
-                    for y in first.max(part.y0)..(last + 1).min(part.y1) {
-                        let [begin, end] = stroke.columns(y);
-                        let (x0, x1) = (begin.max(part.x0), (end + 1).min(part.x1));
-                        if x0 >= x1 {
-                            continue;
-                        }
-                        let count = (x1 - x0) as usize;
-                        let [parts, depths] = planes.row([x0, x1], y);
-                        let (parts, depths) = (parts.unwrap_or(&flat[..count]), depths.unwrap_or(&far[..count]));
-                        let from = [begin as f64 - stroke.at[0], y as f64 - stroke.at[1]];
-                        stroke.cover_row(from, x0 - begin, parts, depths, &mut covers[..count]);
-                        sums.add(place(part, x0, y), &covers[..count], values, &mut weights[..count]);
-                    }
+                    block_strokes.values(*index as usize).iter().for_each(|(channel, _)| is_used[*channel] = true);
                 }
-            }));
-            painted.push(sums);
-        }
-        let (mut own, black) = (Vec::new(), vec![0.0f32; width]);
-        fill(self.kind, area, outputs, |channel, out| {
-            let plane = image.planes.get(channel).copied().flatten();
-            dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
-                for Sums { part, sums, left } in &painted {
-                    for y in part.y0..part.y1 {
-                        let out = &mut out[place(window, part.x0, y)..][..part.width()];
-                        let Some(sums) = &sums[channel] else {
-                            out.fill(0.0);
-                            continue;
-                        };
-                        let pixels = place(*part, part.x0, y)..;
-                        let row = [part.x0, part.x1];
-                        let own = plane.map_or(&black[..], |plane| own_row(plane, image.window, row, y, &mut own));
-                        for (((out, own), sum), left) in
-                            out.iter_mut().zip(own).zip(&sums[pixels.clone()]).zip(&left[pixels])
-                        {
-                            let sum = sum + if *left > 0.0 { left * f64::from(*own) } else { 0.0 };
-                            // +∞ and −∞ have no mean: keep the image.
-                            *out = if sum.is_nan() { *own } else { sum as f32 };
+                is_used.iter_mut().zip(&*planes).for_each(|(is_used, plane)| *is_used &= plane.is_some());
+                sums.begin(part, is_used);
+                dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                    for index in &on {
+                        let stroke = &strokes[*index as usize];
+                        let values = block_strokes.values(*index as usize);
+                        let [first, last] = stroke.rows();
+                        for y in first.max(part.y0)..(last + 1).min(part.y1) {
+                            let [begin, end] = stroke.columns(y);
+                            let (x0, x1) = (begin.max(part.x0), (end + 1).min(part.x1));
+                            if x0 >= x1 {
+                                continue;
+                            }
+                            let count = (x1 - x0) as usize;
+                            let [parts, depths] = around.row([x0, x1], y);
+                            let (parts, depths) = (parts.unwrap_or(&flat[..count]), depths.unwrap_or(&far[..count]));
+                            let from = [begin as f64 - stroke.at[0], y as f64 - stroke.at[1]];
+                            stroke.cover_row(from, x0 - begin, parts, depths, &mut covers[..count]);
+                            sums.add(place(part, x0, y), &covers[..count], values, &mut weights[..count]);
                         }
                     }
-                }
-            }));
-        });
-        Ok(())
+                    for (channel, plane) in planes.iter_mut().enumerate() {
+                        let Some(plane) = plane else { continue };
+                        let under = image.planes.get(channel).copied().flatten();
+                        for y in part.y0..part.y1 {
+                            let out = &mut plane[place(window, part.x0, y)..][..part.width()];
+                            if !sums.is_used[channel] {
+                                out.fill(0.0);
+                                continue;
+                            }
+                            let row = [part.x0, part.x1];
+                            let own = under.map_or(&black[..], |plane| own_row(plane, image.window, row, y, &mut own));
+                            let pixels = place(part, part.x0, y)..;
+                            let (sums, left) = (&sums.sums[channel][pixels.clone()], &sums.left[pixels]);
+                            for (((out, own), sum), left) in out.iter_mut().zip(own).zip(sums).zip(left) {
+                                let sum = sum + if *left > 0.0 { left * f64::from(*own) } else { 0.0 };
+                                // +∞ and −∞ have no mean: keep the image.
+                                *out = if sum.is_nan() { *own } else { sum as f32 };
+                            }
+                        }
+                    }
+                }));
+            }
+            Ok(())
+        })
     }
 
     fn bound(&self, _bounding: &Bounding<'_>, _outputs: &mut Outputs<'_>) -> Result<(), NoBound> {

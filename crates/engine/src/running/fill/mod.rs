@@ -50,6 +50,8 @@ pub(crate) struct Fills<'p> {
     exact: Vec<f32>,
     /// Planes that are known from an earlier evaluation, and planes to keep from this one.
     keeper: Option<&'p PlaneKeeper>,
+    /// Planes of the programs before stages, whose memory is used again and again.
+    tapped: Taps,
 }
 
 struct FillState<'p> {
@@ -154,6 +156,7 @@ impl<'p> Fills<'p> {
             sharing: pass.sharing,
             exact: if bounding { vec![0.0; picture.width()] } else { Vec::new() },
             keeper: None,
+            tapped: Taps::new(),
         }
     }
 
@@ -318,16 +321,17 @@ impl<'p> Fills<'p> {
             return Ok(());
         }
         // Taken out, so that the stages before it can be read meanwhile.
-        let (mut planes, mut machine) = {
+        let (mut planes, mut machine, mut tapped) = {
             let state = &mut self.fills[index];
-            (std::mem::take(&mut state.planes), state.taps.take())
+            (std::mem::take(&mut state.planes), state.taps.take(), std::mem::take(&mut self.tapped))
         };
-        let filled = self.fill_into(index, sample, &mut planes, machine.as_mut());
+        let filled = self.fill_into(index, sample, &mut planes, machine.as_mut(), &mut tapped);
         let state = &mut self.fills[index];
         if filled.is_err() {
             state.columns = None;
         }
         (state.planes, state.taps) = (planes, machine);
+        self.tapped = tapped;
         state.found = filled?;
         if let Some(keeper) = self.keeper {
             let state = &self.fills[index];
@@ -343,6 +347,7 @@ impl<'p> Fills<'p> {
         sample: Sample,
         planes: &mut [Vec<Vec<f32>>],
         machine: Option<&mut Runner<'p>>,
+        taps: &mut Taps,
     ) -> Result<Option<SharedResult>, NodeError> {
         let state = &self.fills[index];
         let before = &self.fills[..index];
@@ -353,7 +358,7 @@ impl<'p> Fills<'p> {
             plane.reserve_exact(samples.saturating_sub(plane.len()));
             plane.resize(samples, 0.0);
         }
-        let taps = self.run_taps(state, before, machine);
+        self.run_taps(state, before, machine, taps);
         let held: Vec<Vec<ConnectionPlanes<'_>>> = state
             .fill
             .inputs
@@ -363,7 +368,7 @@ impl<'p> Fills<'p> {
                 let connections = connections.iter().zip(images);
                 connections
                     .map(|(feeds, image)| {
-                        feeds.iter().map(|feed| self.samples(feed, image.region, state, before, &taps)).collect()
+                        feeds.iter().map(|feed| self.samples(feed, image.region, state, before, taps)).collect()
                     })
                     .collect()
             })
@@ -449,18 +454,24 @@ impl<'p> Fills<'p> {
         })
     }
 
-    /// Runs the pointwise program before a stage, and returns the planes of its roots.
-    fn run_taps(&self, state: &FillState<'_>, before: &[FillState<'_>], machine: Option<&mut Runner<'p>>) -> Taps {
-        let mut taps = Taps::new();
+    /// Runs the pointwise program before a stage, and stores the planes of its roots.
+    fn run_taps(
+        &self,
+        state: &FillState<'_>,
+        before: &[FillState<'_>],
+        machine: Option<&mut Runner<'p>>,
+        taps: &mut Taps,
+    ) {
         if let (Some(machine), Some(compiled)) = (machine, &state.fill.taps) {
             let window = state.tap_window;
             let planes: Vec<Plane<'_>> = compiled.planes.iter().map(|slot| self.plane(slot, window, before)).collect();
+            taps.values_mut().for_each(Vec::clear);
             machine.tile(&planes, window.width(), window.height(), &mut |root, channel, _, row| {
-                let plane = taps.entry((root, channel)).or_insert_with(|| Vec::with_capacity(window.area()));
+                let plane = taps.entry((root, channel)).or_default();
+                plane.reserve_exact(if plane.is_empty() { window.area() } else { 0 });
                 plane.extend_from_slice(row);
             });
         }
-        taps
     }
 }
 
