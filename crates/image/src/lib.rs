@@ -7,6 +7,7 @@
 mod channel;
 mod color;
 mod format;
+pub mod oklab;
 mod plane;
 mod space;
 mod spread;
@@ -15,6 +16,7 @@ mod window;
 pub use channel::{Channel, ChannelSet};
 pub use color::{HexError, parse_hex};
 pub use format::{Format, FormatError, MAX_PIXELS, MAX_SIDE, Shading};
+pub use oklab::{oklab, oklch, shown_oklch};
 pub use plane::{Plane, PlaneError};
 pub use space::{Chromaticities, WorkingSpace, srgb_decode, srgb_encode, srgb_fall};
 pub use spread::spread;

@@ -28,5 +28,4 @@ pub use cloud::Cloud;
 pub use decompose::{Decomposer, MOST_COLORS};
 pub use extract::{Asked, extract};
 pub use found::{Enclosing, Extraction, Outside, Palette, Short};
-pub use order::oklab;
 pub use tones::Tones;

@@ -1,7 +1,7 @@
 //! The darkest and the brightest colors of a part of a picture.
 
-use crate::order::oklab;
 use crate::vector::{Point, add, scale};
+use trochoid_image::oklab;
 
 /// Steps of lightness.
 const STEPS: usize = 1024;

@@ -67,7 +67,6 @@ mod naming;
 mod output;
 #[cfg(feature = "io")]
 mod output_file;
-#[cfg(feature = "io")]
 mod recipe;
 mod report;
 #[cfg(feature = "io")]
@@ -100,8 +99,9 @@ pub use naming::{CompanionPattern, UNNAMED_FILE, companion_files, output_files};
 pub use output::write_output;
 #[cfg(feature = "io")]
 pub use output_file::{ForeignFile, NameFault, NamePlace, NoDestination, OutputError, OutputFile};
+pub use recipe::{PackError, PackedRecipe, RecipeInfo, Rounding};
 #[cfg(feature = "io")]
-pub use recipe::{Recipe, RecipeError, RecipeInfo, RecipeReader, RecipeScratch, Rounding};
+pub use recipe::{Recipe, RecipeError, RecipeReader, RecipeScratch};
 pub use report::{RunReport, RunStatus, frame_report};
 #[cfg(feature = "io")]
 pub use resume::Fingerprints;
@@ -126,7 +126,8 @@ pub use trochoid_graph::{
     schema,
 };
 pub use trochoid_image::{
-    Format, FormatError, HexError, Plane, Rgb, Shading, Window, WorkingSpace, parse_hex, srgb_decode, srgb_encode,
+    Format, FormatError, HexError, Plane, Rgb, Shading, Window, WorkingSpace, oklab, oklch, parse_hex, shown_oklch,
+    srgb_decode, srgb_encode,
 };
 #[cfg(feature = "io")]
 pub use trochoid_io as io;

@@ -18,6 +18,8 @@ pub trait StoredSample: Copy + Sync {
 
     /// Converts samples, as many as `out` has.
     fn widen(samples: &[Self], out: &mut [f32]);
+    /// Returns the sample nearest to a number.
+    fn store(value: f32) -> Self;
     /// Returns all bits that are set in any sample.
     fn bits(samples: &[Self]) -> Self::Bits;
     /// Returns whether the bit of the sign is set.
@@ -40,6 +42,11 @@ impl StoredSample for u16 {
     #[inline(always)]
     fn widen(samples: &[Self], out: &mut [f32]) {
         out.iter_mut().zip(samples).for_each(|(out, bits)| *out = from_half(*bits));
+    }
+
+    #[inline(always)]
+    fn store(value: f32) -> Self {
+        f16::from_f32(value).to_bits()
     }
 
     #[inline(always)]
@@ -97,6 +104,11 @@ impl StoredSample for f32 {
     #[inline(always)]
     fn widen(samples: &[Self], out: &mut [f32]) {
         out.copy_from_slice(&samples[..out.len()]);
+    }
+
+    #[inline(always)]
+    fn store(value: f32) -> Self {
+        value
     }
 
     #[inline(always)]

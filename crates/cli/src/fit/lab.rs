@@ -1,18 +1,7 @@
 //! OKLab of colors in a working space, and how it changes with them.
 
 use trochoid::WorkingSpace;
-
-/// Matrices of OKLab (Ottosson, *A perceptual color space for image processing*, 2020): of linear sRGB, and of the roots.
-const CONES: [[f64; 3]; 3] = [
-    [0.412_221_470_8, 0.536_332_536_3, 0.051_445_992_9],
-    [0.211_903_498_2, 0.680_699_545_1, 0.107_396_956_6],
-    [0.088_302_461_9, 0.281_718_837_6, 0.629_978_700_5],
-];
-const OPPONENTS: [[f64; 3]; 3] = [
-    [0.210_454_255_3, 0.793_617_785_0, -0.004_072_046_8],
-    [1.977_998_495_1, -2.428_592_205_0, 0.450_593_709_9],
-    [0.025_904_037_1, 0.782_771_766_2, -0.808_675_766_0],
-];
+use trochoid::oklab::{CONES, OPPONENTS};
 
 /// Darkest channel, whose slope is that of all darker ones: the slope of a cube root has no bound at 0.
 const DARKEST: f64 = 1e-4;

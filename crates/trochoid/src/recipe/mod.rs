@@ -5,14 +5,31 @@
 //! each color, so that other programs read each as a mask. What comes from control images is a layer `images`: R, G and
 //! B in the working space, already weighted, and in A the weight of all images together. The weights, with A, are ≥ 0
 //! and sum to exactly 1 as stored. Metadata `trochoid:recipe` have the colors.
+//!
+//! [`PackedRecipe`] holds a recipe in memory, for programs that paint it in other colors while one looks.
 
+#[cfg(feature = "io")]
+mod header;
 mod info;
+mod packed;
+#[cfg(feature = "io")]
 mod reader;
 mod rows;
+mod tiles;
+#[cfg(feature = "io")]
 mod whole;
 
-pub(crate) use info::{LATE, LAYER};
-pub use info::{RecipeError, RecipeInfo, Rounding};
+#[cfg(feature = "io")]
+pub(crate) use header::LATE;
+#[cfg(feature = "io")]
+pub use header::RecipeError;
+#[cfg(feature = "io")]
+pub(crate) use info::LAYER;
+pub use info::{RecipeInfo, Rounding};
+pub use packed::{PackError, PackedRecipe};
+#[cfg(feature = "io")]
 pub use reader::{RecipeReader, RecipeScratch};
+#[cfg(feature = "io")]
 pub(crate) use rows::RecipeRows;
+#[cfg(feature = "io")]
 pub use whole::Recipe;

@@ -1,6 +1,7 @@
 //! Recipes that are read strip by strip, so that memory does not grow with the picture.
 
-use super::info::{RecipeError, RecipeInfo, Rounding};
+use super::header::RecipeError;
+use super::info::{RecipeInfo, Rounding};
 use std::path::{Path, PathBuf};
 use trochoid_engine::{StoredSample, paint};
 use trochoid_image::Window;

@@ -16,9 +16,15 @@ impl RecipeRows {
         Self { info, rounding: Mutex::default() }
     }
 
+    /// Returns what was rounded so far.
+    pub(super) fn rounding(&self) -> Rounding {
+        *self.rounding.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Returns the metadata, when all rows are stored.
+    #[cfg(feature = "io")]
     pub(crate) fn metadata(&self) -> (String, String) {
-        self.info.metadata(*self.rounding.lock().unwrap_or_else(PoisonError::into_inner))
+        self.info.metadata(self.rounding())
     }
 
     /// Rounds pixels: takes the layers of a recipe, channel by channel, and returns the channels of the file.

@@ -1,6 +1,7 @@
 //! Recipes in memory.
 
-use super::info::{RecipeError, RecipeInfo, Rounding};
+use super::header::RecipeError;
+use super::info::{RecipeInfo, Rounding};
 use crate::marks::with_mark;
 use std::path::Path;
 use trochoid_engine::{Storing, paint};
