@@ -7,8 +7,8 @@ use egui::{Context, Event, RawInput, Rect, pos2, vec2};
 use serde_json::json;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use trochoid_editor::actions::Action;
-use trochoid_editor::document::{self, Edit, Session};
+use trochoid_editor::actions::{Action, Pane, Tint};
+use trochoid_editor::document::{self, Edit, Session, palette};
 use trochoid_editor::editor::Editor;
 
 struct Window {
@@ -42,7 +42,7 @@ impl Window {
             if self.context.has_requested_repaint() {
                 self.draw(Vec::new());
             }
-            std::thread::sleep(Duration::from_millis(1));
+            std::thread::sleep(Duration::from_micros(200));
         }
         started.elapsed()
     }
@@ -55,6 +55,50 @@ impl Window {
 
     fn finished(&mut self) -> Duration {
         self.until(|editor| editor.state().evaluated.progress.is_none() && editor.state().evaluated.result.is_some())
+    }
+
+    /// Waits for the recipe of the picture; returns the time, or the reason that there is none.
+    fn weigh(&mut self) -> Result<Duration, String> {
+        let context = self.context.clone();
+        self.editor.act(Action::Panel(Pane::Palette), &context);
+        self.draw(Vec::new());
+        let time = self.until(|editor| {
+            let seen = &editor.state().evaluated;
+            seen.mixture.is_some() || seen.unmixed.is_some()
+        });
+        self.editor.state().evaluated.unmixed.clone().map_or(Ok(time), Err)
+    }
+
+    /// Times from moments of drags to the whole pictures that are ready for the graphics driver: of each color that the
+    /// picture has, some.
+    fn drags(&mut self, moments: u8) -> Vec<Duration> {
+        let context = self.context.clone();
+        let mut times = Vec::new();
+        for swatch in self.editor.state().swatches() {
+            let (controls, seen) = (swatch.controls(), &self.editor.state().evaluated);
+            let share = seen.mixture.as_ref().and_then(|mixture| mixture.share(&controls));
+            if share.is_none_or(|share| share == 0.0) {
+                continue;
+            }
+            for moment in 0..=moments {
+                let color = [f32::from(moment) / 255.0, 0.5, 0.75];
+                let state = self.editor.state();
+                let Ok(edit) = palette::colored(state.sheet(), &swatch, color, state.frame) else { continue };
+                let before = state.evaluated.painted.clone();
+                let started = Instant::now();
+                let tint = Tint { controls: controls.clone(), color, edit };
+                self.editor.act(Action::Tint(Some(tint)), &context);
+                self.draw(Vec::new());
+                self.until(|editor| match (&before, &editor.state().evaluated.painted) {
+                    (Some(old), Some(new)) => !std::sync::Arc::ptr_eq(old, new),
+                    (_, new) => new.is_some(),
+                });
+                // The first moment of a drag also takes back the color before it.
+                times.push(started.elapsed());
+            }
+            self.editor.act(Action::Tint(None), &context);
+        }
+        times
     }
 
     /// Times from an edit to the first picture after it, and to the whole one.
@@ -145,6 +189,28 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("\n{:<52} {:>10} {:>10}", "from an edit to a picture, 1920 × 1080", "first", "whole");
     let scene = |name: &str| Session::open(&root.join("graphs").join(name));
     let set = |node: &str, knob: &str, value: serde_json::Value| Edit::set(document::Path::node(node).to(knob), &value);
+
+    for name in ["stormy_sea.json", "great_wave.json"] {
+        let mut window = Window::new(scene(name)?)?;
+        window.finished();
+        window.rest();
+        match window.weigh() {
+            Ok(weighing) => {
+                window.rest();
+                let mut times = window.drags(4);
+                let recipe = window.editor.state().evaluated.mixture.as_ref().map(|mixture| mixture.recipe.clone());
+                let megabytes = recipe.map_or(0, |recipe| recipe.bytes() >> 20);
+                println!(
+                    "a dragged color, {name}: median {:.1} ms, 95 % {:.1} ms, most {:.1} ms; recipe {:.1} s, {megabytes} MB",
+                    percentile(&mut times, 0.5),
+                    percentile(&mut times, 0.95),
+                    percentile(&mut times, 1.0),
+                    weighing.as_secs_f64(),
+                );
+            }
+            Err(why) => println!("a dragged color, {name}: {why}"),
+        }
+    }
 
     let mut window = Window::new(scene("from_passes.json")?)?;
     window.finished();

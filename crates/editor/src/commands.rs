@@ -266,6 +266,22 @@ pub static COMMANDS: &[Command] = &[
         |_| Action::WriteBackdrop,
         |state| !state.sheet().backdrops.is_empty(),
     ),
+    command(
+        "Graph",
+        "Name all colors",
+        None,
+        "Give every color without a name one in the palette, after the place that uses it.",
+        |_| Action::NameColors,
+        always,
+    ),
+    command(
+        "Graph",
+        "Bring palette into document",
+        None,
+        "Write the colors that the document reads from a palette file into the document.",
+        |_| Action::BringPalette,
+        |state| crate::document::swatches::file(state.sheet()).is_some(),
+    ),
     command("Graph", "Note", None, "Add a note to the graph.", |_| Action::Note, always),
     command(
         "Graph",
@@ -410,6 +426,14 @@ pub static COMMANDS: &[Command] = &[
         None,
         "Show knobs and connections.",
         |_| Action::Panel(Pane::Properties),
+        always,
+    ),
+    command(
+        "Window",
+        "Show palette",
+        None,
+        "Show the colors of the document.",
+        |_| Action::Panel(Pane::Palette),
         always,
     ),
     command(

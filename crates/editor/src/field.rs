@@ -1,9 +1,10 @@
 //! Widgets of values. What changes the document comes from a gesture of the user's and from nothing else: a widget says by
 //! [`FieldResponse`] what a gesture made of its value, and only a [`Gesture`] asks for an edit. Drawing makes neither.
 
-use crate::actions::Action;
+use crate::actions::{Action, Tint};
 use crate::document::Edit;
 use crate::refusal::{self, NoNumber, quoted, refusal_ui};
+
 use egui::{DragValue, Id, Key, Pos2, Response, Slider, TextEdit, Ui};
 use serde_json::Value;
 use std::cell::Cell;
@@ -55,14 +56,6 @@ impl Gesture {
         (response.changed() && (by_hand || by_keys || by_tool())).then_some(Self(None))
     }
 
-    /// Returns the gesture of a change inside a popup opened by a button, such as a color picker.
-    fn within(ui: &Ui, response: &Response) -> Option<Self> {
-        let acts = ui.input(|input| {
-            input.pointer.any_down() || input.pointer.any_released() || input.events.iter().any(is_typed)
-        });
-        (response.changed() && acts).then_some(Self(None))
-    }
-
     /// Marks the value as final: if the document rejects it, this field shows the refusal.
     pub(crate) fn tried(self, field: &Response) -> Self {
         Self(Some(field.id))
@@ -76,14 +69,20 @@ impl Gesture {
         });
     }
 
+    /// Shows a color while it is dragged.
+    pub(crate) fn tint(self, tint: Tint, actions: &mut Vec<Action>) {
+        actions.push(Action::Tint(Some(tint)));
+    }
+
+    /// Requests the edit with which the drag of a color ends.
+    pub(crate) fn settle(self, edit: Edit, actions: &mut Vec<Action>) {
+        actions.push(Action::SettleTint(edit));
+    }
+
     /// Requests an edit of the document's wires.
     pub(crate) fn rewire(self, edit: Edit, actions: &mut Vec<Action>) {
         actions.push(Action::Rewire(edit));
     }
-}
-
-fn is_typed(event: &egui::Event) -> bool {
-    matches!(event, egui::Event::Text(_) | egui::Event::Key { .. } | egui::Event::Paste(_))
 }
 
 /// Result of a widget: its response, and the value that a gesture produced, if any.
@@ -403,15 +402,6 @@ pub(crate) fn draft_ui<T, E: Display>(
         ui.data_mut(|data| data.remove::<(String, String)>(id));
     }
     FieldResponse { response, given }
-}
-
-/// Draws a color button, with sRGB values from 0 to 1, that opens a color picker.
-pub(crate) fn swatch_ui(ui: &mut Ui, color: [f32; 3]) -> FieldResponse<[f32; 3]> {
-    let shown = color.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8);
-    let mut bytes = shown;
-    let response = egui::color_picker::color_edit_button_srgb(ui, &mut bytes);
-    let gesture = Gesture::within(ui, &response).filter(|_| bytes != shown);
-    FieldResponse { given: gesture.map(|gesture| (bytes.map(|value| f32::from(value) / 255.0), gesture)), response }
 }
 
 /// Draws a checkbox.

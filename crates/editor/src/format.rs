@@ -47,6 +47,14 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
+/// Formats a fraction as a percentage.
+pub(crate) fn percent(share: f64) -> String {
+    match 100.0 * share {
+        percent if percent > 0.0 && percent < 0.05 => "< 0.1 %".into(),
+        percent => format!("{percent:.1} %"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,8 +10,9 @@ pub fn first() -> Tree<Pane> {
     let mut tiles = Tiles::default();
     let viewer = tiles.insert_pane(Pane::Viewer);
     let canvas = tiles.insert_pane(Pane::Canvas);
-    let side: Vec<TileId> =
-        [Pane::Properties, Pane::Waves, Pane::Report, Pane::Text].map(|pane| tiles.insert_pane(pane)).into();
+    let side: Vec<TileId> = [Pane::Properties, Pane::Palette, Pane::Waves, Pane::Report, Pane::Text]
+        .map(|pane| tiles.insert_pane(pane))
+        .into();
     let first = side[0];
     let side = tiles.insert_tab_tile(side);
     if let Some(Tile::Container(Container::Tabs(tabs))) = tiles.get_mut(side) {

@@ -26,6 +26,8 @@ mod field;
 mod format;
 pub mod layout;
 mod notices;
+mod palette;
+mod picker;
 mod plots;
 mod prompts;
 mod properties;

@@ -1,7 +1,9 @@
 //! Shared state of the panels: the document, the selection, and the evaluated pictures. Independent of drawing.
 
+use crate::actions::{OtherPalette, Tint};
+use crate::document::swatches::{Swatch, SwatchKey, swatches};
 use crate::document::{Path, Session, Sheet};
-use crate::evaluate::{Blamed, Display, Result, Screen};
+use crate::evaluate::{Blamed, Display, Mixture, Result, Screen};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use trochoid::{NodeReport, RefusedFile};
@@ -29,6 +31,21 @@ pub struct State {
     pub render: Option<Render>,
     /// Place in the document that receives the next color clicked in the picture.
     pub dropper: Option<Path>,
+    /// What the palette panel looks at.
+    pub colors: Colors,
+}
+
+/// What the palette panel looks at. Nothing of it changes the document.
+#[derive(Clone, Debug, Default)]
+pub struct Colors {
+    /// The selected color.
+    pub chosen: Option<SwatchKey>,
+    /// The color that is being dragged.
+    pub tint: Option<Tint>,
+    /// The palette in which the picture is shown instead of the document's.
+    pub compared: Option<Arc<OtherPalette>>,
+    /// Whether the viewer shows where the selected color is.
+    pub spot: bool,
 }
 
 /// Subject and display of the viewer.
@@ -59,6 +76,16 @@ impl Default for Look {
 pub struct Evaluated {
     /// Newest picture of the viewed result; it may show an older text until a newer picture arrives.
     pub result: Option<Arc<Result>>,
+    /// Newest finished picture, for whose pixels paintings stand.
+    pub whole: Option<Arc<Result>>,
+    /// Picture painted from a recipe, which is shown instead of the result.
+    pub painted: Option<Arc<Result>>,
+    /// Recipe of the viewed picture.
+    pub mixture: Option<Arc<Mixture>>,
+    /// Why the viewed picture has no recipe, as a sentence.
+    pub unmixed: Option<String>,
+    /// Whether the recipe of the viewed picture is awaited.
+    pub mixing: bool,
     /// Last picture, if there is no current one: it stays visible until there is another.
     pub last: Option<Arc<Result>>,
     /// Message why there is no picture, as a sentence.
@@ -109,6 +136,13 @@ pub struct Render {
     pub share: f32,
 }
 
+impl Evaluated {
+    /// Returns the picture that the viewer shows: the painted one, if there is one.
+    pub fn shown(&self) -> Option<&Arc<Result>> {
+        self.painted.as_ref().filter(|_| self.result.is_some()).or(self.result.as_ref())
+    }
+}
+
 impl State {
     /// Creates the state for a newly opened document, with its first output in the viewer.
     pub fn new(session: Session) -> Self {
@@ -123,6 +157,7 @@ impl State {
             range: (0, 0),
             render: None,
             dropper: None,
+            colors: Colors::default(),
         };
         state.begin();
         state
@@ -160,6 +195,17 @@ impl State {
     /// Returns the sheet that the canvas draws.
     pub fn sheet(&self) -> &Arc<Sheet> {
         self.session.sheet()
+    }
+
+    /// Returns the colors of the document at the current frame.
+    pub fn swatches(&self) -> Vec<Swatch> {
+        swatches(self.sheet(), self.session.meaning().graph.as_deref(), self.frame)
+    }
+
+    /// Returns the names under which a recipe has the selected color.
+    pub fn chosen_controls(&self) -> Option<Vec<String>> {
+        let chosen = self.colors.chosen.as_ref()?;
+        self.swatches().iter().find(|swatch| swatch.key == *chosen).map(Swatch::controls)
     }
 
     /// Returns the selected node if exactly one is selected.

@@ -2,19 +2,23 @@
 //! depends on another; nothing in this module depends on a panel.
 
 mod after;
+mod color;
 mod grant;
 mod line;
 mod pane;
 
 pub use after::After;
+pub use color::{OtherPalette, Tint};
 pub use grant::Grant;
 pub use line::Line;
 pub use pane::Pane;
 
+use crate::document::swatches::SwatchKey;
 use crate::document::{Edit, Path, Point};
 use crate::evaluate::Display;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Request to the editor.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +56,26 @@ pub enum Action {
     Pick(Option<[f32; 2]>),
     /// Send the next color clicked in the picture to this place in the document.
     Dropper(Option<Path>),
+    /// Keep the recipe of the viewed picture at hand: colors are being looked at.
+    Weigh,
+    /// Select a color of the document, or none.
+    Swatch(Option<SwatchKey>),
+    /// Show a color that is being dragged; `None` cancels the drag.
+    Tint(Option<Tint>),
+    /// End the drag of a color by this edit.
+    SettleTint(Edit),
+    /// Show where the selected color is in the picture.
+    Spot(bool),
+    /// Show the picture in another palette, or in the document's.
+    ComparePalette(Option<Arc<OtherPalette>>),
+    /// Add a gray to the palette.
+    AddColor,
+    /// Replace colors of the palette by those of the same names in a file of this name.
+    TakePalette(Vec<(String, serde_json::Value)>, String),
+    /// Give all colors of the document names.
+    NameColors,
+    /// Write the palette that the document reads from a file into the document.
+    BringPalette,
     /// Go to a frame.
     Frame(i64),
     /// Start or stop playback.

@@ -9,6 +9,8 @@ pub enum Pane {
     Canvas,
     /// Knobs and connections of the selected node.
     Properties,
+    /// Colors of the document.
+    Palette,
     /// Spectrum of the selected sea, as waves.
     Waves,
     /// Nodes that were evaluated or left out, with timings.
@@ -19,7 +21,8 @@ pub enum Pane {
 
 impl Pane {
     /// Every panel, in menu order.
-    pub const ALL: [Self; 6] = [Self::Viewer, Self::Canvas, Self::Properties, Self::Waves, Self::Report, Self::Text];
+    pub const ALL: [Self; 7] =
+        [Self::Viewer, Self::Canvas, Self::Properties, Self::Palette, Self::Waves, Self::Report, Self::Text];
 
     /// Returns the panel's title.
     pub fn title(self) -> &'static str {
@@ -27,6 +30,7 @@ impl Pane {
             Self::Viewer => "Viewer",
             Self::Canvas => "Graph",
             Self::Properties => "Properties",
+            Self::Palette => "Palette",
             Self::Waves => "Waves",
             Self::Report => "Report",
             Self::Text => "Text",

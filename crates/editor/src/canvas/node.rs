@@ -49,12 +49,22 @@ impl Paint {
     }
 }
 
+/// Returns the names of the nodes that use the color selected in the palette, and that color.
+fn users(state: &State) -> (Vec<String>, Color32) {
+    let Some(chosen) = &state.colors.chosen else { return (Vec::new(), Color32::WHITE) };
+    let swatch = state.swatches().into_iter().find(|swatch| swatch.key == *chosen);
+    let color = swatch.as_ref().and_then(|swatch| swatch.color).unwrap_or([1.0; 3]);
+    let [r, g, b] = color.map(|channel| (255.0 * channel).round() as u8);
+    (swatch.map(|swatch| swatch.nodes()).unwrap_or_default(), Color32::from_rgb(r, g, b))
+}
+
 impl Canvas {
     /// Draws all nodes and handles their input.
     pub(super) fn nodes_ui(&mut self, plan: &Plan, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         let paint = Paint::of(ui);
         self.marks.clear();
         let total: f64 = state.evaluated.nodes.values().map(|node| node.seconds).sum();
+        let (users, ink) = users(state);
         for index in 0..plan.boxes.len() {
             if !plan.is_seen(index, &self.view) {
                 continue;
@@ -69,6 +79,14 @@ impl Canvas {
                 WidgetInfo::selected(WidgetType::Button, true, chosen, label)
             });
             self.draw_node(plan, ui, state, index, &paint, total);
+            if users.contains(&node.name) {
+                // Nodes that use the color selected in the palette.
+                let round = CornerRadius::same((8.0 * self.view.zoom).clamp(2.0, 14.0) as u8);
+                for (width, color) in [(5.0, Color32::BLACK), (3.0, ink)] {
+                    let stroke = Stroke::new(width, color);
+                    ui.painter().rect_stroke(seen.expand(2.0), round, stroke, StrokeKind::Outside);
+                }
+            }
             self.marks_ui(plan, ui, state, index, actions);
             self.fault_ui(plan, ui, index, actions);
             self.pins_ui(plan, ui, index, response.hovered());

@@ -1,10 +1,8 @@
 //! Conversion between color texts of documents and sRGB values.
 
-/// Parses a color such as `#2d3f52` to sRGB values from 0 to 1.
+/// Parses a color such as `#2d3f52` or `#246` to sRGB values from 0 to 1.
 pub fn rgb(text: &str) -> Option<[f32; 3]> {
-    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
-    let channel = |index: usize| u8::from_str_radix(&digits[2 * index..2 * index + 2], 16).ok();
-    Some([channel(0)?, channel(1)?, channel(2)?].map(|value| f32::from(value) / 255.0))
+    trochoid::parse_hex(text).ok().map(|color| color.map(|channel| channel as f32))
 }
 
 /// Returns whether a text in the place of a color stands for a color itself, and not for a node.

@@ -101,6 +101,11 @@ impl History {
         self.open = false;
     }
 
+    /// Returns whether the gesture that made the newest step has not ended.
+    pub fn is_open(&self) -> bool {
+        self.open
+    }
+
     /// Undoes the newest step and returns its label.
     pub fn undo(&mut self, text: &mut String) -> Option<&str> {
         self.open = false;

@@ -3,7 +3,7 @@
 use super::sheet::Sheet;
 use std::path::Path;
 use std::sync::Arc;
-use trochoid::{Access, CheckedGraph, Diagnostic, LoadError, Severity, missing_files, parse};
+use trochoid::{Access, CheckedGraph, Diagnostic, LoadError, Severity, missing_files, parse_within};
 
 /// Interpretation of a document's text.
 #[derive(Clone, Debug, Default)]
@@ -19,10 +19,10 @@ pub struct Meaning {
 }
 
 impl Meaning {
-    /// Interprets a text. `name` and `folder` are as in [`trochoid::parse`]; `access` limits the files it may use.
+    /// Interprets a text. `name`, `folder` and `access` are as in [`trochoid::parse_within`].
     pub fn of(name: &str, text: &str, folder: &Path, access: &Access) -> Self {
-        let (graph, mut diagnostics) = match parse(name, text, folder, &[]) {
-            Ok(loaded) => (Some(loaded.graph.with_access(access.clone())), loaded.warnings),
+        let (graph, mut diagnostics) = match parse_within(name, text, folder, &[], access.clone()) {
+            Ok(loaded) => (Some(loaded.graph), loaded.warnings),
             Err(LoadError::Invalid(diagnostics)) => (None, diagnostics),
             Err(error @ LoadError::Io(_)) => (None, vec![trouble(name, &error.to_string())]),
         };

@@ -10,9 +10,12 @@ pub mod json;
 pub mod keep;
 pub mod meaning;
 pub mod output;
+pub mod palette;
+pub mod palette_file;
 pub mod relocate;
 pub mod session;
 pub mod sheet;
+pub mod swatches;
 #[cfg(test)]
 mod tests;
 mod trial;

@@ -2,7 +2,9 @@
 
 mod act;
 mod change;
+mod colors;
 mod leave;
+mod painting;
 mod pictures;
 mod play;
 mod rendering;
@@ -12,9 +14,10 @@ use crate::canvas::Canvas;
 use crate::commands::Space;
 use crate::document::keep::{Keeper, UnsavedCopy, discard, kept};
 use crate::document::{Session, Sheet};
-use crate::evaluate::Worker;
+use crate::evaluate::{Painter, Worker};
 use crate::layout;
 use crate::notices::Notices;
+use crate::palette::Palette;
 use crate::prompts::Prompts;
 use crate::properties::Properties;
 use crate::reach;
@@ -28,6 +31,7 @@ use crate::viewer::Viewer;
 use crate::watch::Watcher;
 use crate::waves::Waves;
 use egui::{Context, Key};
+use painting::LastPainting;
 use pictures::LastRequest;
 use play::Playback;
 use std::collections::BTreeSet;
@@ -51,6 +55,8 @@ pub struct Editor {
     pub(crate) answers: Vec<Grant>,
     pub(crate) worker: Worker,
     asked: LastRequest,
+    painter: Painter,
+    painting: LastPainting,
     keeper: Option<Keeper>,
     kept: Backup,
     watcher: Watcher,
@@ -87,6 +93,7 @@ pub(crate) struct Panels {
     pub(crate) canvas: Canvas,
     pub(crate) viewer: Viewer,
     pub(crate) properties: Properties,
+    pub(crate) palette: Palette,
     pub(crate) timeline: Timeline,
     pub(crate) waves: Waves,
     pub(crate) report: Report,
@@ -104,6 +111,8 @@ impl Editor {
         crate::turns::install(context);
         let wake = context.clone();
         let worker = Worker::new(move || wake.request_repaint())?;
+        let wake = context.clone();
+        let painter = Painter::new(move || wake.request_repaint())?;
         let folder = data.map(|data| data.join("unsaved"));
         let keeper = folder.as_deref().and_then(|folder| Keeper::new(folder).ok());
         let recent = data.map(crate::recent::read).unwrap_or_default();
@@ -118,6 +127,8 @@ impl Editor {
             answers: Vec::new(),
             worker,
             asked: LastRequest::default(),
+            painter,
+            painting: LastPainting::default(),
             keeper,
             kept: Backup::default(),
             watcher: Watcher::default(),
@@ -269,6 +280,8 @@ impl Editor {
         self.ask();
         self.ask_held();
         self.ask_blame();
+        self.ask_mixture();
+        self.ask_painting();
     }
 
     /// Allows every document of this run to access these files and folders, in addition to its own permissions.
@@ -339,6 +352,8 @@ impl Editor {
         self.forget_frames();
         (self.lost, self.playback) = (None, Playback::default());
         self.panels.viewer.forget();
+        self.panels.palette.forget();
+        self.painting = LastPainting::default();
         self.opened(context);
     }
 

@@ -72,15 +72,6 @@ impl Editor {
         let look = self.state.look.clone();
         let name = subject.sheet.nodes[subject.node].name.clone();
         let what = (subject.revision, name, subject.output, self.state.frame, look.proxy, look.region);
-        let job = |generation: u64, frame: i64, progressive: bool| Job {
-            generation,
-            subject: subject.clone(),
-            frame,
-            proxy: look.proxy,
-            region: look.region,
-            display: look.display,
-            progressive,
-        };
         if self.asked.what.as_ref() != Some(&what) {
             let same_but_frame =
                 self.asked.what.as_ref().is_some_and(|old| {
@@ -95,12 +86,16 @@ impl Editor {
             match self.state.evaluated.frames.get(&self.state.frame).filter(|seen| seen.display == look.display) {
                 Some(ready) => {
                     self.state.evaluated.result = Some(ready.clone());
+                    self.state.evaluated.whole = Some(ready.clone());
                     self.state.evaluated.last = None;
                     self.state.evaluated.failed = None;
                     self.state.evaluated.progress = None;
                 }
                 None => {
-                    self.worker.evaluate(job(self.asked.generation, self.state.frame, !self.state.playing));
+                    // What a drag has painted is shown until there is the finished picture.
+                    let progressive = !self.state.playing && self.state.evaluated.painted.is_none();
+                    let job = self.job(subject.clone(), self.asked.generation, self.state.frame, progressive);
+                    self.worker.evaluate(job);
                     self.state.evaluated.progress = Some(0.0);
                     self.asked.ahead = None;
                     self.asked.blame = None;
@@ -127,8 +122,16 @@ impl Editor {
         if self.state.playing && self.asked.ahead != present {
             self.asked.ahead = present;
             let series = self.asked.series;
-            self.worker.ahead(self.missing().into_iter().map(|frame| job(series, frame, false)));
+            let jobs = self.missing().into_iter().map(|frame| self.job(subject.clone(), series, frame, false));
+            self.worker.ahead(jobs.collect::<Vec<_>>());
         }
+    }
+
+    /// Returns the request for a picture as the viewer looks at it.
+    pub(super) fn job(&self, subject: Subject, generation: u64, frame: i64, progressive: bool) -> Job {
+        let look = &self.state.look;
+        let (proxy, region, display) = (look.proxy, look.region, look.display);
+        Job { generation, subject, frame, proxy, region, display, progressive }
     }
 
     /// Handles a text that is not JSON: the canvas and the viewer keep showing the previous document, marked as past.
@@ -201,8 +204,9 @@ impl Editor {
     /// Receives news from the worker and the file watcher.
     pub(super) fn hear(&mut self, context: &Context) {
         let news: Vec<News> = self.worker.news().collect();
-        let seen = &mut self.state.evaluated;
+        self.hear_paintings();
         for news in news {
+            let seen = &mut self.state.evaluated;
             match news {
                 News::Picture(result) if result.generation == self.asked.generation => {
                     let result = Arc::new(*result);
@@ -225,6 +229,7 @@ impl Editor {
                         seen.nodes = result.nodes.iter().map(|node| (node.name.clone(), node.clone())).collect();
                         let range = self.state.playing.then_some(self.state.range);
                         keep_frame(&mut seen.frames, &result, self.state.frame, range, self.room);
+                        seen.whole = Some(result.clone());
                     }
                     seen.result = Some(result);
                 }
@@ -262,6 +267,8 @@ impl Editor {
                 News::Blame(blamed) if self.asked.blame == Some((blamed.generation, blamed.frame, blamed.at)) => {
                     seen.blame = Some(*blamed);
                 }
+                News::Mixture(mixture) => self.take_mixture(Ok(*mixture)),
+                News::Unmixed { generation, why } => self.take_mixture(Err((generation, why))),
                 News::Thumbnails(all) => {
                     seen.thumbnails = all.into_iter().map(|one| (one.node, Arc::new(one.screen))).collect();
                 }

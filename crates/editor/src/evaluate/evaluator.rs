@@ -2,7 +2,8 @@
 
 use super::blame;
 use super::lens::{Lens, LensError, lens, of_every_node};
-use super::picture::{Failure, evaluate};
+use super::mixture::{KnownRecipe, LIMIT, Mixture};
+use super::picture::{Failure, evaluate, part};
 use super::queue::{Cancellation, Progress, Queue, Task, Yields};
 use super::request::{Job, News, Thumbnail};
 use super::shown::{self, Display};
@@ -10,7 +11,7 @@ use super::subject::Subject;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
-use trochoid::{Buffers, Cache, EvalError, Format, Plan, Settings};
+use trochoid::{Buffers, Cache, EvalError, Format, Kind, PackError, PackedRecipe, Plan, Settings};
 
 /// Memory limit for prepared stages, in bytes.
 const CACHE: usize = 3 << 30;
@@ -28,11 +29,12 @@ pub(super) struct Evaluator<'o> {
     /// Time and number of samples of the last picture of the viewed result, to predict the next one.
     last: Option<(Duration, u64)>,
     lens: Option<(Subject, Arc<Lens>)>,
+    recipe: Option<KnownRecipe>,
 }
 
 impl<'o> Evaluator<'o> {
     pub(super) fn new(queue: &'o Queue, news: &'o Sender<News>, wake: &'o (dyn Fn() + Send + Sync)) -> Self {
-        Self { queue, news, wake, cache: Cache::with_limit(CACHE), last: None, lens: None }
+        Self { queue, news, wake, cache: Cache::with_limit(CACHE), last: None, lens: None, recipe: None }
     }
 
     fn tell(&self, news: News) {
@@ -62,6 +64,8 @@ impl<'o> Evaluator<'o> {
                         self.tell(News::Blame(Box::new(blamed)));
                     }
                 }
+                Task::KnownMixture(job) => self.known_mixture(job),
+                Task::Mixture(job) => self.mixture(job, stamp),
                 Task::Thumbnails(subject, frame) => self.small(&subject, frame, stamp),
                 Task::Ahead(job) => {
                     self.ahead(job, stamp);
@@ -104,9 +108,7 @@ impl<'o> Evaluator<'o> {
         if !self.lens.as_ref().is_some_and(|(known, _)| same_node(known)) {
             self.last = None;
         }
-        let mut lens = lens(&subject.sheet, subject.node, subject.output, &subject.name, &subject.folder)?;
-        lens.graph = lens.graph.with_access(subject.access.clone());
-        let lens = Arc::new(lens);
+        let lens = Arc::new(lens(subject)?);
         self.lens = Some((subject.clone(), lens.clone()));
         Ok(lens)
     }
@@ -162,10 +164,63 @@ impl<'o> Evaluator<'o> {
         self.cache.forget_unused();
     }
 
+    /// Takes the recipe of an earlier text for a picture, if that differs in colors only; otherwise the recipe is
+    /// evaluated later.
+    fn known_mixture(&mut self, job: Job) {
+        let place = (job.frame, job.proxy, job.region);
+        let lens = self.lens(&job.subject).ok();
+        let colors = |lens: &Lens| {
+            let known = self.recipe.as_ref()?;
+            Some((known.recipe.clone(), known.colors(&job.subject, lens, job.frame, &place)?))
+        };
+        match lens.as_deref().and_then(colors) {
+            Some((recipe, colors)) => {
+                self.tell(News::Mixture(Box::new(Mixture { generation: job.generation, recipe, colors })));
+            }
+            None => self.queue.requests().mixture = Some(job),
+        }
+    }
+
+    /// Evaluates the recipe of a picture.
+    fn mixture(&mut self, job: Job, stamp: u64) {
+        let generation = job.generation;
+        let Ok(lens) = self.lens(&job.subject) else { return };
+        if lens.graph.outputs()[0].kind != Kind::Color {
+            let why = "Only colors have a recipe: view a Color output.".into();
+            return self.tell(News::Unmixed { generation, why });
+        }
+        // The one before is needed no more, and both would not fit.
+        self.recipe = None;
+        let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Short, progress: None };
+        let region = |format| job.region.map(|region| part(region, format));
+        let made = match lens.drawn(job.proxy, true) {
+            Ok(graph) => {
+                let region = region(graph.format());
+                PackedRecipe::evaluate(&graph, 0, job.frame, region, LIMIT, &mut self.cache, &monitor)
+            }
+            Err(_) => return,
+        };
+        match made {
+            Ok(recipe) => {
+                let (recipe, place) = (Arc::new(recipe), (job.frame, job.proxy, job.region));
+                self.recipe = Some(KnownRecipe::new(&job.subject, &lens, &place, recipe.clone()));
+                let colors = recipe.info().colors.clone();
+                self.tell(News::Mixture(Box::new(Mixture { generation, recipe, colors })));
+            }
+            Err(PackError::Evaluate(EvalError::Cancelled)) => {
+                let mut requests = self.queue.requests();
+                if self.queue.stamp() == stamp {
+                    // A more urgent task interrupted; prepared stages stay in the cache.
+                    requests.mixture.get_or_insert(job);
+                }
+            }
+            Err(error) => self.tell(News::Unmixed { generation, why: error.to_string() }),
+        }
+    }
+
     /// Evaluates thumbnails of all nodes.
     fn small(&mut self, subject: &Subject, frame: i64, stamp: u64) {
-        let Some(graph) = of_every_node(&subject.sheet, &subject.name, &subject.folder) else { return };
-        let graph = graph.with_access(subject.access.clone());
+        let Some(graph) = of_every_node(subject) else { return };
         let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Always, progress: None };
         let format = graph.format();
         let shrink = (format.width() as f32 / THUMBNAIL[0] as f32).max(format.height() as f32 / THUMBNAIL[1] as f32);

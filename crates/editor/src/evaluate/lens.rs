@@ -5,10 +5,9 @@ use super::subject::Subject;
 use crate::document::{Path, Sheet, json as text};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
-use std::path;
 use trochoid::{
     CheckedGraph, Diagnostic, DocumentPlace, EvalError, Format, FormatError, Kind, LoadError, NodeId, RefusedFile,
-    Role, Severity, parse, registry,
+    Role, Severity, parse_within, registry,
 };
 
 /// Name of the lens's output.
@@ -105,7 +104,9 @@ pub enum LensError {
 /// # Errors
 /// Fails if the node has no visible result, or if the node or one of its dependencies has a fault; the error is a
 /// sentence.
-pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path::Path) -> Result<Lens, LensError> {
+pub fn lens(subject: &Subject) -> Result<Lens, LensError> {
+    let Subject { sheet, node, output, name, folder, access, .. } = subject;
+    let (node, output) = (*node, *output);
     let mut nodes = Map::new();
     let mut closure: Vec<usize> = sheet.upstream([node]).into_iter().collect();
     closure.sort_unstable();
@@ -137,7 +138,7 @@ pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path
     };
     let clay = matches!(kind, Some(Kind::View | Kind::Surface));
     let mut document = Map::new();
-    for key in ["trochoid", "format", "working_space", "frames", "tolerance"] {
+    for key in ["trochoid", "format", "working_space", "palette", "frames", "tolerance"] {
         if let Some(value) = sheet.value.get(key) {
             document.insert(key.into(), value.clone());
         }
@@ -145,7 +146,7 @@ pub fn lens(sheet: &Sheet, node: usize, output: usize, name: &str, folder: &path
     document.insert("nodes".into(), nodes.into());
     document.insert("outputs".into(), json!({ OUTPUT: { key: source } }));
     let text = Value::Object(document).to_string();
-    match parse(name, &text, folder, &[]) {
+    match parse_within(name, &text, folder, &[], access.clone()) {
         Ok(loaded) => Ok(Lens { graph: loaded.graph, text, clay }),
         Err(LoadError::Invalid(diagnostics)) => {
             let errors = diagnostics.into_iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
@@ -190,7 +191,8 @@ fn clay(sheet: &Sheet, view: String, nodes: &mut Map<String, Value>) -> (&'stati
 
 /// Builds a graph with one output per visible node, named after the node, so that all thumbnails are evaluated at once.
 /// Returns `None` if the document is invalid. Only the first 1000 visible nodes get an output.
-pub(super) fn of_every_node(sheet: &Sheet, name: &str, folder: &path::Path) -> Option<CheckedGraph> {
+pub(super) fn of_every_node(subject: &Subject) -> Option<CheckedGraph> {
+    let Subject { sheet, name, folder, access, .. } = subject;
     let mut document = sheet.value.as_object()?.clone();
     let mut outputs = Map::new();
     for node in sheet.nodes.iter().filter(|node| !node.disabled) {
@@ -205,5 +207,7 @@ pub(super) fn of_every_node(sheet: &Sheet, name: &str, folder: &path::Path) -> O
         }
     }
     document.insert("outputs".into(), outputs.into());
-    parse(name, &Value::Object(document).to_string(), folder, &[]).ok().map(|loaded| loaded.graph)
+    parse_within(name, &Value::Object(document).to_string(), folder, &[], access.clone())
+        .ok()
+        .map(|loaded| loaded.graph)
 }

@@ -4,6 +4,8 @@ pub mod blame;
 mod error;
 mod evaluator;
 pub mod lens;
+mod mixture;
+mod painter;
 mod picture;
 mod queue;
 mod request;
@@ -15,6 +17,8 @@ mod worker;
 
 pub use blame::{Blamed, Question, Share};
 pub use lens::{Lens, lens};
+pub use mixture::Mixture;
+pub use painter::{Painter, Painting, SharedRecipe};
 pub use request::{Job, News, Result, Thumbnail};
 pub use shown::{Channel, Display, Screen};
 pub use subject::Subject;

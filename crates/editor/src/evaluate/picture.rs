@@ -70,7 +70,7 @@ pub(super) fn evaluate(
 }
 
 /// Returns the pixels of a region, at least one.
-fn part(region: [f32; 4], format: Format) -> Window {
+pub(super) fn part(region: [f32; 4], format: Format) -> Window {
     let pixels = |share: f32, side: u32| (f64::from(share) * f64::from(side)).round() as i64;
     let window = format.window();
     let (x0, y0) = (pixels(region[0], format.width()), pixels(region[1], format.height()));

@@ -17,6 +17,10 @@ pub(super) struct Requests {
     pub(super) shown: Option<(u64, Arc<Picture>, WorkingSpace, Display)>,
     pub(super) held: Option<(u64, Arc<Picture>, WorkingSpace, Display)>,
     pub(super) question: Option<Question>,
+    /// Picture whose recipe is wanted, if that of another text may do.
+    pub(super) known_mixture: Option<Job>,
+    /// Picture whose recipe must be evaluated.
+    pub(super) mixture: Option<Job>,
     pub(super) thumbnails: Option<(Subject, i64)>,
     pub(super) ahead: VecDeque<Job>,
     /// Generation and frame being evaluated ahead.
@@ -32,6 +36,9 @@ impl Requests {
             Some(Task::Held(number, picture, space, display))
         } else if let Some((generation, picture, space, display)) = self.shown.take() {
             Some(Task::Show(generation, picture, space, display))
+        } else if let Some(job) = self.known_mixture.take() {
+            // Before the picture, which takes longer and can be painted of it.
+            Some(Task::KnownMixture(job))
         } else if let Some(job) = self.job.take() {
             Some(Task::Picture(job))
         } else if let Some(question) = self.question.take() {
@@ -40,6 +47,8 @@ impl Requests {
             // Playback waits for frames; nothing waits for thumbnails.
             self.making = Some((job.generation, job.frame));
             Some(Task::Ahead(job))
+        } else if let Some(job) = self.mixture.take() {
+            Some(Task::Mixture(job))
         } else {
             self.thumbnails.take().map(|(subject, frame)| Task::Thumbnails(subject, frame))
         }
@@ -47,7 +56,8 @@ impl Requests {
 
     /// Returns whether a request for the visible picture is pending.
     fn is_urgent(&self) -> bool {
-        self.job.is_some() || self.shown.is_some() || self.held.is_some() || self.question.is_some()
+        let is_painted = self.job.is_some() || self.shown.is_some() || self.held.is_some();
+        is_painted || self.question.is_some() || self.known_mixture.is_some()
     }
 }
 
@@ -122,6 +132,8 @@ pub(super) enum Task {
     Blame(Question),
     Thumbnails(Subject, i64),
     Ahead(Job),
+    KnownMixture(Job),
+    Mixture(Job),
 }
 
 /// Reports progress, but no more often than is visible.

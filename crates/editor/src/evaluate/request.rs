@@ -3,6 +3,7 @@
 use super::blame::Blamed;
 use super::error::PictureError;
 use super::lens::Lens;
+use super::mixture::Mixture;
 use super::shown::{Display, Screen};
 use super::subject::Subject;
 use std::sync::Arc;
@@ -126,4 +127,13 @@ pub enum News {
     Thumbnails(Vec<Thumbnail>),
     /// Composition of a pixel.
     Blame(Box<Blamed>),
+    /// The recipe of a picture.
+    Mixture(Box<Mixture>),
+    /// A picture has no recipe.
+    Unmixed {
+        /// Generation number of the picture.
+        generation: u64,
+        /// Reason, as a sentence.
+        why: String,
+    },
 }

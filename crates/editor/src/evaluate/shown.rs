@@ -109,7 +109,7 @@ pub fn screen(picture: &Picture, space: WorkingSpace, display: &Display) -> Scre
 }
 
 /// Converts colors of the working space to the screen, with a look-up table over exposed channels.
-struct Encoder {
+pub(super) struct Encoder {
     space: WorkingSpace,
     channel: Channel,
     false_color: bool,
@@ -126,7 +126,7 @@ const TABLE: usize = 1 << 12;
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 impl Encoder {
-    fn new(space: WorkingSpace, display: &Display) -> Self {
+    pub(super) fn new(space: WorkingSpace, display: &Display) -> Self {
         let exposed = f64::from(display.exposure).exp2();
         let gamma = 1.0 / f64::from(display.gamma).max(1e-3);
         let encoded = space == WorkingSpace::Srgb;
@@ -148,7 +148,8 @@ impl Encoder {
     }
 
     /// Converts a pixel: the whole color, or the chosen channel as an equally bright gray.
-    fn pixel(&self, color: [f32; 3]) -> [u8; 3] {
+    #[inline]
+    pub(super) fn pixel(&self, color: [f32; 3]) -> [u8; 3] {
         if color.iter().any(|value| value.is_nan()) {
             return NAN;
         }

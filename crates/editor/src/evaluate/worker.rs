@@ -45,6 +45,7 @@ impl Worker {
             requests.shown = None;
             requests.question = None;
             requests.ahead.clear();
+            (requests.known_mixture, requests.mixture) = (None, None);
             requests.job = Some(job);
         });
     }
@@ -70,6 +71,14 @@ impl Worker {
     /// Requests the composition of a pixel in a finished picture, replacing an earlier request.
     pub fn blame(&self, question: Question) {
         self.queue.change(false, |requests| requests.question = Some(question));
+    }
+
+    /// Requests the recipe of a picture.
+    pub fn mix(&self, job: Job) {
+        self.queue.change(false, |requests| {
+            requests.mixture = None;
+            requests.known_mixture = Some(job);
+        });
     }
 
     /// Requests thumbnails of all nodes of a document at a frame; the node and output of the subject are ignored.

@@ -1,20 +1,24 @@
 //! Color fields: swatch, text, dropper, and a reference painting to pick colors from.
 
 use super::context::{Properties, WidgetContext};
-use crate::actions::Action;
-use crate::document::Edit;
+use crate::actions::{Action, Pane, Tint};
 use crate::document::color::{hex, is_name, rgb};
+use crate::document::swatches::{SwatchKey, space};
+use crate::document::{Edit, spoken};
 use crate::evaluate::Screen;
 use crate::field::{self, FieldResponse, Gesture};
+use crate::picker::{self, Picked};
 use crate::state::State;
-use egui::{ColorImage, Sense, TextEdit, TextureOptions, Ui};
+use egui::{
+    Button, Color32, ColorImage, Popup, PopupCloseBehavior, Sense, TextEdit, TextureOptions, Ui, WidgetInfo,
+    WidgetType, vec2,
+};
 use egui_file_dialog::{DialogState, FileDialog, Filter};
 use serde_json::{Value, json};
-use trochoid::WorkingSpace;
 
 /// Returns a document color as sRGB values from 0 to 1. Number triples are in the working space.
 pub(super) fn display(value: &Value, state: &State) -> Option<[f32; 3]> {
-    let space = space(state);
+    let space = space(state.sheet());
     match value {
         Value::String(text) if is_name(text) => state.sheet().named(text),
         Value::String(text) => rgb(text),
@@ -29,12 +33,6 @@ pub(super) fn display(value: &Value, state: &State) -> Option<[f32; 3]> {
     }
 }
 
-/// Returns the working space of the document.
-fn space(state: &State) -> WorkingSpace {
-    let name = state.sheet().value.get("working_space").and_then(Value::as_str).unwrap_or_default();
-    WorkingSpace::from_name(name).unwrap_or_default()
-}
-
 /// Draws a color field: a swatch that opens a picker, the color's text, and the dropper.
 pub(super) fn color_ui(
     ui: &mut Ui,
@@ -42,10 +40,7 @@ pub(super) fn color_ui(
     place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
 ) -> FieldResponse<Value> {
-    let shown = display(value, place.state).unwrap_or_default();
-    // A color picked here would be a color without the name.
-    let is_named = value.as_str().is_some_and(is_name);
-    let swatch = ui.add_enabled_ui(!is_named, |ui| field::swatch_ui(ui, shown)).inner.map(|color| json!(hex(color)));
+    let swatch = swatch_ui(ui, value, place, 36.0, actions);
     let written = match value {
         Value::String(text) => text.clone(),
         other => crate::document::change::style(other),
@@ -60,6 +55,60 @@ pub(super) fn color_ui(
         actions.push(Action::Dropper(taking.then(|| place.path.clone())));
     }
     FieldResponse { response: field::joined(swatch.response, text.response), given: swatch.given.or(text.given) }
+}
+
+/// Draws the color as a button that opens a picker, with the document's other colors. The color of a name is changed in
+/// the palette, for all its uses. `width` is that of the button, in points.
+pub(super) fn swatch_ui(
+    ui: &mut Ui,
+    value: &Value,
+    place: &WidgetContext<'_>,
+    width: f32,
+    actions: &mut Vec<Action>,
+) -> FieldResponse<Value> {
+    let state = place.state;
+    let controls = vec![spoken(&place.path)];
+    let tint = state.colors.tint.as_ref().filter(|tint| tint.controls == controls);
+    let shown = tint.map(|tint| tint.color).or_else(|| display(value, state)).unwrap_or_default();
+    // A color picked here would be a color without the name.
+    let name = value.as_str().filter(|text| is_name(text)).and_then(|text| text.strip_prefix("palette."));
+    let [r, g, b] = shown.map(|channel| (255.0 * channel).round() as u8);
+    let button = Button::new("").fill(Color32::from_rgb(r, g, b)).min_size(vec2(width, ui.spacing().interact_size.y));
+    let button = ui.add(button);
+    button.widget_info(|| WidgetInfo::labeled(WidgetType::ColorButton, true, format!("Swatch of {}", controls[0])));
+    if let Some(name) = name {
+        if button.clicked() {
+            actions.extend([Action::Panel(Pane::Palette), Action::Swatch(Some(SwatchKey::Named(name.into())))]);
+        }
+        let button = button.on_hover_text(format!("Show {name} in the palette, where it is changed for all its uses"));
+        return FieldResponse::nothing(button);
+    }
+    let is_keyed = place.value.is_some_and(|value| value.get("keys").is_some());
+    let mut given = None;
+    let popup = Popup::from_toggle_button_response(&button).close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    popup.width(280.0).show(|ui| {
+        actions.push(Action::Weigh);
+        let others = state.swatches().into_iter().filter_map(|other| Some((other.called(), other.color?)));
+        let others: Vec<(String, [f32; 3])> = others.collect();
+        let picked = picker::picker_ui(ui, ui.id().with(&controls[0]), shown);
+        let picked = picked.or(picker::swatches_ui(ui, &others));
+        let edit = |color| place.set(&json!(hex(color)));
+        match picked {
+            // Of keyed colors, the key at this frame is given.
+            Some(Picked::Moved(color, gesture) | Picked::Settled(color, gesture)) if is_keyed => {
+                given = Some((json!(hex(color)), gesture));
+            }
+            Some(Picked::Moved(color, gesture)) => {
+                gesture.tint(Tint { controls, color, edit: edit(color) }, actions);
+            }
+            Some(Picked::Settled(color, _)) if tint.is_none() && display(value, state).map(hex) == Some(hex(color)) => {
+            }
+            Some(Picked::Settled(color, gesture)) => gesture.settle(edit(color), actions),
+            Some(Picked::Cancelled) => actions.push(Action::Tint(None)),
+            None => {}
+        }
+    });
+    FieldResponse { response: button, given }
 }
 
 /// Error in a typed color: what was expected.

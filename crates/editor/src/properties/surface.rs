@@ -1,12 +1,12 @@
 //! The patch editor: corner or Bézier colors on the surface that they span.
 
 use super::color;
+use super::context::WidgetContext;
 use crate::actions::Action;
-use crate::document::{Edit, Path};
-use crate::field;
+use crate::document::Path;
 use crate::state::State;
 use egui::{Color32, Mesh, Rect, Sense, Stroke, Ui, pos2, vec2};
-use serde_json::{Value, json};
+use serde_json::Value;
 
 /// Number of mesh cells along each side.
 const PIECES: usize = 24;
@@ -57,13 +57,14 @@ pub(super) fn patch_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Ve
             Stroke::new(1.0, Color32::from_white_alpha(160)),
             egui::StrokeKind::Outside,
         );
-        let Some(shown) = literal else { continue };
+        if literal.is_none() {
+            continue;
+        }
         let mut own = ui.new_child(egui::UiBuilder::new().max_rect(spot).id_salt(index));
         own.spacing_mut().interact_size = vec2(18.0, 18.0);
-        field::swatch_ui(&mut own, shown).edit(actions, |color| {
-            let own = place.to(index);
-            Edit::set(own.clone(), &json!(crate::document::color::hex(color))).merging(own.to_string())
-        });
+        let own_place = WidgetContext { state, path: place.to(index), value: Some(value) };
+        let told = color::swatch_ui(&mut own, value, &own_place, 18.0, actions);
+        told.edit(actions, |color| own_place.set(&color));
     }
 }
 

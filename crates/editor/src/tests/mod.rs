@@ -5,6 +5,7 @@ mod lasting;
 mod leaving;
 mod looking;
 mod modules;
+mod palette;
 mod panels;
 mod play;
 mod reach;

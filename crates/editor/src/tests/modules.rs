@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Modules of the panels.
-const PANELS: [&str; 7] = ["canvas", "properties", "report", "text_panel", "timeline", "viewer", "waves"];
+const PANELS: [&str; 8] = ["canvas", "palette", "properties", "report", "text_panel", "timeline", "viewer", "waves"];
 
 /// Modules above the panels, which combine them.
 const ABOVE: [&str; 2] = ["editor", "window"];
@@ -180,7 +180,7 @@ fn only_gestures_ask_for_edits_of_values() {
     // Widgets that change a value in place, and actions that edit without a gesture; only `field` may use them.
     let forbidden =
         ["DragValue", "Slider::", ".checkbox(", "color_edit_button", ".changed()", "Action::Edit(", "Action::Rewire("];
-    for panel in ["properties", "timeline", "waves", "viewer"] {
+    for panel in ["palette", "properties", "timeline", "waves", "viewer"] {
         for (file, text) in sources(panel).into_iter().filter(|(file, _)| !file.ends_with("tests.rs")) {
             for word in forbidden {
                 assert!(!text.contains(word), "{} has {word}", file.display());

@@ -140,6 +140,7 @@ fn all_panels_can_be_shown_in_both_themes() {
             Pane::Viewer => "Picture",
             Pane::Canvas => "Node dusk, Mix",
             Pane::Properties => "Select a node to see its knobs.",
+            Pane::Palette => "0 colors with names, 3 without",
             Pane::Waves => "The document has no sea. Add a GerstnerSea or a ToonSea (Tab in the graph).",
             Pane::Report => "Left out",
             Pane::Text => "Revert",

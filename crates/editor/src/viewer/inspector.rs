@@ -3,7 +3,7 @@
 use super::origin::origin;
 use crate::actions::Action;
 use crate::evaluate::{Blamed, Result, Share, blame};
-use crate::format::{number, thousands};
+use crate::format::{number, percent, thousands};
 use crate::state::State;
 use egui::{Align, Button, Color32, Layout, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
 use trochoid::{Kind, WorkingSpace};
@@ -173,12 +173,4 @@ fn share_ui(ui: &mut Ui, state: &State, result: &Result, share: &Share, actions:
     ui.painter().rect_filled(line, 1.0, ui.visuals().faint_bg_color);
     let filled = Rect::from_min_size(line.min, vec2(line.width() * share.weight.clamp(0.0, 1.0) as f32, line.height()));
     ui.painter().rect_filled(filled, 1.0, ui.visuals().selection.bg_fill);
-}
-
-/// Formats a fraction as a percentage.
-pub(super) fn percent(share: f64) -> String {
-    match 100.0 * share {
-        percent if percent > 0.0 && percent < 0.05 => "< 0.1 %".into(),
-        percent => format!("{percent:.1} %"),
-    }
 }

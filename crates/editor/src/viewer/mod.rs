@@ -92,7 +92,7 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
     let mut bar = area;
     area.max.y = (area.max.y - BAR).max(area.min.y + 1.0);
     bar.min.y = area.max.y;
-    let result = state.evaluated.result.as_deref();
+    let result = state.evaluated.shown().map(|result| &**result);
     let size = match result.or(state.evaluated.last.as_deref()).map(|result| result.lens.graph.format()) {
         Some(format) => [format.width(), format.height()],
         None => state.sheet().format,
@@ -422,7 +422,7 @@ fn note(ui: &mut Ui, area: Rect, text: &str) {
 /// Draws the status bar: values under the pointer, and the size of the picture.
 fn bar_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, state: &State, hover: Option<Pos2>) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let result = state.evaluated.result.as_deref();
+        let result = state.evaluated.shown().map(|result| &**result);
         if let Some(result) = result {
             let format = &result.format;
             ui.weak(format!("{} × {}", format.width(), format.height()));

@@ -61,6 +61,7 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::Viewer => crate::viewer::viewer_ui(&mut panels.viewer, ui, state, actions),
             Pane::Canvas => crate::canvas::canvas_ui(&mut panels.canvas, ui, state, actions),
             Pane::Properties => crate::properties::properties_ui(&mut panels.properties, ui, state, actions),
+            Pane::Palette => crate::palette::palette_ui(&mut panels.palette, ui, state, actions),
             Pane::Waves => crate::waves::waves_ui(&mut panels.waves, ui, state, actions),
             Pane::Report => crate::report::report_ui(&mut panels.report, ui, state, actions),
             Pane::Text => crate::text_panel::text_panel_ui(&mut panels.text, ui, state, actions),

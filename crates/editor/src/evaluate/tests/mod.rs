@@ -58,7 +58,7 @@ fn next(worker: &Worker) -> News {
 #[test]
 fn every_kind_of_node_is_seen_and_faults_elsewhere_do_not_matter() {
     let sheet = sheet();
-    let look = |name: &str| lens(&sheet, sheet.find(name).unwrap(), 0, "test", &PathBuf::new());
+    let look = |name: &str| lens(&subject(&sheet, name, 0));
     assert_eq!(look("sea").unwrap().graph.outputs()[0].kind, Kind::Color);
     assert_eq!(look("far").unwrap().graph.outputs()[0].kind, Kind::MASK);
     let field = look("depth").unwrap();

@@ -1,0 +1,177 @@
+//! Pictures painted from recipes: while a color is dragged, a palette is compared, or a color is looked for.
+
+use super::Editor;
+use crate::actions::Tint;
+use crate::document::swatches;
+use crate::evaluate::{Mixture, Painting, Result, SharedRecipe};
+
+use std::sync::Arc;
+
+/// State of the last requests that concern recipes.
+#[derive(Default)]
+pub(super) struct LastPainting {
+    /// Whether the recipe is needed, since the last request.
+    pub(super) weighs: bool,
+    /// Generation of the picture whose recipe was requested.
+    pub(super) mixed: Option<u64>,
+    /// The requested painting.
+    what: Option<Painting>,
+    /// The painting that the viewer shows.
+    shown: Option<Painting>,
+    /// Whether the document is being changed by the present drag, because the picture had no recipe when it began.
+    writes: bool,
+    /// Revision of the text that a drag left, whose painting stays until there is its picture.
+    left: Option<u64>,
+}
+
+impl Editor {
+    /// Requests the recipe of the viewed picture while something needs it.
+    pub(super) fn ask_mixture(&mut self) {
+        let is_wanted = std::mem::take(&mut self.painting.weighs);
+        let generation = self.asked.generation;
+        let seen = &mut self.state.evaluated;
+        if seen.mixture.as_ref().is_some_and(|mixture| mixture.generation != generation) {
+            seen.mixture = None;
+        }
+        if !is_wanted || self.state.playing || self.asked.what.is_none() || self.painting.mixed == Some(generation) {
+            return;
+        }
+        if let Some(subject) = self.subject() {
+            self.painting.mixed = Some(generation);
+            (self.state.evaluated.mixing, self.state.evaluated.unmixed) = (true, None);
+            self.worker.mix(self.job(subject, generation, self.state.frame, false));
+        }
+    }
+
+    /// Receives the recipe of the viewed picture, or the reason that it has none.
+    pub(super) fn take_mixture(&mut self, mixture: std::result::Result<Mixture, (u64, String)>) {
+        let seen = &mut self.state.evaluated;
+        match mixture {
+            Ok(mixture) if mixture.generation == self.asked.generation => {
+                seen.mixing = false;
+                seen.mixture = Some(Arc::new(mixture));
+            }
+            Err((generation, why)) if generation == self.asked.generation => {
+                seen.mixing = false;
+                seen.unmixed = Some(why);
+            }
+            _ => {}
+        }
+    }
+
+    /// Requests the painting that the viewer should show instead of the picture.
+    pub(super) fn ask_painting(&mut self) {
+        let wanted = self.wanted_painting();
+        if wanted.is_none() && !self.is_left() {
+            self.state.evaluated.painted = None;
+        }
+        if self.painting.what != wanted {
+            self.painting.what.clone_from(&wanted);
+            if let Some(painting) = wanted {
+                self.painter.paint(painting);
+            }
+        }
+    }
+
+    /// Returns whether the viewer shows the requested painting.
+    #[cfg(test)]
+    pub(crate) fn is_painted(&self) -> bool {
+        self.painting.what.is_some() && self.painting.what == self.painting.shown
+    }
+
+    /// Returns whether the viewer still shows what a drag left.
+    fn is_left(&self) -> bool {
+        self.painting.left == Some(self.state.session.revision()) && self.state.evaluated.progress.is_some()
+    }
+
+    fn wanted_painting(&self) -> Option<Painting> {
+        let (seen, colors) = (&self.state.evaluated, &self.state.colors);
+        let mixture = seen.mixture.as_ref().filter(|mixture| mixture.generation == self.asked.generation)?;
+        let spot = colors.spot.then(|| self.state.chosen_controls()).flatten();
+        let spot = spot.map(|controls| mixture.members(&controls));
+        let mixed = match (&colors.tint, &colors.compared) {
+            (Some(tint), _) if !self.painting.writes => mixture.with(&tint.controls, self.working(tint.color)),
+            (None, Some(other)) => other.colors.iter().fold(mixture.colors.clone(), |mixed, (name, color)| {
+                let names = mixture.recipe.info().names.iter().zip(mixed);
+                names.map(|(own, old)| if own == name { *color } else { old }).collect()
+            }),
+            _ if seen.progress.is_some() || spot.is_some() => mixture.colors.clone(),
+            _ => return None,
+        };
+        Some(Painting {
+            generation: mixture.generation,
+            recipe: SharedRecipe(mixture.recipe.clone()),
+            colors: mixed,
+            spot,
+            display: self.state.look.display,
+        })
+    }
+
+    /// Returns a displayed color in the working space, rounded as documents store it.
+    fn working(&self, color: [f32; 3]) -> [f64; 3] {
+        let text = crate::document::color::hex(color).into();
+        swatches::working(&text, swatches::space(self.state.sheet()), 0.0).unwrap_or_default()
+    }
+
+    /// Receives painted pictures.
+    pub(super) fn hear_paintings(&mut self) {
+        for (painting, screen) in self.painter.news() {
+            let is_current = painting.generation == self.asked.generation && self.painting.what.is_some();
+            let window = painting.recipe.0.window();
+            let seen = &mut self.state.evaluated;
+            let of_same_pixels = |result: &&Arc<Result>| {
+                result.frame == self.state.frame
+                    && result.picture.planes.first().is_some_and(|plane| plane.window() == window)
+            };
+            if let Some(whole) = seen.whole.as_ref().filter(of_same_pixels).filter(|_| is_current) {
+                seen.painted = Some(Arc::new(Result { screen, display: painting.display, ..Result::clone(whole) }));
+                self.painting.shown = Some(painting);
+            }
+        }
+    }
+
+    /// Shows a color while it is dragged: painted from the recipe, or if the picture has none, by changing the document.
+    /// `None` ends the drag; what it wrote is taken back unless an edit has sealed it.
+    pub(super) fn tint(&mut self, tint: Option<Tint>) {
+        match tint {
+            Some(tint) => {
+                let is_first = self.state.colors.tint.is_none();
+                if is_first {
+                    let seen = &self.state.evaluated;
+                    let has_recipe = |mixture: &Arc<Mixture>| {
+                        mixture.generation == self.asked.generation && mixture.share(&tint.controls).is_some()
+                    };
+                    self.painting.writes = !seen.mixture.as_ref().is_some_and(has_recipe);
+                    self.painting.left = None;
+                    self.state.session.seal();
+                }
+                if self.painting.writes {
+                    self.edit(tint.edit.clone());
+                }
+                self.state.colors.tint = Some(tint);
+            }
+            None => {
+                if self.state.colors.tint.take().is_some() && std::mem::take(&mut self.painting.writes) {
+                    self.take_back();
+                }
+            }
+        }
+    }
+
+    /// Makes the edit with which a drag ends, as one step of undo.
+    pub(super) fn settle_tint(&mut self, edit: crate::document::Edit) {
+        let painted = self.state.colors.tint.take().is_some() && !std::mem::take(&mut self.painting.writes);
+        self.edit(edit);
+        self.state.session.seal();
+        if painted {
+            self.painting.left = Some(self.state.session.revision());
+        }
+    }
+
+    /// Takes back what a cancelled drag has written.
+    fn take_back(&mut self) {
+        if self.state.session.history().is_open() && self.state.session.undo().is_some() {
+            self.changed();
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Recipes of viewed pictures: the weights of their colors, which stay the same when colors change.
+
+use super::lens::Lens;
+use super::subject::Subject;
+use crate::document::Path;
+use crate::document::swatches::swatches;
+use serde_json::{Value, json};
+use std::sync::Arc;
+use trochoid::{Animated, CheckedGraph, Kind, PackedRecipe};
+
+/// Maximum memory of a recipe, in bytes.
+pub(super) const LIMIT: usize = 1 << 30;
+
+/// The recipe of a viewed picture, with the colors of a text of the document.
+#[derive(Clone, Debug)]
+pub struct Mixture {
+    /// Generation number of the picture.
+    pub generation: u64,
+    /// The weights.
+    pub recipe: Arc<PackedRecipe>,
+    /// The document's colors at the frame, one for each name of the recipe, in the working space.
+    pub colors: Vec<[f64; 3]>,
+}
+
+impl Mixture {
+    /// Returns which weights of the recipe belong to these colors.
+    pub fn members(&self, controls: &[String]) -> Vec<bool> {
+        let names = self.recipe.info().names.iter().map(|name| controls.contains(name));
+        names.chain(self.recipe.info().has_images.then_some(false)).collect()
+    }
+
+    /// Returns the mean weight of these colors in the picture, from 0 to 1; `None` if it has none of them.
+    pub fn share(&self, controls: &[String]) -> Option<f64> {
+        let members = self.members(controls);
+        let own = || self.recipe.shares().iter().zip(&members).filter(|(_, is_own)| **is_own);
+        own().next()?;
+        Some(own().map(|(share, _)| share).sum())
+    }
+
+    /// Returns the weight of these colors in a pixel, from 0 to 1.
+    pub fn weight(&self, controls: &[String], [x, y]: [i64; 2]) -> f64 {
+        let members = self.members(controls);
+        let own = self.recipe.at(x, y).into_iter().filter(|(place, _)| members[*place]);
+        own.map(|(_, weight)| f64::from(weight)).sum()
+    }
+
+    /// Returns the document's colors, with others for these.
+    pub fn with(&self, controls: &[String], color: [f64; 3]) -> Vec<[f64; 3]> {
+        let names = self.recipe.info().names.iter().zip(&self.colors);
+        names.map(|(name, own)| if controls.contains(name) { color } else { *own }).collect()
+    }
+}
+
+/// Recipe that the thread has made, and what it is of.
+pub(super) struct KnownRecipe {
+    of: String,
+    pub(super) recipe: Arc<PackedRecipe>,
+}
+
+impl KnownRecipe {
+    pub(super) fn new(subject: &Subject, lens: &Lens, place: &impl std::fmt::Debug, recipe: Arc<PackedRecipe>) -> Self {
+        let of = structure(subject, lens, place, &recipe.info().names);
+        Self { of, recipe }
+    }
+
+    /// Returns the colors of a document whose picture has this recipe, at a frame; `None` if its weights may be others.
+    pub(super) fn colors(
+        &self,
+        subject: &Subject,
+        lens: &Lens,
+        frame: i64,
+        place: &impl std::fmt::Debug,
+    ) -> Option<Vec<[f64; 3]>> {
+        let names = &self.recipe.info().names;
+        if self.of != structure(subject, lens, place, names) {
+            return None;
+        }
+        let info = PackedRecipe::describe(&lens.graph, 0, frame).ok()?;
+        (info.names == *names).then_some(info.colors)
+    }
+}
+
+/// Returns everything on which the weights of a picture depend: its lens without the colors that the recipe names.
+/// `place` is the frame and the part of the picture.
+fn structure(subject: &Subject, lens: &Lens, place: &impl std::fmt::Debug, names: &[String]) -> String {
+    let mut value: Value = serde_json::from_str(&lens.text).unwrap_or_default();
+    for swatch in swatches(&subject.sheet, None, 0) {
+        for (place, control) in swatch.uses.iter().zip(swatch.controls()) {
+            if names.contains(&control)
+                && matches!(swatch.key, crate::document::swatches::SwatchKey::Literal(_))
+                && let Some(color) = find(&mut value, place)
+            {
+                *color = Value::Null;
+            }
+        }
+    }
+    if let Some(palette) = value.get_mut("palette") {
+        *palette = palette_of(&lens.graph);
+    }
+    format!("{place:?} {value}")
+}
+
+fn find<'v>(value: &'v mut Value, path: &Path) -> Option<&'v mut Value> {
+    use crate::document::Step;
+    path.0.iter().try_fold(value, |value, step| match step {
+        Step::Key(key) => value.get_mut(key),
+        Step::Index(index) => value.get_mut(index),
+    })
+}
+
+/// Returns the names of the palette, with the colors of those on which weights depend: a node that makes no color has its
+/// own use for a color.
+fn palette_of(graph: &CheckedGraph) -> Value {
+    let is_color = |kind: &Kind| matches!(kind, Kind::Color | Kind::Layers(_));
+    let color = |animated: &Animated| json!(animated.values().collect::<Vec<_>>());
+    let names = graph.palette().iter().map(|named| {
+        let weighs = named.uses.iter().any(|used| !graph.node(used.node).kinds.iter().any(is_color));
+        json!([named.name, if weighs { color(&named.color) } else { Value::Null }])
+    });
+    names.collect()
+}
