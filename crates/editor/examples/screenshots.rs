@@ -8,10 +8,13 @@ use egui_kittest::Harness;
 use std::path::Path;
 use trochoid_editor::actions::{Action, Pane};
 use trochoid_editor::document::Session;
+use trochoid_editor::document::swatches::{Swatch, SwatchKey};
 use trochoid_editor::editor::Editor;
+use trochoid_editor::state::State;
 
 /// Scene, selected node (by default the one in the viewer), and panel.
-const SCENES: [(&str, Option<&str>, Pane); 3] = [
+const SCENES: [(&str, Option<&str>, Pane); 4] = [
+    ("great_wave", None, Pane::Palette),
     ("stormy_sea_bare", Some("sea"), Pane::Waves),
     ("toon_sea", Some("waves"), Pane::Properties),
     ("cartoon_bay", None, Pane::Report),
@@ -45,12 +48,27 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for action in [Action::Select(framed), Action::Frames, Action::Select([chosen].into()), Action::Panel(pane)] {
             act(&mut window, action)?;
         }
+        if pane == Pane::Palette {
+            while editor(&window)?.state().evaluated.mixture.is_none() {
+                window.step();
+                std::thread::sleep(std::time::Duration::from_millis(2));
+            }
+            let most = most(editor(&window)?.state());
+            act(&mut window, Action::Swatch(most))?;
+        }
         window.run_steps(5);
         let picture = window.render()?;
         let picture = image::imageops::crop_imm(&picture, MARGIN, MARGIN, SIZE[0], SIZE[1]).to_image();
         picture.save(folder.join(format!("editor_{scene}.png")))?;
     }
     Ok(())
+}
+
+/// Returns the color of which the picture has most.
+fn most(state: &State) -> Option<SwatchKey> {
+    let mixture = state.evaluated.mixture.as_ref()?;
+    let share = |swatch: &Swatch| mixture.share(&swatch.controls()).unwrap_or(0.0);
+    state.swatches().into_iter().max_by(|a, b| share(a).total_cmp(&share(b))).map(|swatch| swatch.key)
 }
 
 fn open(session: Session) -> Window {

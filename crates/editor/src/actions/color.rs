@@ -21,6 +21,4 @@ pub struct OtherPalette {
     pub name: String,
     /// Its colors as documents have them.
     pub entries: Vec<(String, Value)>,
-    /// Its colors at the first frame, in the document's working space.
-    pub colors: Vec<(String, [f64; 3])>,
 }

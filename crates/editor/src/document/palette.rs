@@ -220,5 +220,7 @@ pub fn colored(sheet: &Sheet, swatch: &Swatch, color: [f32; 3], frame: i64) -> R
         })
     };
     let ops = swatch.places().into_iter().filter_map(op).collect();
-    Ok(Edit::new(format!("Set {}", swatch.called()), ops))
+    // Drags of a color merge into one step, whatever it looks like on the way.
+    let (SwatchKey::Named(name) | SwatchKey::Literal(name)) = &swatch.key;
+    Ok(Edit::new(format!("Set {name}"), ops).merging(format!("color {name}")))
 }

@@ -3,7 +3,7 @@
 use super::change::style;
 use super::color::hex;
 use super::json::quoted;
-use super::swatches::{Swatch, SwatchKey, shown, working};
+use super::swatches::{Swatch, SwatchKey, shown};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -59,11 +59,6 @@ fn checked(path: &Path, space: WorkingSpace, access: Access) -> Result<CheckedGr
     });
     let name = path.display().to_string();
     Ok(parse_within(&name, &document.to_string(), Path::new("."), &[], access)?.graph)
-}
-
-/// Returns the colors of a palette at a frame, in the working space.
-pub fn mixed(entries: &[(String, Value)], space: WorkingSpace, frame: i64) -> Vec<(String, [f64; 3])> {
-    entries.iter().filter_map(|(name, value)| Some((name.clone(), working(value, space, frame as f64)?))).collect()
 }
 
 /// Returns the text of a palette file with the named ones of some colors: of GIMP if its name ends so, and otherwise JSON.

@@ -12,7 +12,7 @@ use trochoid::{Animated, Arity, CheckedGraph, Interpolation, Item, Kind, KnobTyp
 pub enum SwatchKey {
     /// Name in the palette.
     Named(String),
-    /// Value without a name, in one form for all ways to write it.
+    /// First place of a color without a name.
     Literal(String),
 }
 
@@ -69,7 +69,7 @@ impl Swatch {
         match (&self.key, self.color) {
             (SwatchKey::Named(name), _) => name.clone(),
             (SwatchKey::Literal(_), Some(color)) => hex(color),
-            (SwatchKey::Literal(text), None) => text.clone(),
+            (SwatchKey::Literal(place), None) => place.clone(),
         }
     }
 }
@@ -114,6 +114,8 @@ pub fn swatches(sheet: &Sheet, graph: Option<&CheckedGraph>, frame: i64) -> Vec<
             }));
         }
     }
+    // Values of the colors without names, in one form for all ways to write them.
+    let mut literals: Vec<(String, usize)> = Vec::new();
     for place in colors(sheet) {
         let Some(value) = sheet.get(&place) else { continue };
         let named = names_in(value, &place);
@@ -127,10 +129,14 @@ pub fn swatches(sheet: &Sheet, graph: Option<&CheckedGraph>, frame: i64) -> Vec<
         if !named.is_empty() {
             continue;
         }
-        let key = SwatchKey::Literal(normal(value));
-        match all.iter_mut().find(|own| own.key == key) {
-            Some(own) => own.uses.push(place),
-            None => all.push(Swatch { key, color: shown(value), value: Some(value.clone()), uses: vec![place] }),
+        let form = normal(value);
+        match literals.iter().find(|(known, _)| *known == form) {
+            Some((_, index)) => all[*index].uses.push(place),
+            None => {
+                literals.push((form, all.len()));
+                let key = SwatchKey::Literal(spoken(&place));
+                all.push(Swatch { key, color: shown(value), value: Some(value.clone()), uses: vec![place] });
+            }
         }
     }
     all
@@ -143,17 +149,18 @@ fn colors(sheet: &Sheet) -> Vec<Path> {
         let makes_color = node.makes.iter().any(|(_, kind)| matches!(kind, Some(Kind::Color | Kind::Layers(_))));
         let path = Path::node(&node.name);
         if let (true, Some(declaration), Some(body)) = (makes_color, node.declaration, sheet.get(&path)) {
-            gather(declaration.items, body, &path, &mut found);
+            // What reads files has colors that are parts of images.
+            gather(declaration.items, body, &path, declaration.reads.is_none(), &mut found);
         }
     }
     found
 }
 
-fn gather(items: &[Item], body: &Value, at: &Path, found: &mut Vec<Path>) {
+fn gather(items: &[Item], body: &Value, at: &Path, takes_knobs: bool, found: &mut Vec<Path>) {
     for item in items {
         let (Some(value), place) = (body.get(item.name()), at.to(item.name())) else { continue };
         match item {
-            Item::Knob(knob) if matches!(knob.takes, KnobType::Color) => found.push(place),
+            Item::Knob(knob) if takes_knobs && matches!(knob.takes, KnobType::Color) => found.push(place),
             Item::Port(port) if port.accepts.takes_color() => match port.arity {
                 Arity::Many { .. } => {
                     let elements = value.as_array().map_or(&[][..], Vec::as_slice).iter().enumerate();
@@ -165,7 +172,7 @@ fn gather(items: &[Item], body: &Value, at: &Path, found: &mut Vec<Path>) {
             },
             Item::List(list) => {
                 for (index, record) in value.as_array().map_or(&[][..], Vec::as_slice).iter().enumerate() {
-                    gather(list.items, record, &place.to(index), found);
+                    gather(list.items, record, &place.to(index), takes_knobs, found);
                 }
             }
             _ => {}

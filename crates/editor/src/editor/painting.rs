@@ -91,10 +91,17 @@ impl Editor {
         let spot = spot.map(|controls| mixture.members(&controls));
         let mixed = match (&colors.tint, &colors.compared) {
             (Some(tint), _) if !self.painting.writes => mixture.with(&tint.controls, self.working(tint.color)),
-            (None, Some(other)) => other.colors.iter().fold(mixture.colors.clone(), |mixed, (name, color)| {
-                let names = mixture.recipe.info().names.iter().zip(mixed);
-                names.map(|(own, old)| if own == name { *color } else { old }).collect()
-            }),
+            (None, Some(other)) => {
+                let space = swatches::space(self.state.sheet());
+                let names = mixture.recipe.info().names.iter().zip(&mixture.colors);
+                let color = |(name, own): (&String, &[f64; 3])| {
+                    let entry = other.entries.iter().find(|(other, _)| other == name);
+                    entry
+                        .and_then(|(_, value)| swatches::working(value, space, self.state.frame as f64))
+                        .unwrap_or(*own)
+                };
+                names.map(color).collect()
+            }
             _ if seen.progress.is_some() || spot.is_some() => mixture.colors.clone(),
             _ => return None,
         };

@@ -20,7 +20,7 @@ pub(super) fn chosen_ui(ui: &mut Ui, state: &State, swatch: &Swatch, all: &[Swat
     let tint = state.colors.tint.as_ref().filter(|tint| tint.controls == swatch.controls());
     if let Some(color) = tint.map(|tint| tint.color).or(swatch.color) {
         ui.add_enabled_ui(!is_fixed, |ui| {
-            let id = ui.id().with(("picker", swatch.called()));
+            let id = ui.id().with(("picker", &swatch.key));
             let picked = picker::picker_ui(ui, id, color);
             let others: Vec<(String, [f32; 3])> = all
                 .iter()

@@ -6,7 +6,7 @@ use crate::document::{palette_file, swatches};
 use crate::state::State;
 use egui::Ui;
 use egui_file_dialog::{DialogState, FileDialog, Filter};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use trochoid::Access;
 
@@ -49,8 +49,27 @@ impl Dialog {
     }
 }
 
+/// Returns the palettes that lie beside a document for it: in the folder `palettes`, with names that begin like its own.
+fn beside(document: Option<&Path>) -> Vec<PathBuf> {
+    let Some((folder, stem)) = document.and_then(|file| Some((file.parent()?, file.file_stem()?.to_str()?))) else {
+        return Vec::new();
+    };
+    let entries = std::fs::read_dir(folder.join("palettes")).into_iter().flatten().flatten();
+    let is_own = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(stem));
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(is_own).collect();
+    files.sort();
+    files
+}
+
 /// Draws the entries of the menu that concern files.
-pub(super) fn menu_ui(panel: &mut Palette, ui: &mut Ui, state: &State) {
+pub(super) fn menu_ui(panel: &mut Palette, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    for file in beside(state.session.file()) {
+        let entry = ui.button(format!("Compare {}", called(&file)));
+        if entry.on_hover_text("Show the picture in the colors of this file, without changing the document").clicked() {
+            actions.extend(compare(panel, state, &file));
+            ui.close();
+        }
+    }
     for (purpose, text, help) in [
         (Purpose::Load, "Load palette …", "Replace colors by those of the same names in a file, JSON or .gpl"),
         (
@@ -116,9 +135,13 @@ pub(super) fn compare(panel: &mut Palette, state: &State, file: &Path) -> Option
         let text = format!("{}: found none of the document's names; name colors as the document does", called(file));
         return Some(Action::Notice(text));
     }
-    let colors = palette_file::mixed(&entries, space, state.frame);
-    let other = Arc::new(OtherPalette { name: called(file), entries, colors });
-    panel.others.push(other.clone());
+    let other = OtherPalette { name: called(file), entries };
+    let known = panel.others.iter().find(|known| ***known == other).cloned();
+    let other = known.unwrap_or_else(|| {
+        let other = Arc::new(other);
+        panel.others.push(other.clone());
+        other
+    });
     Some(Action::ComparePalette(Some(other)))
 }
 
@@ -147,7 +170,7 @@ mod tests {
   "outputs": { "beauty": { "color": "sea" } }
 }"##;
 
-    fn file(folder: &Path, name: &str, text: &str) -> std::path::PathBuf {
+    fn file(folder: &Path, name: &str, text: &str) -> PathBuf {
         let path = folder.join(name);
         std::fs::write(&path, text).unwrap();
         path

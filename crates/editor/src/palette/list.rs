@@ -26,10 +26,10 @@ impl Sort {
 
     pub(super) fn name(self) -> &'static str {
         match self {
-            Self::Document => "Document",
-            Self::Name => "Name",
-            Self::Lightness => "Lightness",
-            Self::Share => "Share",
+            Self::Document => "As written",
+            Self::Name => "By name",
+            Self::Lightness => "By lightness",
+            Self::Share => "By share",
         }
     }
 }
@@ -114,29 +114,8 @@ fn row_ui(ui: &mut Ui, state: &State, row: &Row<'_>, most: f64, actions: &mut Ve
     let tint = state.colors.tint.as_ref().filter(|tint| tint.controls == swatch.controls());
     let color = tint.map(|tint| tint.color).or(swatch.color);
     square_ui(ui, square, color);
-    let text = visuals.text_color();
-    let weak = visuals.weak_text_color();
-    let numbers = area.right() - 6.0;
-    let share = row.share.map_or_else(|| "–".into(), crate::format::percent);
-    painter.text(pos2(numbers, area.center().y - 1.0), Align2::RIGHT_CENTER, share, FontId::monospace(11.5), text);
-    let uses = format!("×{}", swatch.uses.len());
-    painter.text(
-        pos2(numbers - 58.0, area.center().y - 1.0),
-        Align2::RIGHT_CENTER,
-        uses,
-        FontId::proportional(11.0),
-        weak,
-    );
     let start = square.right() + 8.0;
-    let name = painter.with_clip_rect(Rect::from_min_max(pos2(start, area.top()), pos2(numbers - 88.0, area.bottom())));
-    let at = pos2(start, area.center().y - 1.0);
-    let drawn = name.text(at, Align2::LEFT_CENTER, &called, FontId::proportional(13.0), text);
-    let more = match &swatch.key {
-        SwatchKey::Named(_) if swatch.is_keyed() => "keyed".into(),
-        SwatchKey::Named(_) => String::new(),
-        SwatchKey::Literal(_) => swatch.uses.first().map(spoken).unwrap_or_default(),
-    };
-    name.text(pos2(drawn.right() + 8.0, at.y), Align2::LEFT_CENTER, more, FontId::proportional(11.0), weak);
+    labels_ui(ui, area, start, row);
     bars_ui(ui, area, start, row, most);
     let help = help(row);
     let clicked = response.clicked() || handle.clicked();
@@ -153,6 +132,33 @@ fn row_ui(ui: &mut Ui, state: &State, row: &Row<'_>, most: f64, actions: &mut Ve
         "{help}\n\nDrag up for more lightness, sideways for another hue, with Shift for chroma"
     ));
     response.on_hover_text(help);
+}
+
+/// Draws the name of a color and its numbers.
+fn labels_ui(ui: &Ui, area: Rect, start: f32, row: &Row<'_>) {
+    let (swatch, visuals, painter) = (row.swatch, ui.visuals(), ui.painter());
+    let text = visuals.text_color();
+    let weak = visuals.weak_text_color();
+    let numbers = area.right() - 6.0;
+    let share = row.share.map_or_else(|| "–".into(), crate::format::percent);
+    painter.text(pos2(numbers, area.center().y - 1.0), Align2::RIGHT_CENTER, share, FontId::monospace(11.5), text);
+    // The weight in the inspected pixel takes the place of the number of uses.
+    let (count, ink) = match row.weight {
+        Some(weight) => (crate::format::percent(weight), visuals.hyperlink_color),
+        None => (format!("×{}", swatch.uses.len()), weak),
+    };
+    let at = pos2(numbers - 58.0, area.center().y - 1.0);
+    painter.text(at, Align2::RIGHT_CENTER, count, FontId::proportional(11.0), ink);
+    let name =
+        painter.with_clip_rect(Rect::from_min_max(pos2(start, area.top()), pos2(numbers - 100.0, area.bottom())));
+    let at = pos2(start, area.center().y - 1.0);
+    let drawn = name.text(at, Align2::LEFT_CENTER, swatch.called(), FontId::proportional(13.0), text);
+    let more = match &swatch.key {
+        SwatchKey::Named(_) if swatch.is_keyed() => "keyed".into(),
+        SwatchKey::Named(_) => String::new(),
+        SwatchKey::Literal(_) => swatch.uses.first().map(spoken).unwrap_or_default(),
+    };
+    name.text(pos2(drawn.right() + 8.0, at.y), Align2::LEFT_CENTER, more, FontId::proportional(11.0), weak);
 }
 
 /// Returns whether named colors are in the document, where they can be changed.

@@ -7,7 +7,8 @@ mod list;
 
 use crate::actions::{Action, Grant, OtherPalette, Tint};
 use crate::document::palette;
-use crate::document::swatches::{self, Swatch, SwatchKey};
+use crate::document::swatches::{self, Swatch};
+use crate::picker::Picked;
 use crate::state::State;
 use egui::{ComboBox, Panel, RichText, ScrollArea, Ui};
 use files::Dialog;
@@ -92,7 +93,7 @@ fn tools_ui(panel: &mut Palette, ui: &mut Ui, state: &State, all: &[Swatch], act
             if name.on_hover_text("Give every color without a name one, after the place that uses it").clicked() {
                 actions.push(Action::NameColors);
             }
-            files::menu_ui(panel, ui, state);
+            files::menu_ui(panel, ui, state, actions);
         });
     });
 }
@@ -143,28 +144,18 @@ fn told_ui(ui: &mut Ui, state: &State, all: &[Swatch]) {
 }
 
 /// Requests what a gesture made of a color.
-fn recolor(picked: crate::picker::Picked, state: &State, swatch: &Swatch, actions: &mut Vec<Action>) {
-    use crate::document::color::hex;
-    use crate::picker::Picked;
-
+fn recolor(picked: Picked, state: &State, swatch: &Swatch, actions: &mut Vec<Action>) {
     let edit = |color| palette::colored(state.sheet(), swatch, color, state.frame);
+    let refused = |why| Action::Notice(format!("Changes need {why}"));
     match picked {
         Picked::Cancelled => actions.push(Action::Tint(None)),
         Picked::Moved(color, gesture) => match edit(color) {
-            Ok(edit) => {
-                let edit = edit.merging(format!("tint {}", swatch.called()));
-                gesture.tint(Tint { controls: swatch.controls(), color, edit }, actions);
-            }
-            Err(why) => actions.push(Action::Notice(format!("Changes need {why}"))),
+            Ok(edit) => gesture.tint(Tint { controls: swatch.controls(), color, edit }, actions),
+            Err(why) => actions.push(refused(why)),
         },
         Picked::Settled(color, gesture) => match edit(color) {
-            Ok(edit) => {
-                gesture.settle(edit.merging(format!("tint {}", swatch.called())), actions);
-                if matches!(swatch.key, SwatchKey::Literal(_)) && !swatch.is_keyed() {
-                    actions.push(Action::Swatch(Some(SwatchKey::Literal(hex(color)))));
-                }
-            }
-            Err(why) => actions.push(Action::Notice(format!("Changes need {why}"))),
+            Ok(edit) => gesture.settle(edit, actions),
+            Err(why) => actions.push(refused(why)),
         },
     }
 }

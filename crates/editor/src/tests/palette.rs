@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use std::sync::Arc;
 
 /// A picture of four named colors, of which one is keyed and one unused, and of one without a name.
-const PAINTED: &str = r##"{
+pub(super) const PAINTED: &str = r##"{
   "trochoid": 1,
   "format": { "width": 96, "height": 54, "samples": 4 },
   "working_space": "srgb",
@@ -139,11 +139,11 @@ fn the_whole_picture_follows_a_dragged_color_and_the_document_changes_once_on_re
     window.run_steps(3);
     assert_eq!(text(&window), before, "nothing is written while one drags");
     assert_eq!(undoes(&window), None);
-    assert!(apart(&painted(editor(&window)).unwrap(), &old) > 20);
+    let last = painted(editor(&window)).unwrap();
+    assert!(apart(&last, &old) > 20);
     pointer(&mut window, end, Some(false));
     assert_ne!(text(&window), before);
     assert_eq!(undoes(&window).as_deref(), Some("Set night"));
-    let last = painted(editor(&window)).expect("shown until there is the evaluated picture");
     finished(&mut window);
     window.run_steps(3);
     assert!(painted(editor(&window)).is_none());
@@ -201,6 +201,33 @@ fn without_a_recipe_a_drag_is_one_step_of_undo() {
     act(&mut window, Action::Undo);
     assert_eq!(text(&window), before);
     assert_eq!(undoes(&window), None);
+}
+
+#[test]
+fn a_color_without_a_name_is_dragged_with_and_without_a_recipe() {
+    for looked in ["lower", "down"] {
+        let mut window = shown(PAINTED);
+        act(&mut window, Action::Look(looked.into(), 0));
+        finished(&mut window);
+        until(&mut window, "what is known", |editor| {
+            let seen = &editor.state().evaluated;
+            seen.unmixed.is_some() || seen.mixture.is_some()
+        });
+        window.run_steps(2);
+        let before = text(&window);
+        window.get_by_label("Color #808080").click();
+        window.run_steps(3);
+        let end = drag(&mut window, "Lightness", vec2(40.0, 0.0));
+        pointer(&mut window, end, Some(false));
+        let color = value(&window, &Path::node("hazy").to("b"));
+        let color = crate::document::color::rgb(color.as_str().unwrap()).unwrap();
+        let rect = window.get_by_label("Lightness").rect();
+        let expected = f64::from((end.x - rect.left()) / rect.width());
+        let found = trochoid::oklch(color.map(f64::from))[0];
+        assert!((found - expected).abs() < 0.02, "{looked}: {found} where the track was left, {expected}");
+        act(&mut window, Action::Undo);
+        assert_eq!((text(&window), undoes(&window)), (before, None), "{looked}");
+    }
 }
 
 #[test]
@@ -354,9 +381,9 @@ fn a_change_to_a_keyed_color_is_to_the_key_at_the_frame() {
     wait_for_recipe(&mut window);
     let end = drag(&mut window, "Swatch glow", vec2(0.0, -30.0));
     until(&mut window, "the painting", Editor::is_painted);
+    let last = painted(editor(&window)).unwrap();
     pointer(&mut window, end, Some(false));
     assert_eq!(keys(&window)[1][0], json!(3));
-    let last = painted(editor(&window)).unwrap();
     finished(&mut window);
     assert!(apart(&last, &screen(&window)) <= 1);
 }
@@ -459,8 +486,8 @@ fn images_stay_as_they_are() {
     assert!(mixture.recipe.info().has_images);
     let end = drag(&mut window, "Swatch night", vec2(40.0, -60.0));
     until(&mut window, "the painting", Editor::is_painted);
-    pointer(&mut window, end, Some(false));
     let last = painted(editor(&window)).unwrap();
+    pointer(&mut window, end, Some(false));
     finished(&mut window);
     assert!(apart(&last, &screen(&window)) <= 1);
 }

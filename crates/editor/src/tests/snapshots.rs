@@ -11,11 +11,13 @@
 //! command with `UPDATE_SNAPSHOTS=1` stores what is drawn; look at the pictures before you commit them.
 
 use super::DUSK;
-use crate::actions::{Action, Switch};
+use crate::actions::{Action, Pane, Switch};
 use crate::canvas::{Canvas, canvas_ui};
 use crate::document::Session;
+use crate::document::swatches::SwatchKey;
 use crate::editor::Editor;
 use crate::evaluate::Display;
+use crate::palette::{Palette, palette_ui};
 use crate::properties::{Properties, properties_ui};
 use crate::state::State;
 use crate::testing::{ask, finished, sized, until};
@@ -341,4 +343,19 @@ fn the_tools_of_a_narrow_viewer() {
             harness.get_by_label("More").click();
         },
     );
+}
+
+#[test]
+fn the_palette() {
+    let state = || {
+        let mut window = sized(Session::new(super::palette::PAINTED.into(), None), None, [800.0, 600.0]);
+        ask(&mut window, Action::Panel(Pane::Palette));
+        ask(&mut window, Action::Swatch(Some(SwatchKey::Named("foam".into()))));
+        ask(&mut window, Action::Pick(Some([0.75, 0.25])));
+        finished(&mut window);
+        until(&mut window, "the recipe", |editor| editor.state().evaluated.mixture.is_some());
+        let editor: Editor = window.into_state().unwrap();
+        editor.state
+    };
+    compare("palette", [340.0, 560.0], state, Palette::default, palette_ui, |_| {});
 }

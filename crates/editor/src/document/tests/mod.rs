@@ -3,6 +3,7 @@ mod kept;
 mod moved;
 mod places;
 mod random;
+mod swatches;
 
 use super::Session;
 
