@@ -84,17 +84,15 @@ impl Window {
                 let color = [f32::from(moment) / 255.0, 0.5, 0.75];
                 let state = self.editor.state();
                 let Ok(edit) = palette::colored(state.sheet(), &swatch, color, state.frame) else { continue };
-                let before = state.evaluated.painted.clone();
+                let before = state.evaluated.painted_at;
                 let started = Instant::now();
                 let tint = Tint { controls: controls.clone(), color, edit };
                 self.editor.act(Action::Tint(Some(tint)), &context);
                 self.draw(Vec::new());
-                self.until(|editor| match (&before, &editor.state().evaluated.painted) {
-                    (Some(old), Some(new)) => !std::sync::Arc::ptr_eq(old, new),
-                    (_, new) => new.is_some(),
-                });
+                self.until(|editor| editor.state().evaluated.painted_at != before);
+                let ready = self.editor.state().evaluated.painted_at;
                 // The first moment of a drag also takes back the color before it.
-                times.push(started.elapsed());
+                times.extend(ready.map(|ready| ready - started));
             }
             self.editor.act(Action::Tint(None), &context);
         }

@@ -6,6 +6,7 @@ use crate::document::{Path, Session, Sheet};
 use crate::evaluate::{Blamed, Display, Mixture, Result, Screen};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
+use std::time::Instant;
 use trochoid::{NodeReport, RefusedFile};
 
 /// Shared state that panels draw. Panels do not modify it; they request changes by [`Action`](crate::actions::Action)s.
@@ -46,6 +47,8 @@ pub struct Colors {
     pub compared: Option<Arc<OtherPalette>>,
     /// Whether the viewer shows where the selected color is.
     pub spot: bool,
+    /// Pixel under the pointer, in fractions of the picture.
+    pub hover: Option<[f32; 2]>,
 }
 
 /// Subject and display of the viewer.
@@ -80,6 +83,8 @@ pub struct Evaluated {
     pub whole: Option<Arc<Result>>,
     /// Picture painted from a recipe, which is shown instead of the result.
     pub painted: Option<Arc<Result>>,
+    /// Time at which the painted picture was ready to be shown.
+    pub painted_at: Option<Instant>,
     /// Recipe of the viewed picture.
     pub mixture: Option<Arc<Mixture>>,
     /// Why the viewed picture has no recipe, as a sentence.

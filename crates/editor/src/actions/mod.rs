@@ -54,6 +54,8 @@ pub enum Action {
     Region(Option<[f32; 4]>),
     /// Inspect the pixel here, in fractions of the picture.
     Pick(Option<[f32; 2]>),
+    /// The pointer is over this pixel, in fractions of the picture.
+    Hover(Option<[f32; 2]>),
     /// Send the next color clicked in the picture to this place in the document.
     Dropper(Option<Path>),
     /// Keep the recipe of the viewed picture at hand: colors are being looked at.

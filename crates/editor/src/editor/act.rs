@@ -30,6 +30,7 @@ impl Editor {
             Action::Proxy(proxy) => state.look.proxy = proxy.clamp(1, 8),
             Action::Region(region) => state.look.region = region,
             Action::Pick(pick) => state.look.pick = pick,
+            Action::Hover(at) => state.colors.hover = at,
             Action::Dropper(place) => state.dropper = place,
             Action::Weigh => self.painting.weighs = true,
             Action::Swatch(chosen) => state.colors.chosen = chosen,

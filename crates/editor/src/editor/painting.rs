@@ -3,7 +3,7 @@
 use super::Editor;
 use crate::actions::Tint;
 use crate::document::swatches;
-use crate::evaluate::{Mixture, Painting, Result, SharedRecipe};
+use crate::evaluate::{Mixture, Painted, Painting, Result, SharedRecipe};
 
 use std::sync::Arc;
 
@@ -122,7 +122,7 @@ impl Editor {
 
     /// Receives painted pictures.
     pub(super) fn hear_paintings(&mut self) {
-        for (painting, screen) in self.painter.news() {
+        for Painted { painting, screen, ready } in self.painter.news() {
             let is_current = painting.generation == self.asked.generation && self.painting.what.is_some();
             let window = painting.recipe.0.window();
             let seen = &mut self.state.evaluated;
@@ -132,6 +132,7 @@ impl Editor {
             };
             if let Some(whole) = seen.whole.as_ref().filter(of_same_pixels).filter(|_| is_current) {
                 seen.painted = Some(Arc::new(Result { screen, display: painting.display, ..Result::clone(whole) }));
+                seen.painted_at = Some(ready);
                 self.painting.shown = Some(painting);
             }
         }

@@ -5,6 +5,7 @@ use super::subject::Subject;
 use crate::document::Path;
 use crate::document::swatches::swatches;
 use serde_json::{Value, json};
+use std::collections::HashMap;
 use std::sync::Arc;
 use trochoid::{Animated, CheckedGraph, Kind, PackedRecipe};
 
@@ -37,11 +38,14 @@ impl Mixture {
         Some(own().map(|(share, _)| share).sum())
     }
 
-    /// Returns the weight of these colors in a pixel, from 0 to 1.
-    pub fn weight(&self, controls: &[String], [x, y]: [i64; 2]) -> f64 {
-        let members = self.members(controls);
-        let own = self.recipe.at(x, y).into_iter().filter(|(place, _)| members[*place]);
-        own.map(|(_, weight)| f64::from(weight)).sum()
+    /// Returns the mean weight of each color in the picture, and its weight in a pixel, by its name in the recipe.
+    pub fn weights(&self, pixel: Option<[i64; 2]>) -> HashMap<&str, [f64; 2]> {
+        let names = self.recipe.info().names.iter().map(String::as_str);
+        let mut weights: Vec<[f64; 2]> = self.recipe.shares().iter().map(|share| [*share, 0.0]).collect();
+        for (place, weight) in pixel.map(|[x, y]| self.recipe.at(x, y)).unwrap_or_default() {
+            weights[place][1] = f64::from(weight);
+        }
+        names.zip(weights).collect()
     }
 
     /// Returns the document's colors, with others for these.

@@ -18,7 +18,7 @@ mod worker;
 pub use blame::{Blamed, Question, Share};
 pub use lens::{Lens, lens};
 pub use mixture::Mixture;
-pub use painter::{Painter, Painting, SharedRecipe};
+pub use painter::{Painted, Painter, Painting, SharedRecipe};
 pub use request::{Job, News, Result, Thumbnail};
 pub use shown::{Channel, Display, Screen};
 pub use subject::Subject;

@@ -3,9 +3,11 @@
 
 use super::shown::{Display, Encoder, Screen};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Instant;
 use trochoid::{PackedRecipe, Window};
 
 /// Share of its brightness that a pixel without the looked for color keeps.
@@ -34,6 +36,17 @@ impl PartialEq for SharedRecipe {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
+}
+
+/// A painted picture.
+#[derive(Clone, Debug)]
+pub struct Painted {
+    /// The request.
+    pub painting: Painting,
+    /// The picture as it is displayed.
+    pub screen: Arc<Screen>,
+    /// Time at which it was ready.
+    pub ready: Instant,
 }
 
 #[derive(Default)]
@@ -76,7 +89,7 @@ impl Queue {
 /// Handle to the painting thread, which ends when the handle is dropped.
 pub struct Painter {
     queue: Arc<Queue>,
-    news: Receiver<(Painting, Arc<Screen>)>,
+    news: Receiver<Painted>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -100,7 +113,7 @@ impl Painter {
     }
 
     /// Returns the pictures painted since the last call.
-    pub fn news(&self) -> impl Iterator<Item = (Painting, Arc<Screen>)> {
+    pub fn news(&self) -> impl Iterator<Item = Painted> {
         self.news.try_iter()
     }
 }
@@ -114,68 +127,136 @@ impl Drop for Painter {
     }
 }
 
-fn paint_all(queue: &Queue, news: &Sender<(Painting, Arc<Screen>)>, wake: &dyn Fn()) {
-    let mut last: Option<(Painting, Arc<Screen>)> = None;
+fn paint_all(queue: &Queue, news: &Sender<Painted>, wake: &dyn Fn()) {
+    let mut canvas: Option<Canvas> = None;
     while let Some(painting) = queue.next() {
-        let screen = painted(&painting, last.take());
-        last = Some((painting.clone(), screen.clone()));
+        let canvas = match canvas.as_mut().filter(|canvas| canvas.takes(&painting)) {
+            Some(canvas) => {
+                canvas.repaint(painting.clone());
+                canvas
+            }
+            None => canvas.insert(Canvas::new(painting.clone())),
+        };
+        let screen = canvas.screen.clone();
         // Sending fails only while the window closes.
-        let _ = news.send((painting, screen));
+        let _ = news.send(Painted { painting, screen, ready: Instant::now() });
         wake();
     }
 }
 
-/// Paints a picture: only the tiles whose colors are others than those of the last one, if that can be.
-fn painted(painting: &Painting, last: Option<(Painting, Arc<Screen>)>) -> Arc<Screen> {
-    let recipe = &painting.recipe.0;
-    let window = recipe.window();
-    let last = last.filter(|(last, _)| {
-        (&last.recipe, &last.spot, last.display) == (&painting.recipe, &painting.spot, painting.display)
-    });
-    let (changed, mut screen) = match last {
-        Some((last, screen)) => {
-            let changed = last.colors.iter().zip(&painting.colors).map(|(old, new)| old != new);
-            (Some(changed.chain(recipe.info().has_images.then_some(false)).collect::<Vec<bool>>()), screen)
-        }
-        None => {
-            let size = [window.width(), window.height()];
-            (None, Arc::new(Screen { size, pixels: vec![255; 4 * window.area()] }))
-        }
-    };
-    let encoder = Encoder::new(recipe.info().space, &painting.display);
-    let pixels = &mut Arc::make_mut(&mut screen).pixels;
-    let strips = pixels.par_chunks_mut(4 * window.width() * recipe.strip(0).height().max(1)).enumerate();
-    strips.for_each(|(strip, rows)| paint_strip(painting, strip, changed.as_deref(), &encoder, rows));
-    screen
+/// Most colors that differ from those of the kept picture before another one is kept.
+const FEW: usize = 4;
+
+/// A painted picture, in which single colors are changed.
+struct Canvas {
+    painting: Painting,
+    screen: Arc<Screen>,
+    /// The picture of some colors in the working space: red, green and blue.
+    kept: [Vec<f32>; 3],
+    of: Vec<[f64; 3]>,
 }
 
-fn paint_strip(painting: &Painting, strip: usize, changed: Option<&[bool]>, encoder: &Encoder, rows: &mut [u8]) {
-    let recipe = &painting.recipe.0;
-    let area = recipe.strip(strip);
-    // Calls back with the bytes of each row of a tile.
-    let each_row = |window: Window, rows: &mut [u8], put: &mut dyn FnMut(usize, &mut [u8])| {
-        let [left, width] = [(window.x0 - area.x0) as usize, window.width()];
-        for y in 0..window.height() {
-            let start = 4 * (((window.y0 - area.y0) as usize + y) * area.width() + left);
-            put(y * width, &mut rows[start..start + 4 * width]);
-        }
-    };
-    let mut spot = Vec::new();
-    if let Some(members) = &painting.spot {
-        recipe.sum(strip, members, |_, sums| spot.push(sums.to_vec()));
-    }
-    recipe.paint(strip, &painting.colors, changed, |window, [r, g, b]| {
-        let tile = (window.x0 - area.x0) as usize / recipe.tile_width();
-        each_row(window, rows, &mut |start, bytes| {
-            for (x, pixel) in bytes.chunks_exact_mut(4).enumerate() {
-                let at = start + x;
-                let mut color = encoder.pixel([r[at], g[at], b[at]]);
-                if let Some(sums) = spot.get(tile) {
-                    let light = DIMMED + (1.0 - DIMMED) * sums[at].clamp(0.0, 1.0);
-                    color = color.map(|channel| (f32::from(channel) * light + 0.5) as u8);
+impl Canvas {
+    /// Paints the whole picture.
+    fn new(painting: Painting) -> Self {
+        let recipe = painting.recipe.0.clone();
+        let (window, of) = (recipe.window(), painting.colors.clone());
+        let screen = Screen { size: [window.width(), window.height()], pixels: vec![255; 4 * window.area()] };
+        let kept = [(); 3].map(|()| vec![0.0; window.area()]);
+        let mut canvas = Self { painting, screen: Arc::new(screen), kept, of };
+        let pixels = window.width() * recipe.strip(0).height().max(1);
+        let [r, g, b] = &mut canvas.kept;
+        let strips = r.par_chunks_mut(pixels).zip(g.par_chunks_mut(pixels)).zip(b.par_chunks_mut(pixels));
+        strips.enumerate().for_each(|(strip, ((r, g), b))| {
+            let area = recipe.strip(strip);
+            recipe.paint(strip, &canvas.of, |tile, color| {
+                for (kept, color) in [&mut *r, &mut *g, &mut *b].into_iter().zip(color) {
+                    rows(area, tile).zip(color.chunks_exact(tile.width())).for_each(|(own, row)| {
+                        kept[own].copy_from_slice(row);
+                    });
                 }
-                pixel[..3].copy_from_slice(&color);
+            });
+        });
+        canvas.show(None);
+        canvas
+    }
+
+    /// Returns whether little has to be painted for a request.
+    fn takes(&self, next: &Painting) -> bool {
+        let own = &self.painting;
+        let changed = self.of.iter().zip(&next.colors).filter(|(old, new)| old != new).count();
+        (&own.recipe, &own.spot, own.display) == (&next.recipe, &next.spot, next.display) && changed <= FEW
+    }
+
+    /// Paints what differs.
+    fn repaint(&mut self, next: Painting) {
+        let last = std::mem::replace(&mut self.painting, next);
+        let colors = self.of.iter().zip(&last.colors).zip(&self.painting.colors);
+        // What was changed before is put back.
+        let change = |((own, last), next): ((&[f64; 3], &[f64; 3]), &[f64; 3])| {
+            (own != last || own != next).then(|| [0, 1, 2].map(|channel| next[channel] - own[channel]))
+        };
+        let images = self.painting.recipe.0.info().has_images.then_some(None);
+        let changes: Vec<Option<[f64; 3]>> = colors.map(change).chain(images).collect();
+        self.show(Some(&changes));
+    }
+
+    /// Converts the kept picture for the screen: all of it, or with changes of some colors the tiles that have them.
+    fn show(&mut self, changes: Option<&[Option<[f64; 3]>]>) {
+        let Self { painting, screen, kept, .. } = self;
+        let recipe = &*painting.recipe.0;
+        let window = recipe.window();
+        let encoder = Encoder::new(recipe.info().space, &painting.display);
+        let pixels = window.width() * recipe.strip(0).height().max(1);
+        let bytes = &mut Arc::make_mut(screen).pixels;
+        bytes.par_chunks_mut(4 * pixels).enumerate().for_each(|(strip, bytes)| {
+            let area = recipe.strip(strip);
+            let start = strip * pixels;
+            let kept = kept.each_ref().map(|channel| &channel[start..start + area.area()]);
+            let mut spot = Vec::new();
+            if let Some(members) = &painting.spot {
+                recipe.sum(strip, members, |_, sums| spot.push(sums.to_vec()));
+            }
+            let mut mixed = [(); 3].map(|()| vec![0.0; recipe.tile_width()]);
+            let mut put = |tile: Window, changes: Option<[&[f32]; 3]>| {
+                let weights = spot.get((tile.x0 - area.x0) as usize / recipe.tile_width());
+                for (y, own) in rows(area, tile).enumerate() {
+                    let within = y * tile.width()..(y + 1) * tile.width();
+                    let bytes = &mut bytes[4 * own.start..4 * own.end];
+                    let kept = kept.map(|channel| &channel[own.clone()]);
+                    match changes {
+                        Some(changes) => {
+                            for ((sum, kept), change) in mixed.iter_mut().zip(kept).zip(changes) {
+                                let change = &change[within.clone()];
+                                sum.iter_mut().zip(kept).zip(change).for_each(|((sum, kept), by)| *sum = kept + by);
+                            }
+                            encoder.row(mixed.each_ref().map(|channel| &channel[..tile.width()]), bytes);
+                        }
+                        None => encoder.row(kept, bytes),
+                    }
+                    if let Some(weights) = weights {
+                        dim(bytes, &weights[within]);
+                    }
+                }
+            };
+            match changes {
+                Some(changes) => recipe.shift(strip, changes, |tile, sums| put(tile, Some(sums))),
+                None => area.tiles(recipe.tile_width(), area.height()).for_each(|tile| put(tile, None)),
             }
         });
-    });
+    }
+}
+
+/// Returns the pixels of each row of a tile within its strip.
+fn rows(area: Window, tile: Window) -> impl Iterator<Item = Range<usize>> {
+    let (left, width) = ((tile.x0 - area.x0) as usize, tile.width());
+    (0..tile.height()).map(move |y| y * area.width() + left..y * area.width() + left + width)
+}
+
+/// Dims pixels that have little weight.
+fn dim(bytes: &mut [u8], weights: &[f32]) {
+    for (pixel, weight) in bytes.chunks_exact_mut(4).zip(weights) {
+        let light = DIMMED + (1.0 - DIMMED) * weight.clamp(0.0, 1.0);
+        pixel[..3].iter_mut().for_each(|byte| *byte = (f32::from(*byte) * light + 0.5) as u8);
+    }
 }

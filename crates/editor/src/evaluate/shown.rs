@@ -86,11 +86,8 @@ pub fn screen(picture: &Picture, space: WorkingSpace, display: &Display) -> Scre
     if picture.kind == Kind::Color {
         let encode = Encoder::new(space, display);
         rows.for_each(|(y, row)| {
-            let start = y * size[0];
-            for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
-                let color = [planes[0][start + x], planes[1][start + x], planes[2][start + x]];
-                pixel[..3].copy_from_slice(&encode.pixel(color));
-            }
+            let own = y * size[0]..(y + 1) * size[0];
+            encode.row([0, 1, 2].map(|channel| &planes[channel][own.clone()]), row);
         });
     } else {
         let [low, high] = range(picture, display);
@@ -120,8 +117,10 @@ pub(super) struct Encoder {
     light: Vec<f32>,
 }
 
-/// Number of entries of tables over [0, 1].
+/// Number of entries of tables over [0, 1], a power of two.
 const TABLE: usize = 1 << 12;
+/// Pixels that are converted at once.
+const PIECE: usize = 64;
 /// Luminance weights of linear sRGB.
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
@@ -148,8 +147,7 @@ impl Encoder {
     }
 
     /// Converts a pixel: the whole color, or the chosen channel as an equally bright gray.
-    #[inline]
-    pub(super) fn pixel(&self, color: [f32; 3]) -> [u8; 3] {
+    fn pixel(&self, color: [f32; 3]) -> [u8; 3] {
         if color.iter().any(|value| value.is_nan()) {
             return NAN;
         }
@@ -161,6 +159,38 @@ impl Encoder {
         };
         let byte = self.byte(gray);
         if self.false_color { turbo(f32::from(byte) / 255.0) } else { [byte; 3] }
+    }
+
+    /// Converts a row of pixels; of each in `out`, the last byte stays as it is.
+    pub(super) fn row(&self, color: [&[f32]; 3], out: &mut [u8]) {
+        if self.channel != Channel::All || self.space == WorkingSpace::AcesCg {
+            for (x, pixel) in out.chunks_exact_mut(4).enumerate() {
+                pixel[..3].copy_from_slice(&self.pixel(color.map(|channel| channel[x])));
+            }
+            return;
+        }
+        // In pieces whose places in the table are found by vector instructions.
+        let mut places = [[0_u32; PIECE]; 3];
+        for (piece, out) in out.chunks_mut(4 * PIECE).enumerate() {
+            let count = out.len() / 4;
+            let range = piece * PIECE..piece * PIECE + count;
+            let mut is_number = true;
+            for (places, channel) in places.iter_mut().zip(color) {
+                for (place, value) in places.iter_mut().zip(&channel[range.clone()]) {
+                    is_number &= !value.is_nan();
+                    let scaled = (value * self.gain).clamp(0.0, 1.0) * (TABLE - 1) as f32 + 0.5;
+                    *place = scaled as u32;
+                }
+            }
+            for (x, pixel) in out.chunks_exact_mut(4).enumerate() {
+                (0..3).for_each(|channel| pixel[channel] = self.table[places[channel][x] as usize & (TABLE - 1)]);
+            }
+            if !is_number {
+                for (x, pixel) in out.chunks_exact_mut(4).enumerate() {
+                    pixel[..3].copy_from_slice(&self.pixel(color.map(|channel| channel[range.start + x])));
+                }
+            }
+        }
     }
 
     /// Converts a color to the screen's primaries, encoded if the working space is.

@@ -40,7 +40,7 @@ const SWATCH: f32 = 40.0;
 /// Weight of a color in a pixel below which its row is not marked.
 const LEAST: f64 = 5e-4;
 
-/// A color with its share of the picture, and its weight in the inspected pixel.
+/// A color with its share of the picture, and its weight in the pixel under the pointer or the inspected one.
 struct Row<'s> {
     swatch: &'s Swatch,
     share: Option<f64>,
@@ -78,18 +78,15 @@ pub(super) fn list_ui(ui: &mut Ui, state: &State, all: &[Swatch], sort: Sort, ac
 
 /// Finds what is known of each color.
 fn rows<'s>(state: &State, all: &'s [Swatch]) -> Vec<Row<'s>> {
-    let mixture = state.evaluated.mixture.as_deref();
-    let result = state.evaluated.shown();
-    let pixel = state
-        .look
-        .pick
-        .zip(result)
-        .map(|(at, result)| blame::pixel(at, [result.format.width(), result.format.height()]));
+    let place = state.colors.hover.or(state.look.pick).zip(state.evaluated.shown());
+    let pixel = place.map(|(at, result)| blame::pixel(at, [result.format.width(), result.format.height()]));
+    let known = state.evaluated.mixture.as_deref().map(|mixture| mixture.weights(pixel)).unwrap_or_default();
     let row = |swatch: &'s Swatch| {
         let controls = swatch.controls();
-        let share = mixture.and_then(|mixture| mixture.share(&controls));
-        let weight = mixture.zip(pixel).map(|(mixture, pixel)| mixture.weight(&controls, pixel));
-        Row { swatch, share, weight: weight.filter(|weight| *weight >= LEAST) }
+        let own: Vec<[f64; 2]> = controls.iter().filter_map(|name| known.get(name.as_str()).copied()).collect();
+        let sum = |index: usize| own.iter().map(|weights| weights[index]).sum::<f64>();
+        let weight = Some(sum(1)).filter(|weight| pixel.is_some() && *weight >= LEAST);
+        Row { swatch, share: (!own.is_empty()).then(|| sum(0)), weight }
     };
     all.iter().map(row).collect()
 }
@@ -142,7 +139,7 @@ fn labels_ui(ui: &Ui, area: Rect, start: f32, row: &Row<'_>) {
     let numbers = area.right() - 6.0;
     let share = row.share.map_or_else(|| "–".into(), crate::format::percent);
     painter.text(pos2(numbers, area.center().y - 1.0), Align2::RIGHT_CENTER, share, FontId::monospace(11.5), text);
-    // The weight in the inspected pixel takes the place of the number of uses.
+    // The weight in a pixel takes the place of the number of uses.
     let (count, ink) = match row.weight {
         Some(weight) => (crate::format::percent(weight), visuals.hyperlink_color),
         None => (format!("×{}", swatch.uses.len()), weak),
@@ -214,7 +211,7 @@ fn help(row: &Row<'_>) -> String {
         None => lines.push("Share of the picture: not known".into()),
     }
     if let Some(weight) = row.weight {
-        lines.push(format!("{} of the inspected pixel", crate::format::percent(weight)));
+        lines.push(format!("{} of the pixel", crate::format::percent(weight)));
     }
     let nodes = swatch.nodes();
     match nodes.len() {

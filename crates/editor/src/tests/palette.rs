@@ -1,7 +1,7 @@
 //! The palette panel: changes to colors, pictures painted while one drags, and palettes that are compared.
 
 use crate::actions::{Action, Pane};
-use crate::document::swatches::SwatchKey;
+use crate::document::swatches::{Swatch, SwatchKey};
 use crate::document::{Path, Session, palette};
 use crate::editor::Editor;
 use crate::evaluate::Screen;
@@ -429,8 +429,11 @@ fn a_pixel_says_which_colors_it_is_mixed_from() {
     window.run_steps(3);
     let state = editor(&window).state();
     let mixture = state.evaluated.mixture.clone().unwrap();
-    let weights: Vec<f64> =
-        state.swatches().iter().map(|swatch| mixture.weight(&swatch.controls(), [24, 40])).collect();
+    let known = mixture.weights(Some([24, 40]));
+    let weight = |swatch: &Swatch| -> f64 {
+        swatch.controls().iter().filter_map(|name| known.get(name.as_str())).map(|weights| weights[1]).sum()
+    };
+    let weights: Vec<f64> = state.swatches().iter().map(weight).collect();
     assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-3, "{weights:?}");
     assert!(weights[0] > 0.5 && weights[3] == 0.0, "{weights:?}");
     let result = state.evaluated.result.as_ref().unwrap();
@@ -438,6 +441,13 @@ fn a_pixel_says_which_colors_it_is_mixed_from() {
         state.swatches().iter().zip(&weights).map(|(s, w)| f64::from(s.color.unwrap()[0]) * w).collect();
     let red = f64::from(result.picture.planes[0].nearest(24, 40));
     assert!((colors.iter().sum::<f64>() - red).abs() < 2e-3);
+    // The pixel under the pointer comes before the inspected one.
+    let at = window.get_by_label("Picture").rect().center();
+    pointer(&mut window, at, None);
+    assert!(editor(&window).state().colors.hover.is_some());
+    let outside = window.get_by_label("Color night").rect().center();
+    pointer(&mut window, outside, None);
+    assert_eq!(editor(&window).state().colors.hover, None);
 }
 
 #[test]

@@ -111,6 +111,11 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
         }
         result => picture_ui(viewer, ui, &stage, state, result, actions),
     };
+    let within = |at: &Pos2| result.is_some_and(|result| inspector::pixel(result, *at).is_some());
+    let hovered = hover.filter(within).map(|at| [at.x, at.y]);
+    if hovered != state.colors.hover {
+        actions.push(Action::Hover(hovered));
+    }
     if let Some(strip) = strip {
         strip_ui(ui, strip, |ui| {
             if let Some(([x, y], result)) = state.look.pick.zip(result) {

@@ -4,6 +4,7 @@ use crate::evaluate::{Result, Screen};
 use egui::{
     Color32, ColorImage, Context, Painter, Pos2, Rect, TextureFilter, TextureHandle, TextureOptions, Vec2, pos2, vec2,
 };
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Neutral gray around the picture.
@@ -194,11 +195,10 @@ fn reduced(screen: &Screen, factor: usize, at: [usize; 2], size: [usize; 2]) -> 
         let [r, g, b] = sum.map(|sum| (sum / count) as u8);
         Color32::from_rgb(r, g, b)
     };
-    let mut pixels = Vec::with_capacity(size[0] * size[1]);
-    for y in at[1]..at[1] + size[1] {
-        pixels.extend((at[0]..at[0] + size[0]).map(|x| mean(x, y)));
-    }
-    ColorImage::new(size, pixels)
+    let row = |y: usize| (at[0]..at[0] + size[0]).map(move |x| (x, y));
+    let rows = (at[1]..at[1] + size[1]).into_par_iter();
+    // On all cores, for a picture that follows the pointer.
+    ColorImage::new(size, rows.flat_map_iter(row).map(|(x, y)| mean(x, y)).collect())
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ use trochoid_image::{Window, WorkingSpace};
 /// let graph = trochoid::parse("a.json", text, std::path::Path::new("."), &[])?.graph;
 /// let recipe = PackedRecipe::evaluate(&graph, 0, 1, None, 1 << 20, &mut Cache::new(), &Silent)?;
 /// assert_eq!((&recipe.info().names[..], recipe.shares()), (&["ink".into(), "paper".into()][..], &[0.5, 0.5][..]));
-/// recipe.paint(0, &[[0.0; 3], [1.0, 0.5, 0.0]], None, |_, [red, green, _]| {
+/// recipe.paint(0, &[[0.0; 3], [1.0, 0.5, 0.0]], |_, [red, green, _]| {
 ///     assert_eq!((red, green), (&[0.0, 0.5, 1.0][..], &[0.0, 0.25, 0.5][..]));
 /// });
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -182,37 +182,49 @@ impl PackedRecipe {
     }
 
     /// Mixes a strip of the picture of other colors, one for each name, in the working space, and hands it tile by tile to
-    /// `put`: red, green and blue, row by row. With `members`, only tiles that have weights of one of these are painted.
+    /// `put`: red, green and blue, row by row.
     ///
     /// # Panics
     /// There is no such strip, or there are not as many colors as names.
-    pub fn paint(
-        &self,
-        strip: usize,
-        colors: &[[f64; 3]],
-        members: Option<&[bool]>,
-        put: impl FnMut(Window, [&[f32]; 3]),
-    ) {
+    pub fn paint(&self, strip: usize, colors: &[[f64; 3]], put: impl FnMut(Window, [&[f32]; 3])) {
         assert_eq!(colors.len(), self.info.names.len(), "a color for each name");
         let factors = self.info.factors(colors);
         match &self.strips {
-            Strips::Half(strips) => self.painted(strip, &strips[strip], &factors, members, put),
-            Strips::Float(strips) => self.painted(strip, &strips[strip], &factors, members, put),
+            Strips::Half(strips) => self.each(strip, &strips[strip], put, |tile, rows| {
+                tile.paint(&factors, rows);
+                true
+            }),
+            Strips::Float(strips) => self.each(strip, &strips[strip], put, |tile, rows| {
+                tile.paint(&factors, rows);
+                true
+            }),
         }
     }
 
-    fn painted<S: StoredSample>(
+    /// Adds up by how much changes of some colors, in the working space, change a strip of the picture, and hands the sums
+    /// to `put` as [`paint`](Self::paint) does; of tiles without these colors, nothing.
+    ///
+    /// # Panics
+    /// There is no such strip, or `changes` does not have an entry for each share.
+    pub fn shift(&self, strip: usize, changes: &[Option<[f64; 3]>], put: impl FnMut(Window, [&[f32]; 3])) {
+        assert_eq!(changes.len(), self.shares.len(), "an entry for each share");
+        match &self.strips {
+            Strips::Half(strips) => self.each(strip, &strips[strip], put, |tile, rows| tile.shift(changes, rows)),
+            Strips::Float(strips) => self.each(strip, &strips[strip], put, |tile, rows| tile.shift(changes, rows)),
+        }
+    }
+
+    /// Hands what `make` makes of each tile of a strip to `put`, unless it says that there is nothing.
+    fn each<S: StoredSample>(
         &self,
         strip: usize,
         tiles: &[Tile<S>],
-        factors: &[[f64; 3]],
-        members: Option<&[bool]>,
         mut put: impl FnMut(Window, [&[f32]; 3]),
+        make: impl Fn(&Tile<S>, [&mut [f32]; 3]) -> bool,
     ) {
         let mut rows = [[0.0_f32; SIDES[0] * SIDES[1]]; 3];
         for (tile, window) in tiles.iter().zip(self.strip(strip).tiles(SIDES[0], SIDES[1])) {
-            if members.is_none_or(|members| tile.has_any(members)) {
-                tile.paint(factors, rows.each_mut().map(|row| &mut row[..window.area()]));
+            if make(tile, rows.each_mut().map(|row| &mut row[..window.area()])) {
                 put(window, rows.each_ref().map(|row| &row[..window.area()]));
             }
         }
@@ -363,7 +375,7 @@ mod tests {
         let whole = recipe.window();
         let mut pixels = vec![[f32::NAN; 3]; whole.area()];
         for strip in 0..recipe.strips() {
-            recipe.paint(strip, colors, None, |window, [r, g, b]| {
+            recipe.paint(strip, colors, |window, [r, g, b]| {
                 for (index, pixel) in r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]).enumerate() {
                     let x = (window.x0 - whole.x0) as usize + index % window.width();
                     let y = (window.y0 - whole.y0) as usize + index / window.width();
@@ -422,14 +434,29 @@ mod tests {
     }
 
     #[test]
-    fn only_tiles_with_a_color_are_painted() {
+    fn changes_of_colors_change_the_pixels_that_have_them() {
         let recipe = recipe(&graph("srgb"), None, 1 << 20).unwrap();
+        let old = recipe.info().colors.clone();
+        let mut new = old.clone();
+        new[2] = [0.25, 0.75, 0.5];
+        let change = [0, 1, 2].map(|channel| new[2][channel] - old[2][channel]);
+        let (before, after) = (painted(&recipe, &old), painted(&recipe, &new));
         let mut tiles = 0;
-        recipe.paint(0, &recipe.info().colors, Some(&[false, false, true]), |window, _| {
-            assert!(window.x1 > 75, "the other half has nothing of it: {window}");
-            tiles += 1;
-        });
-        assert_eq!(tiles, 2);
+        for strip in 0..recipe.strips() {
+            recipe.shift(strip, &[None, None, Some(change)], |window, sums| {
+                assert!(window.x1 > 75, "the other half has nothing of it: {window}");
+                tiles += 1;
+                for (channel, sums) in sums.iter().enumerate() {
+                    for (index, sum) in sums.iter().enumerate() {
+                        let x = window.x0 as usize + index % window.width();
+                        let at = (window.y0 as usize + index / window.width()) * 150 + x;
+                        let off = before[at][channel] + sum - after[at][channel];
+                        assert!(off.abs() < 1e-6, "({at}, {channel}): {off}");
+                    }
+                }
+            });
+        }
+        assert_eq!(tiles, 6);
     }
 
     #[test]

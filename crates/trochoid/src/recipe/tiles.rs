@@ -33,11 +33,6 @@ impl<S: StoredSample> Tile<S> {
         size_of::<Self>() + size_of_val(&self.places[..]) + size_of_val(&self.samples[..])
     }
 
-    /// Returns whether pixels have weights of some of these colors.
-    pub(super) fn has_any(&self, members: &[bool]) -> bool {
-        self.places.iter().any(|place| members[*place as usize])
-    }
-
     /// Mixes colors, one for each weight of the recipe.
     pub(super) fn paint(&self, factors: &[[f64; 3]], out: [&mut [f32]; 3]) {
         let count = out[0].len();
@@ -48,6 +43,27 @@ impl<S: StoredSample> Tile<S> {
         // They were rounded to the sum 1 before they were packed.
         let painted = paint(weights, &used, images, out);
         debug_assert!(painted.is_ok(), "weights with the sum 1");
+    }
+
+    /// Adds up what changes of some colors change; returns whether the pixels have weights of any of them.
+    pub(super) fn shift(&self, changes: &[Option<[f64; 3]>], mut out: [&mut [f32]; 3]) -> bool {
+        let count = out[0].len();
+        let mut row = [0.0_f32; SIDES[0] * SIDES[1]];
+        let row = &mut row[..count];
+        let mut is_any = false;
+        for (place, samples) in self.places.iter().zip(self.samples.chunks_exact(count)) {
+            let Some(change) = changes[*place as usize] else { continue };
+            S::widen(samples, row);
+            for (out, change) in out.iter_mut().zip(change) {
+                if !is_any {
+                    out.fill(0.0);
+                }
+                let change = change as f32;
+                out.iter_mut().zip(&*row).for_each(|(sum, weight)| *sum += weight * change);
+            }
+            is_any = true;
+        }
+        is_any
     }
 
     /// Adds up the weights of some colors.
