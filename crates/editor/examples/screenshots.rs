@@ -5,10 +5,11 @@
 //! ```
 
 use egui_kittest::Harness;
+use std::collections::BTreeSet;
 use std::path::Path;
 use trochoid_editor::actions::{Action, Pane};
 use trochoid_editor::document::Session;
-use trochoid_editor::document::swatches::{Swatch, SwatchKey};
+use trochoid_editor::document::swatches::Swatch;
 use trochoid_editor::editor::Editor;
 use trochoid_editor::state::State;
 
@@ -53,8 +54,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 window.step();
                 std::thread::sleep(std::time::Duration::from_millis(2));
             }
-            let most = most(editor(&window)?.state());
-            act(&mut window, Action::Swatch(most))?;
+            let most = most(editor(&window)?.state()).ok_or("the scene has no colors")?;
+            let users: BTreeSet<String> = most.nodes().into_iter().collect();
+            // The graph frames the nodes that use the color, and the viewer shows where it is.
+            for action in [Action::Select(users), Action::Frames, Action::Select(BTreeSet::new())] {
+                act(&mut window, action)?;
+            }
+            act(&mut window, Action::Swatch(Some(most.key)))?;
+            act(&mut window, Action::Spot(true))?;
+            while editor(&window)?.state().evaluated.painted.is_none() {
+                window.step();
+                std::thread::sleep(std::time::Duration::from_millis(2));
+            }
         }
         window.run_steps(5);
         let picture = window.render()?;
@@ -65,10 +76,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// Returns the color of which the picture has most.
-fn most(state: &State) -> Option<SwatchKey> {
+fn most(state: &State) -> Option<Swatch> {
     let mixture = state.evaluated.mixture.as_ref()?;
     let share = |swatch: &Swatch| mixture.share(&swatch.controls()).unwrap_or(0.0);
-    state.swatches().into_iter().max_by(|a, b| share(a).total_cmp(&share(b))).map(|swatch| swatch.key)
+    state.swatches().into_iter().max_by(|a, b| share(a).total_cmp(&share(b)))
 }
 
 fn open(session: Session) -> Window {

@@ -26,6 +26,12 @@ pub(crate) struct Palette {
 }
 
 impl Palette {
+    /// Returns a panel that compares palettes.
+    #[cfg(test)]
+    pub(crate) fn comparing(others: Vec<Arc<OtherPalette>>) -> Self {
+        Self { others, ..Self::default() }
+    }
+
     /// Clears everything that belongs to the document being left.
     pub(crate) fn forget(&mut self) {
         self.dialog = None;

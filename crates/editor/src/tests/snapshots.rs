@@ -11,7 +11,7 @@
 //! command with `UPDATE_SNAPSHOTS=1` stores what is drawn; look at the pictures before you commit them.
 
 use super::DUSK;
-use crate::actions::{Action, Pane, Switch};
+use crate::actions::{Action, OtherPalette, Pane, Switch};
 use crate::canvas::{Canvas, canvas_ui};
 use crate::document::Session;
 use crate::document::swatches::SwatchKey;
@@ -26,6 +26,7 @@ use crate::viewer::{Viewer, viewer_ui};
 use egui::{Event, Modifiers, MouseWheelUnit, Pos2, Theme, TouchPhase, Ui, Vec2, vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
+use std::sync::Arc;
 
 /// Nodes of each kind at fixed positions; the output does not need those of the scene.
 const KINDS: &str = r##"{
@@ -345,17 +346,39 @@ fn the_tools_of_a_narrow_viewer() {
     );
 }
 
+/// Returns the state of a document whose colors are looked at.
+fn weighed(chosen: Option<&str>) -> State {
+    let mut window = sized(Session::new(super::palette::PAINTED.into(), None), None, [800.0, 600.0]);
+    ask(&mut window, Action::Panel(Pane::Palette));
+    ask(&mut window, Action::Swatch(chosen.map(|name| SwatchKey::Named(name.into()))));
+    ask(&mut window, Action::Pick(chosen.map(|_| [0.75, 0.25])));
+    finished(&mut window);
+    until(&mut window, "the recipe", |editor| editor.state().evaluated.mixture.is_some());
+    let editor: Editor = window.into_state().unwrap();
+    editor.state
+}
+
 #[test]
 fn the_palette() {
-    let state = || {
-        let mut window = sized(Session::new(super::palette::PAINTED.into(), None), None, [800.0, 600.0]);
-        ask(&mut window, Action::Panel(Pane::Palette));
-        ask(&mut window, Action::Swatch(Some(SwatchKey::Named("foam".into()))));
-        ask(&mut window, Action::Pick(Some([0.75, 0.25])));
-        finished(&mut window);
-        until(&mut window, "the recipe", |editor| editor.state().evaluated.mixture.is_some());
-        let editor: Editor = window.into_state().unwrap();
-        editor.state
+    compare("palette", [340.0, 560.0], || weighed(Some("foam")), Palette::default, palette_ui, |_| {});
+}
+
+#[test]
+fn palettes_beside_each_other() {
+    let other = |name: &str, colors: [&str; 3]| {
+        let names = ["night", "foam", "glow"].into_iter().zip(colors);
+        let entries = names.map(|(name, color)| (name.into(), color.into())).collect();
+        Arc::new(OtherPalette { name: name.into(), entries })
     };
-    compare("palette", [340.0, 560.0], state, Palette::default, palette_ui, |_| {});
+    let others = [
+        other("painted_autumn_with_a_long_name.json", ["#3a1a10", "#f0d8a0", "#d87020"]),
+        other("snow.gpl", ["#304860", "#ffffff", "#a0c0e0"]),
+    ];
+    let state = || {
+        let mut state = weighed(None);
+        state.colors.compared = Some(others[0].clone());
+        state
+    };
+    let panel = || Palette::comparing(others.to_vec());
+    compare("palettes", [340.0, 360.0], state, panel, palette_ui, |_| {});
 }
