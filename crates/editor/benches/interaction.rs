@@ -3,7 +3,7 @@
 //! A window of 1920 × 1080 points is laid out and tessellated as it would be for the graphics driver, whose part is not
 //! measured. Times to a picture run from the edit to the drawing that has the picture.
 
-use egui::{Context, Event, RawInput, Rect, pos2, vec2};
+use egui::{Context, Event, Modifiers, PointerButton, RawInput, Rect, pos2, vec2};
 use serde_json::json;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -74,6 +74,14 @@ impl Window {
     fn drags(&mut self, moments: u8) -> Vec<Duration> {
         let context = self.context.clone();
         let mut times = Vec::new();
+        // Somewhere beside all widgets, the pointer is held as in a drag.
+        let button = |pressed: bool| Event::PointerButton {
+            pos: pos2(960.0, 8.0),
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        self.draw(vec![Event::PointerMoved(pos2(960.0, 8.0)), button(true)]);
         for swatch in self.editor.state().swatches() {
             let (controls, seen) = (swatch.controls(), &self.editor.state().evaluated);
             let share = seen.mixture.as_ref().and_then(|mixture| mixture.share(&controls));
@@ -96,6 +104,7 @@ impl Window {
             }
             self.editor.act(Action::Tint(None), &context);
         }
+        self.draw(vec![button(false)]);
         times
     }
 

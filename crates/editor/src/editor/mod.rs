@@ -241,6 +241,12 @@ impl Editor {
     pub(crate) fn before(&mut self, context: &Context) -> Vec<Action> {
         self.hear(context);
         self.forgive(context);
+        // A drag of a color whose end nothing has seen, because its panel is hidden, counts as cancelled.
+        if self.state.colors.tint.is_some()
+            && !context.input(|input| input.pointer.any_down() || input.pointer.any_released())
+        {
+            self.tint(None);
+        }
         let mut actions = Vec::new();
         if self.prompts.is_open() {
             self.space = Space::default();

@@ -260,3 +260,63 @@ fn dim(bytes: &mut [u8], weights: &[f32]) {
         pixel[..3].iter_mut().for_each(|byte| *byte = (f32::from(*byte) * light + 0.5) as u8);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trochoid::{Cache, Silent, parse};
+
+    /// The recipe of a picture that is no multiple of tiles in size.
+    fn recipe() -> SharedRecipe {
+        let text = r##"{
+          "trochoid": 1, "format": { "width": 150, "height": 21 }, "working_space": "srgb",
+          "palette": { "a": "#101a33", "b": "#f2ead2", "c": "#d8513a", "d": "#208040", "e": "#808080", "f": "#c0ffee" },
+          "nodes": {
+            "across": { "type": "ScreenX" }, "down": { "type": "ScreenY" },
+            "right": { "type": "Clamp", "field": "across", "min": 0.6, "max": 0.9 },
+            "ab": { "type": "Mix", "a": "palette.a", "b": "palette.b", "weight": "down" },
+            "cd": { "type": "Mix", "a": "palette.c", "b": "palette.d", "weight": "down" },
+            "abcd": { "type": "Mix", "a": "ab", "b": "cd", "weight": "right" },
+            "ef": { "type": "Mix", "a": "palette.e", "b": "palette.f", "weight": "across" },
+            "all": { "type": "Mix", "a": "abcd", "b": "ef", "weight": 0.25 }
+          },
+          "outputs": { "beauty": { "color": "all" } }
+        }"##;
+        let graph = parse("a.json", text, std::path::Path::new("."), &[]).unwrap().graph;
+        let made = PackedRecipe::evaluate(&graph, 0, 1, None, 1 << 24, &mut Cache::new(), &Silent);
+        SharedRecipe(Arc::new(made.unwrap()))
+    }
+
+    #[test]
+    fn what_is_repainted_is_what_would_be_painted_anew() {
+        let recipe = recipe();
+        let own = recipe.0.info().colors.clone();
+        for spot in [None, Some(vec![false, true, false, true, false, false])] {
+            let display = Display::default();
+            let painting = |colors: Vec<[f64; 3]>| {
+                let (recipe, spot) = (recipe.clone(), spot.clone());
+                Painting { generation: 1, recipe, colors, spot, display }
+            };
+            let mut canvas = Canvas::new(painting(own.clone()));
+            let mut colors = own.clone();
+            let mut few = 0;
+            for step in 0..40_usize {
+                // One color after another is changed, and put back after a while.
+                colors[step % 6] = if step % 4 == 3 { own[step % 6] } else { [0.02 * step as f64, 0.5, 0.7] };
+                let next = painting(colors.clone());
+                match canvas.takes(&next) {
+                    true => {
+                        few += 1;
+                        canvas.repaint(next.clone());
+                    }
+                    false => canvas = Canvas::new(next.clone()),
+                }
+                let anew = Canvas::new(next);
+                let pixels = canvas.screen.pixels.iter().zip(&anew.screen.pixels);
+                let off = pixels.map(|(a, b)| a.abs_diff(*b)).max();
+                assert!(off <= Some(1), "step {step}: {off:?}");
+            }
+            assert!(few > 20, "{few} of 40 pictures were repainted in parts");
+        }
+    }
+}

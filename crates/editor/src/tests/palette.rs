@@ -188,6 +188,19 @@ fn escape_puts_a_dragged_color_back() {
 }
 
 #[test]
+fn a_drag_that_ends_while_its_panel_is_hidden_is_cancelled() {
+    let mut window = weighed(PAINTED);
+    let before = text(&window);
+    let end = drag(&mut window, "Swatch night", vec2(40.0, -60.0));
+    assert!(editor(&window).state().colors.tint.is_some());
+    act(&mut window, Action::Panel(Pane::Report));
+    pointer(&mut window, end, Some(false));
+    window.run_steps(3);
+    assert!(editor(&window).state().colors.tint.is_none() && painted(editor(&window)).is_none());
+    assert_eq!((text(&window), undoes(&window)), (before, None));
+}
+
+#[test]
 fn without_a_recipe_a_drag_is_one_step_of_undo() {
     let mut window = shown(PAINTED);
     act(&mut window, Action::Look("down".into(), 0));
