@@ -532,3 +532,57 @@ fn a_literal_in_the_properties_is_picked_like_a_color_of_the_palette() {
     act(&mut window, Action::Undo);
     assert_eq!((text(&window), undoes(&window)), (before, None));
 }
+
+#[test]
+fn a_color_is_added_from_the_picture() {
+    let mut window = shown(PAINTED);
+    let before = text(&window);
+    window.get_by_label("Add").click();
+    window.run_steps(3);
+    window.get_by_label("From a picture …").click();
+    window.run_steps(3);
+    let at = window.get_by_label("Picture").rect().center();
+    pointer(&mut window, at, Some(true));
+    pointer(&mut window, at, Some(false));
+    let result = screen(&window);
+    let added = value(&window, &Path::default().to("palette").to("color"));
+    let [r, g, b] = crate::document::color::rgb(added.as_str().unwrap()).unwrap().map(|v| (255.0 * v).round() as u8);
+    assert!(result.pixels.chunks_exact(4).any(|pixel| pixel[..3] == [r, g, b]), "{added} is in the picture");
+    act(&mut window, Action::Undo);
+    assert_eq!((text(&window), undoes(&window)), (before, None));
+}
+
+#[test]
+fn a_palette_elsewhere_is_read_once_its_folder_is_allowed() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("scene")).unwrap();
+    let colors = r##"{ "night": "#101a33", "foam": "#f2ead2", "glow": "#d8513a" }"##;
+    std::fs::write(folder.path().join("night.json"), colors).unwrap();
+    let (start, end) = (PAINTED.find("\"palette\": {").unwrap(), PAINTED.find("\"nodes\"").unwrap());
+    let filed = format!("{}\"palette\": \"../night.json\",\n  {}", &PAINTED[..start], &PAINTED[end..]);
+    let file = folder.path().join("scene/painted.json");
+    std::fs::write(&file, &filed).unwrap();
+    let mut window = window(Session::open(&file).unwrap(), None);
+    act(&mut window, Action::Panel(Pane::Palette));
+    finished(&mut window);
+    window.run_steps(2);
+    assert!(editor(&window).state().evaluated.failed.is_some());
+    window.get_by_label_contains("Allow reading").click();
+    window.run_steps(3);
+    finished(&mut window);
+    assert_eq!(editor(&window).state().evaluated.failed, None);
+    wait_for_recipe(&mut window);
+    assert_eq!(editor(&window).state().swatches().len(), 4);
+}
+
+#[test]
+fn a_named_color_in_the_properties_leads_to_the_palette() {
+    let mut window = shown(PAINTED);
+    act(&mut window, Action::Panel(Pane::Properties));
+    act(&mut window, Action::Select(["sea".to_string()].into()));
+    window.get_by_label("Swatch of sea.b").click();
+    window.run_steps(3);
+    assert_eq!(editor(&window).state().colors.chosen, Some(named("foam")));
+    window.get_by_label("Color foam");
+    assert_eq!(undoes(&window), None);
+}
