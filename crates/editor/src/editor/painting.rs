@@ -43,19 +43,19 @@ impl Editor {
         }
     }
 
-    /// Receives the recipe of the viewed picture, or the reason that it has none.
-    pub(super) fn take_mixture(&mut self, mixture: std::result::Result<Mixture, (u64, String)>) {
-        let seen = &mut self.state.evaluated;
-        match mixture {
-            Ok(mixture) if mixture.generation == self.asked.generation => {
-                seen.mixing = false;
-                seen.mixture = Some(Arc::new(mixture));
-            }
-            Err((generation, why)) if generation == self.asked.generation => {
-                seen.mixing = false;
-                seen.unmixed = Some(why);
-            }
-            _ => {}
+    /// Receives the recipe of the viewed picture.
+    pub(super) fn take_mixture(&mut self, mixture: Mixture) {
+        if mixture.generation == self.asked.generation {
+            self.state.evaluated.mixing = false;
+            self.state.evaluated.mixture = Some(Arc::new(mixture));
+        }
+    }
+
+    /// Receives the reason that a picture has no recipe.
+    pub(super) fn take_unmixed(&mut self, generation: u64, why: String) {
+        if generation == self.asked.generation {
+            self.state.evaluated.mixing = false;
+            self.state.evaluated.unmixed = Some(why);
         }
     }
 

@@ -267,8 +267,8 @@ impl Editor {
                 News::Blame(blamed) if self.asked.blame == Some((blamed.generation, blamed.frame, blamed.at)) => {
                     seen.blame = Some(*blamed);
                 }
-                News::Mixture(mixture) => self.take_mixture(Ok(*mixture)),
-                News::Unmixed { generation, why } => self.take_mixture(Err((generation, why))),
+                News::Mixture(mixture) => self.take_mixture(*mixture),
+                News::Unmixed { generation, why } => self.take_unmixed(generation, why),
                 News::Thumbnails(all) => {
                     seen.thumbnails = all.into_iter().map(|one| (one.node, Arc::new(one.screen))).collect();
                 }

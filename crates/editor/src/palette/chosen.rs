@@ -9,6 +9,11 @@ use crate::picker::{self, Picked};
 use crate::state::State;
 use egui::{Button, TextEdit, Ui};
 
+/// Error in a typed color: what was expected.
+#[derive(Debug, thiserror::Error)]
+#[error("a color as #rrggbb")]
+struct NoColor;
+
 /// Draws the selected color.
 pub(super) fn chosen_ui(ui: &mut Ui, state: &State, swatch: &Swatch, all: &[Swatch], actions: &mut Vec<Action>) {
     let is_filed = swatches::file(state.sheet()).is_some();
@@ -88,7 +93,7 @@ fn name_ui(ui: &mut Ui, state: &State, swatch: &Swatch, all: &[Swatch], is_filed
             let written = swatch.color.map(crate::document::color::hex).unwrap_or_default();
             let read = |typed: &str| {
                 let bare = typed.trim().trim_start_matches('#');
-                crate::document::color::rgb(&format!("#{bare}")).ok_or("a color as #rrggbb")
+                crate::document::color::rgb(&format!("#{bare}")).ok_or(NoColor)
             };
             let told = field::draft_ui(ui, "color text", &written, read, |text| {
                 TextEdit::singleline(text).desired_width(66.0).font(egui::TextStyle::Monospace)
