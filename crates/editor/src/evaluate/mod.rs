@@ -15,7 +15,7 @@ mod subject;
 mod tests;
 mod worker;
 
-pub use blame::{Blamed, Question, Share};
+pub use blame::{Blamed, Origin, Question, Share};
 pub use lens::{Lens, lens};
 pub use mixture::Mixture;
 pub use painter::{Painted, Painter, Painting, SharedRecipe};

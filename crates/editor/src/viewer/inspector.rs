@@ -1,8 +1,9 @@
 //! The pixel inspector: the value of a pixel, and the control colors it is mixed from.
 
 use super::origin::origin;
-use crate::actions::Action;
-use crate::evaluate::{Blamed, Result, Share, blame};
+use crate::actions::{Action, Pane};
+use crate::document::swatches::SwatchKey;
+use crate::evaluate::{Blamed, Origin, Result, Share, blame};
 use crate::format::{number, percent, thousands};
 use crate::state::State;
 use egui::{Align, Button, Color32, Layout, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
@@ -152,18 +153,30 @@ fn share_ui(ui: &mut Ui, state: &State, result: &Result, share: &Share, actions:
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.label(RichText::new(percent(share.weight)).monospace());
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let is_chosen = state.selection.contains(&share.node);
                 let space = result.lens.graph.space();
-                let called = match origin(&result.subject.sheet, &share.node, share.color, space) {
-                    Some(own) => format!("{} · {own}", share.node),
-                    None => share.node.clone(),
+                let (called, is_chosen, help, click) = match &share.of {
+                    Origin::Palette(name) => {
+                        let key = SwatchKey::Named(name.clone());
+                        let is_chosen = state.colors.chosen.as_ref() == Some(&key);
+                        let click = vec![Action::Panel(Pane::Palette), Action::Swatch(Some(key))];
+                        (name.clone(), is_chosen, "Click to show it in the palette.", click)
+                    }
+                    Origin::Node(node) => {
+                        let called = match origin(&result.subject.sheet, node, share.color, space) {
+                            Some(own) => format!("{node} · {own}"),
+                            None => node.clone(),
+                        };
+                        let click = vec![Action::Select([node.clone()].into()), Action::Frames];
+                        (called, state.selection.contains(node), "Click to select the node.", click)
+                    }
+                    Origin::Pictures => ("pictures".into(), false, "Pictures that the document reads", Vec::new()),
                 };
                 let name = RichText::new(&called);
                 let name = if is_chosen { name.strong() } else { name };
                 let label = ui.add(egui::Label::new(name).truncate().sense(Sense::click()));
-                let help = format!("{called}: {}\nClick to select the node.", written(&share.color, 3));
+                let help = format!("{called}: {}\n{help}", written(&share.color, 3));
                 if label.on_hover_text(help).clicked() {
-                    actions.extend([Action::Select([share.node.clone()].into()), Action::Frames]);
+                    actions.extend(click);
                 }
             });
         });

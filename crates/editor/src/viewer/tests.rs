@@ -3,8 +3,9 @@
 use super::handles::Eye;
 use crate::actions::{Action, Switch};
 use crate::commands::{COMMANDS, Command};
+use crate::document::swatches::SwatchKey;
 use crate::document::{Path, Session};
-use crate::evaluate::{Channel, Display};
+use crate::evaluate::{Channel, Display, Origin};
 use crate::testing::{Window, ask, editor, sized, until};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
@@ -112,8 +113,8 @@ fn a_pixel_is_picked_and_its_colors_listed() {
     assert_eq!(blamed.pixel, [32, 18]);
     let sum: f64 = blamed.shares.iter().map(|share| share.weight).sum();
     assert!((sum - 1.0).abs() < 1e-12);
-    let names: Vec<&str> = blamed.shares.iter().map(|share| share.node.as_str()).collect();
-    assert_eq!(names, ["first", "first", "last"]);
+    let origins: Vec<&Origin> = blamed.shares.iter().map(|share| &share.of).collect();
+    assert_eq!(origins, [&Origin::Node("first".into()), &Origin::Node("first".into()), &Origin::Node("last".into())]);
     for text in ["Pixel 32, 18", "25.0 %", "Mixed of", "Color in linear-srgb", "first · a", "first · b", "last · b"]
     {
         assert!(window.query_by_label(text).is_some(), "{text}");
@@ -124,6 +125,31 @@ fn a_pixel_is_picked_and_its_colors_listed() {
     press(&mut window, Key::Escape);
     assert_eq!(editor(&window).state().look.pick, None);
     assert!(window.query_by_label("Mixed of").is_none());
+}
+
+/// A blurred picture of a color with a name and one without.
+const NAMED: &str = r##"{ "trochoid": 1, "format": { "width": 64, "height": 36 }, "working_space": "srgb",
+  "palette": { "ink": "#102030" },
+  "nodes": { "across": { "type": "ScreenX" },
+             "mix": { "type": "Mix", "a": "palette.ink", "b": "#f0e0d0", "weight": "across" },
+             "soft": { "type": "Blur", "image": "mix", "size": 6 } },
+  "outputs": { "beauty": { "color": "soft" } } }"##;
+
+#[test]
+fn the_colors_of_a_pixel_have_their_names_through_filters() {
+    let mut window = open(NAMED, WINDOW);
+    let center = picture(&window).center();
+    click(&mut window, center);
+    let state = editor(&window).state();
+    let shares = &state.evaluated.blame.as_ref().unwrap().shares;
+    let origins: Vec<&Origin> = shares.iter().map(|share| &share.of).collect();
+    assert!(origins.contains(&&Origin::Palette("ink".into())), "{shares:?}");
+    assert!(origins.contains(&&Origin::Node("mix".into())), "{shares:?}");
+    assert_eq!((shares.len(), shares.iter().map(|share| share.weight).sum::<f64>()), (2, 1.0));
+    // A click shows the color in the palette.
+    window.get_by_label("ink").click();
+    settle(&mut window);
+    assert_eq!(editor(&window).state().colors.chosen, Some(SwatchKey::Named("ink".into())));
 }
 
 #[test]
