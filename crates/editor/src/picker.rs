@@ -22,6 +22,8 @@ const MOST_CHROMA: f64 = 0.33;
 /// Height of a track, and width of the number beside it, in points.
 const HEIGHT: f32 = 18.0;
 const NUMBER: f32 = 46.0;
+/// Under this, the id of the widget whose drag was cancelled is kept until the pointer is released.
+const CANCELLED: &str = "cancelled";
 /// Pieces of a gradient.
 const PIECES: usize = 48;
 
@@ -51,7 +53,7 @@ fn chosen(ui: &Ui, id: Id, lch: [f64; 3]) -> [f32; 3] {
 
 /// Turns what happens to a widget into a change of a color. `lch` says what the pointer's place gives.
 pub(crate) fn dragged(ui: &Ui, id: Id, response: &Response, lch: impl FnOnce() -> Option<[f64; 3]>) -> Option<Picked> {
-    let cancel = id.with("cancelled");
+    let cancel = id.with(CANCELLED);
     let is_held = response.is_pointer_button_down_on() || response.dragged();
     let was_cancelled = ui.data(|data| data.get_temp::<Id>(cancel)) == Some(response.id);
     let ends = response.drag_stopped() || response.clicked();
@@ -200,7 +202,11 @@ pub(crate) fn swatch_drag(ui: &Ui, id: Id, color: [f32; 3], response: &Response)
     let start = id.with("start");
     if response.drag_started() {
         let lch = lch_of(ui, id, color);
-        ui.data_mut(|data| data.insert_temp(start, lch));
+        ui.data_mut(|data| {
+            data.insert_temp(start, lch);
+            // A drag that was cancelled is over.
+            data.remove::<Id>(id.with(CANCELLED));
+        });
     }
     // A click selects.
     if !response.dragged() && !response.drag_stopped() {

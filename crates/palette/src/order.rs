@@ -76,6 +76,7 @@ pub(crate) fn name(color: [f64; 3]) -> String {
         l if l < 0.35 => "deep_",
         l if l < 0.5 => "dark_",
         l if l < 0.75 => "",
+        _ if chroma > 0.18 => "bright_",
         l if l < 0.9 => "light_",
         _ => "pale_",
     };
@@ -118,6 +119,8 @@ mod tests {
             (byte(20, 38, 120), "deep_blue"),
             (byte(240, 207, 142), "light_yellow"),
             (byte(200, 30, 30), "red"),
+            (byte(255, 255, 0), "bright_yellow"),
+            (byte(255, 255, 216), "pale_yellow"),
             (byte(46, 120, 60), "green"),
         ] {
             assert_eq!(name(color), expected, "{color:?}");

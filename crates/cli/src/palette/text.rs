@@ -3,7 +3,7 @@
 use super::Found;
 use super::write::hex;
 use std::fmt::Write as _;
-use trochoid_palette::Outside;
+use trochoid_palette::{MOST_COLORS, Outside};
 
 /// Formats what was found, and the palette that was chosen.
 pub(super) fn text(found: &Found) -> String {
@@ -51,6 +51,11 @@ pub(super) fn text(found: &Found) -> String {
             _ => "",
         };
         let _ = writeln!(text, "  {name:width$}  {color}{prior}");
+    }
+    if chosen.names.len() > MOST_COLORS {
+        let count = chosen.names.len();
+        let _ =
+            writeln!(text, "\n{count} colors are more than `decompose` takes: at most {MOST_COLORS}. Leave some out.");
     }
     text
 }

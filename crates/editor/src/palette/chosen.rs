@@ -18,12 +18,13 @@ struct NoColor;
 pub(super) fn chosen_ui(ui: &mut Ui, state: &State, swatch: &Swatch, all: &[Swatch], actions: &mut Vec<Action>) {
     let is_filed = swatches::file(state.sheet()).is_some();
     let is_fixed = is_filed && matches!(swatch.key, SwatchKey::Named(_));
-    name_ui(ui, state, swatch, all, is_filed, actions);
+    let tint = state.colors.tint.as_ref().filter(|tint| tint.controls == swatch.controls());
+    let color = tint.map(|tint| tint.color).or(swatch.color);
+    name_ui(ui, state, swatch, color, all, actions);
     if swatch.is_keyed() {
         ui.weak(keyed(swatch, state.frame));
     }
-    let tint = state.colors.tint.as_ref().filter(|tint| tint.controls == swatch.controls());
-    if let Some(color) = tint.map(|tint| tint.color).or(swatch.color) {
+    if let Some(color) = color {
         ui.add_enabled_ui(!is_fixed, |ui| {
             let id = ui.id().with(("picker", &swatch.key));
             let picked = picker::picker_ui(ui, id, color);
@@ -64,7 +65,15 @@ pub(super) fn chosen_ui(ui: &mut Ui, state: &State, swatch: &Swatch, all: &[Swat
 }
 
 /// Draws the fields of the name and of the color as text, and the dropper.
-fn name_ui(ui: &mut Ui, state: &State, swatch: &Swatch, all: &[Swatch], is_filed: bool, actions: &mut Vec<Action>) {
+fn name_ui(
+    ui: &mut Ui,
+    state: &State,
+    swatch: &Swatch,
+    color: Option<[f32; 3]>,
+    all: &[Swatch],
+    actions: &mut Vec<Action>,
+) {
+    let is_filed = swatches::file(state.sheet()).is_some();
     let is_named = matches!(swatch.key, SwatchKey::Named(_));
     ui.horizontal(|ui| {
         ui.add_enabled_ui(!is_filed, |ui| {
@@ -90,7 +99,7 @@ fn name_ui(ui: &mut Ui, state: &State, swatch: &Swatch, all: &[Swatch], is_filed
         });
         let is_fixed = is_named && is_filed;
         ui.add_enabled_ui(!is_fixed, |ui| {
-            let written = swatch.color.map(crate::document::color::hex).unwrap_or_default();
+            let written = color.map(crate::document::color::hex).unwrap_or_default();
             let read = |typed: &str| {
                 let bare = typed.trim().trim_start_matches('#');
                 crate::document::color::rgb(&format!("#{bare}")).ok_or(NoColor)

@@ -184,6 +184,11 @@ fn escape_puts_a_dragged_color_back() {
         assert_eq!(undoes(&window), None);
         assert!(painted(editor(&window)).is_none());
         assert!(editor(&window).state().colors.tint.is_none());
+        // The next drag is a drag again.
+        let end = drag(&mut window, "Swatch foam", vec2(30.0, 40.0));
+        pointer(&mut window, end, Some(false));
+        window.run_steps(3);
+        assert_ne!(text(&window), before);
     }
 }
 

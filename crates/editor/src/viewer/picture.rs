@@ -4,7 +4,6 @@ use crate::evaluate::{Result, Screen};
 use egui::{
     Color32, ColorImage, Context, Painter, Pos2, Rect, TextureFilter, TextureHandle, TextureOptions, Vec2, pos2, vec2,
 };
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Neutral gray around the picture.
@@ -196,9 +195,9 @@ fn reduced(screen: &Screen, factor: usize, at: [usize; 2], size: [usize; 2]) -> 
         Color32::from_rgb(r, g, b)
     };
     let row = |y: usize| (at[0]..at[0] + size[0]).map(move |x| (x, y));
-    let rows = (at[1]..at[1] + size[1]).into_par_iter();
-    // On all cores, for a picture that follows the pointer.
-    ColorImage::new(size, rows.flat_map_iter(row).map(|(x, y)| mean(x, y)).collect())
+    let rows = at[1]..at[1] + size[1];
+    // On this thread: the others may be evaluating for seconds, and the window would stand still until then.
+    ColorImage::new(size, rows.flat_map(row).map(|(x, y)| mean(x, y)).collect())
 }
 
 #[cfg(test)]
