@@ -33,7 +33,7 @@ pub use running::reference::{ReferenceError, ReferenceFrame, ReferencePixel};
 pub use running::run::Sink;
 pub use settings::{Judging, Settings, Switches};
 pub use trochoid_memory::Instructions;
-pub use trochoid_weights::{Audit, Hull, StoredSample, Storing, paint};
+pub use trochoid_weights::{Apportioner, Audit, Hull, StoredSample, Storing, paint};
 
 /// What the tests of this crate see beside its interface. They stand outside, in `tests/engine`, so that the engine is
 /// not compiled a second time for them. Nothing of it is part of the interface.

@@ -12,14 +12,12 @@
 use crate::simplex::{Frame, Simplex, nearest, nearest_of_triangle, solve, triangulate};
 use crate::vector::{Point, add, dot, mean, scale, sub};
 use rayon::prelude::*;
-use trochoid_weights::Storing;
+use trochoid_weights::{Apportioner, BLOCK, Storing};
 
 /// Cuts along an edge of a simplex.
 const CUTS: usize = 16;
 /// Pixels that are taken apart in one piece.
 const SLICE: usize = 4096;
-/// Pixels whose weights are stored together.
-const RUN: usize = 64;
 /// How far outside of a simplex a point may lie by rounding, in barycentric coordinates.
 const ROUNDING: f64 = 1e-9;
 
@@ -152,18 +150,18 @@ impl Decomposer {
     /// Does the same on one thread, into a slice of each plane. Returns the largest weight that storing moved.
     pub fn fill(&self, colors: &[[f32; 3]], storing: Storing, planes: &mut [&mut [f32]]) -> f64 {
         let count = self.colors.len();
-        let (mut near, mut weights) = (0, vec![0.0; RUN.min(colors.len()) * count]);
+        let (mut near, mut weights, mut blocks) = (0, vec![0.0; count], vec![[0.0; BLOCK]; count]);
+        let mut apportioner = Apportioner::new(storing);
         let mut moved = 0.0_f64;
-        for (run, colors) in colors.chunks(RUN).enumerate() {
-            let weights = &mut weights[..colors.len() * count];
-            for (color, weights) in colors.iter().zip(weights.chunks_exact_mut(count)) {
-                self.weigh(color.map(f64::from), &mut near, weights);
+        for (run, colors) in colors.chunks(BLOCK).enumerate() {
+            for (pixel, color) in colors.iter().enumerate() {
+                self.weigh(color.map(f64::from), &mut near, &mut weights);
+                blocks.iter_mut().zip(&weights).for_each(|(block, weight)| block[pixel] = *weight);
             }
-            moved = moved.max(storing.apportion_each(weights, count));
-            for (index, plane) in planes.iter_mut().enumerate() {
-                let plane = &mut plane[run * RUN..][..colors.len()];
-                let own = weights[index..].iter().step_by(count);
-                plane.iter_mut().zip(own).for_each(|(stored, weight)| *stored = *weight as f32);
+            moved = moved.max(apportioner.block(&mut blocks));
+            for (plane, block) in planes.iter_mut().zip(&blocks) {
+                let plane = plane[run * BLOCK..].iter_mut().zip(&block[..colors.len()]);
+                plane.for_each(|(stored, weight)| *stored = *weight as f32);
             }
         }
         moved

@@ -7,7 +7,8 @@
 //!   cannot leave the range of the operands; [`reference`](mod@reference) has independent definitions in plain f64.
 //! - [`sums`] makes weights from outside sum to 1.
 //! - [`Hull`] and [`BoxHull`] judge finished pixels against the control colors, independently of the arithmetic.
-//! - [`Storing`] rounds weights for files so that their sum stays 1, and [`paint`] mixes colors with them.
+//! - [`Storing`] rounds weights for files so that their sum stays 1, [`Apportioner`] those of many pixels, and [`paint`]
+//!   mixes colors with them.
 //! - [`Audit`] counts the results.
 
 pub mod arithmetic;
@@ -15,11 +16,13 @@ pub mod kernel;
 pub mod reference;
 pub mod sums;
 
+mod apportion;
 mod audit;
 mod hull;
 mod paint;
 mod stored;
 
+pub use apportion::{Apportioner, BLOCK};
 pub use audit::Audit;
 pub use hull::{BoxHull, Facet, Hull, HullBuilder, Witness, surface};
 pub use paint::{StoredSample, paint};

@@ -2,7 +2,7 @@
 
 use super::info::{RecipeInfo, Rounding};
 use std::sync::{Mutex, PoisonError};
-use trochoid_engine::Storing;
+use trochoid_engine::{Apportioner, Storing};
 
 /// The channels of a recipe while rows of pixels are rounded, from many threads.
 #[derive(Debug)]
@@ -32,7 +32,7 @@ impl RecipeRows {
         let RecipeInfo { has_images, storing, .. } = &self.info;
         let rows = &layers[..self.info.weights()];
         let mut channels: Vec<Vec<f32>> = rows.iter().map(|row| vec![0.0; row.len()]).collect();
-        let mut found = Rounding { moved: storing.apportion_rows(rows, &mut channels), ..Rounding::default() };
+        let mut found = Rounding { moved: Apportioner::new(*storing).rows(rows, &mut channels), ..Rounding::default() };
         if *has_images {
             // The color stands in the last layer; where rounding leaves an image no weight, it may keep a color.
             for row in &layers[layers.len() - 3..] {

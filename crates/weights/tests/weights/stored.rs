@@ -1,7 +1,7 @@
 //! Stored weights: exact sums, and as little moved as possible.
 
 use proptest::prelude::*;
-use trochoid_weights::Storing;
+use trochoid_weights::{Apportioner, BLOCK, Storing};
 
 #[test]
 fn sums_are_exact_in_any_order_and_errors_within_their_bound() {
@@ -50,25 +50,34 @@ fn what_is_stored_already_stays_and_nothing_stays_nothing() {
 }
 
 proptest! {
-    /// Few colors are apportioned without sorting, and as many are, also where remainders are equal and weights are 0.
+    /// Blocks of pixels are apportioned as one by one, also where remainders are equal and weights are 0.
     #[test]
-    fn few_are_apportioned_as_many(parts in prop::collection::vec(prop_oneof![Just(0.0), 1e-9..1.0, Just(0.125)], 1..33)) {
-        let sum: f64 = parts.iter().sum();
-        prop_assume!(sum > 0.0);
-        let weights: Vec<f64> = parts.iter().map(|part| part / sum).collect();
+    fn blocks_are_apportioned_as_their_pixels(
+        parts in prop::collection::vec(prop::collection::vec(prop_oneof![Just(0.0), 1e-9..1.0, Just(0.125)], 40), BLOCK),
+        colors in 1_usize..40,
+    ) {
         for storing in [Storing::Half, Storing::Float] {
-            let mut few = weights.clone();
-            let mut many = [&weights[..], &[0.0; 33]].concat();
-            let moved = [storing.apportion(&mut few), storing.apportion(&mut many)];
-            prop_assert_eq!(&few[..], &many[..few.len()]);
-            prop_assert!((moved[0] - moved[1]).abs() < 1e-12 && many[few.len()..].iter().all(|weight| *weight == 0.0));
+            let mut blocks = vec![[0.0; BLOCK]; colors];
+            let (mut expected, mut most) = (Vec::new(), 0.0_f64);
+            for (pixel, parts) in parts.iter().enumerate() {
+                let sum: f64 = parts[..colors].iter().sum();
+                let mut weights: Vec<f64> = parts[..colors].iter().map(|part| if sum > 0.0 { part / sum } else { 0.0 }).collect();
+                blocks.iter_mut().zip(&weights).for_each(|(block, weight)| block[pixel] = *weight);
+                most = most.max(storing.apportion(&mut weights));
+                expected.push(weights);
+            }
+            let moved = Apportioner::new(storing).block(&mut blocks);
+            for (pixel, expected) in expected.iter().enumerate() {
+                prop_assert!(blocks.iter().zip(expected).all(|(block, weight)| block[pixel] == *weight), "pixel {pixel}");
+            }
+            prop_assert!((moved - most).abs() < 1e-12);
         }
     }
 }
 
 #[test]
 fn rows_are_apportioned_as_their_pixels() {
-    // More pixels than are looked at together, some of which mix few of the colors.
+    // Not a whole number of blocks, and pixels that mix few of the colors.
     let rows: Vec<Vec<f32>> = (0..40)
         .map(|color| {
             (0..300).map(|pixel| if (pixel / 90 + color) % 7 < 3 { (color * 7 % 11) as f32 } else { 0.0 }).collect()
@@ -77,11 +86,11 @@ fn rows_are_apportioned_as_their_pixels() {
     let sum = |pixel: usize| rows.iter().map(|row| f64::from(row[pixel])).sum::<f64>();
     let rows: Vec<Vec<f32>> =
         rows.iter().map(|row| (0..300).map(|pixel| (f64::from(row[pixel]) / sum(pixel)) as f32).collect()).collect();
+    let slices: Vec<&[f32]> = rows.iter().map(Vec::as_slice).collect();
     for storing in [Storing::Half, Storing::Float] {
         // What was in the rows before does not matter.
         let mut stored = vec![vec![7.0; 300]; 40];
-        let slices: Vec<&[f32]> = rows.iter().map(Vec::as_slice).collect();
-        let moved = storing.apportion_rows(&slices, &mut stored);
+        let moved = Apportioner::new(storing).rows(&slices, &mut stored);
         let mut most = 0.0_f64;
         for pixel in 0..300 {
             let mut weights: Vec<f64> = rows.iter().map(|row| f64::from(row[pixel])).collect();
