@@ -184,10 +184,12 @@ impl<'o> Evaluator<'o> {
     /// Evaluates the recipe of a picture.
     fn mixture(&mut self, job: Job, stamp: u64) {
         let generation = job.generation;
-        let Ok(lens) = self.lens(&job.subject) else { return };
+        let without = |why: &str| News::Unmixed { generation, why: why.into() };
+        let Ok(lens) = self.lens(&job.subject) else {
+            return self.tell(without("There is no picture, so no color has a share of it."));
+        };
         if lens.graph.outputs()[0].kind != Kind::Color {
-            let why = "Only colors have a recipe: view a Color output.".into();
-            return self.tell(News::Unmixed { generation, why });
+            return self.tell(without("Only colors have a recipe: view a Color output."));
         }
         // The one before is needed no more, and both would not fit.
         self.recipe = None;
@@ -198,7 +200,7 @@ impl<'o> Evaluator<'o> {
                 let region = region(graph.format());
                 PackedRecipe::evaluate(&graph, 0, job.frame, region, LIMIT, &mut self.cache, &monitor)
             }
-            Err(_) => return,
+            Err(_) => return self.tell(without("There is no picture, so no color has a share of it.")),
         };
         match made {
             Ok(recipe) => {

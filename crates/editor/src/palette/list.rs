@@ -3,7 +3,7 @@
 use super::recolor;
 use crate::actions::Action;
 use crate::document::spoken;
-use crate::document::swatches::{Swatch, SwatchKey};
+use crate::document::swatches::{self, Swatch, SwatchKey};
 use crate::evaluate::blame;
 use crate::picker;
 use crate::state::State;
@@ -116,11 +116,18 @@ fn row_ui(ui: &mut Ui, state: &State, row: &Row<'_>, most: f64, actions: &mut Ve
     bars_ui(ui, area, start, row, most);
     let help = help(row);
     let clicked = response.clicked() || handle.clicked();
-    if swatches_are_free(state)
-        && let Some(color) = swatch.color
-        && let Some(picked) = picker::swatch_drag(ui, ui.id().with(("drag", &swatch.key)), color, &handle)
-    {
-        recolor(picked, state, swatch, actions);
+    // Colors without a name are in the document, wherever those with one are.
+    let file = swatches::file(state.sheet()).filter(|_| matches!(swatch.key, SwatchKey::Named(_)));
+    match (file, swatch.color) {
+        (Some(file), _) if handle.drag_started() => {
+            let text = format!("{called} is a color of {file}: bring the palette into the document to change it.");
+            actions.push(Action::Notice(text));
+        }
+        (None, Some(color)) => {
+            let picked = picker::swatch_drag(ui, ui.id().with(("drag", &swatch.key)), color, &handle);
+            picked.into_iter().for_each(|picked| recolor(picked, state, swatch, actions));
+        }
+        _ => {}
     }
     if clicked {
         actions.push(Action::Swatch((!is_chosen).then(|| swatch.key.clone())));
@@ -156,11 +163,6 @@ fn labels_ui(ui: &Ui, area: Rect, start: f32, row: &Row<'_>) {
         SwatchKey::Literal(_) => swatch.uses.first().map(spoken).unwrap_or_default(),
     };
     name.text(pos2(drawn.right() + 8.0, at.y), Align2::LEFT_CENTER, more, FontId::proportional(11.0), weak);
-}
-
-/// Returns whether named colors are in the document, where they can be changed.
-fn swatches_are_free(state: &State) -> bool {
-    crate::document::swatches::file(state.sheet()).is_none()
 }
 
 /// Draws a color, or a cross if it is not known.

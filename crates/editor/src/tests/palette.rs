@@ -426,6 +426,7 @@ fn a_palette_in_a_file_is_brought_into_the_document_before_it_is_changed() {
     window.get_by_label("The named colors are in night.json.");
     let end = drag(&mut window, "Swatch night", vec2(40.0, -60.0));
     pointer(&mut window, end, Some(false));
+    assert!(window.query_all_by_label_contains("night is a color of night.json").next().is_some());
     act(&mut window, Action::AddColor);
     act(&mut window, Action::NameColors);
     assert_eq!((text(&window), undoes(&window)), (filed.clone(), None));
@@ -437,6 +438,21 @@ fn a_palette_in_a_file_is_brought_into_the_document_before_it_is_changed() {
     assert_eq!(apart(&old, &screen(&window)), 0);
     act(&mut window, Action::Undo);
     assert_eq!(text(&window), filed);
+}
+
+#[test]
+fn a_palette_that_is_missing_is_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let start = PAINTED.find("\"palette\": {").unwrap();
+    let end = PAINTED.find("\"nodes\"").unwrap();
+    let file = folder.path().join("painted.json");
+    std::fs::write(&file, format!("{}\"palette\": \"gone.gpl\",\n  {}", &PAINTED[..start], &PAINTED[end..])).unwrap();
+    let mut window = window(Session::open(&file).unwrap(), None);
+    act(&mut window, Action::Panel(Pane::Palette));
+    until(&mut window, "the reason", |editor| editor.state().evaluated.unmixed.is_some());
+    window.run_steps(2);
+    assert!(!editor(&window).state().evaluated.mixing);
+    window.get_by_label("no shares");
 }
 
 #[test]
