@@ -9,17 +9,18 @@
 //! times along its edges (Freudenthal), and between the nodes weights are interpolated linearly, which keeps their sum,
 //! their signs, and the color that they mix. The lattice is the definition.
 
-use crate::simplex::{Frame, Simplex, nearest, nearest_of_triangle, solve, triangulate};
+use crate::block::Block;
+use crate::lattice::Lattice;
+use crate::simplex::{Frame, Simplex, nearest, nearest_of_triangle, triangulate};
 use crate::vector::{Point, add, dot, mean, scale, sub};
+use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use trochoid_weights::{Apportioner, BLOCK, Storing};
 
-/// Cuts along an edge of a simplex.
-const CUTS: usize = 16;
 /// Pixels that are taken apart in one piece.
 const SLICE: usize = 4096;
 /// How far outside of a simplex a point may lie by rounding, in barycentric coordinates.
-const ROUNDING: f64 = 1e-9;
+pub(crate) const ROUNDING: f64 = 1e-9;
 
 /// A palette onto which pictures are taken apart.
 ///
@@ -35,16 +36,13 @@ const ROUNDING: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub struct Decomposer {
     colors: Vec<Point>,
-    frame: Frame,
+    pub(crate) frame: Frame,
     /// Coordinates of the colors in the frame.
     points: Vec<Point>,
-    simplices: Vec<Simplex>,
+    pub(crate) simplices: Vec<Simplex>,
     /// Facets of the hull, in coordinates of the frame: triangles, or segments and points that repeat corners.
     facets: Vec<[Point; 3]>,
-    /// Cuts along each edge: 1 without softness.
-    cuts: usize,
-    /// Weights at the nodes, by simplex, node and color.
-    nodes: Vec<f64>,
+    pub(crate) lattice: Lattice,
 }
 
 /// Most colors onto which a picture is taken apart.
@@ -70,42 +68,14 @@ impl Decomposer {
         let heights: Vec<f64> =
             colors.iter().map(|color| dot(sub(*color, center), sub(*color, center)) / (range * range)).collect();
         let simplices = triangulate(&points, &heights, frame.dimension());
-        let cuts = if softness > 0.0 && frame.dimension() > 0 { CUTS } else { 1 };
-        let mut found =
-            Self { colors: colors.to_vec(), frame, points, simplices, facets: Vec::new(), cuts, nodes: Vec::new() };
-        let boundary = found.boundary();
+        let boundary = boundary(&simplices);
+        let lattice = Lattice::new(&points, &heights, &simplices, &boundary, softness);
         let facet = |corners: &Vec<usize>| {
             let last = corners.len().checked_sub(1)?;
-            Some([0, 1, 2].map(|at| found.points[corners[last.min(at)]]))
+            Some([0, 1, 2].map(|at| points[corners[last.min(at)]]))
         };
-        found.facets = boundary.iter().filter_map(facet).collect();
-        let nodes = found.simplices.iter().flat_map(|simplex| {
-            places(simplex.corners.len(), cuts).into_iter().map(|parts| (simplex, parts)).collect::<Vec<_>>()
-        });
-        let weights = nodes.flat_map(|(simplex, parts)| {
-            let mut plain = vec![0.0; colors.len()];
-            simplex.corners.iter().zip(&parts).for_each(|(corner, part)| plain[*corner] = *part as f64 / cuts as f64);
-            let used: Vec<usize> =
-                simplex.corners.iter().zip(&parts).filter(|(_, part)| **part > 0).map(|(c, _)| *c).collect();
-            // On the surface of the hull, only the colors of the facet mix.
-            let is_outer = cuts == 1 || boundary.iter().any(|facet| used.iter().all(|corner| facet.contains(corner)));
-            if is_outer { plain } else { gibbs(&found.points, &heights, softness, &plain) }
-        });
-        found.nodes = weights.collect();
-        Some(found)
-    }
-
-    /// Returns the facets of the hull: sides of simplices that belong to one simplex only.
-    fn boundary(&self) -> Vec<Vec<usize>> {
-        let sides = |simplex: &Simplex| {
-            let without = |left_out: usize| {
-                let kept = simplex.corners.iter().enumerate().filter(move |(index, _)| *index != left_out);
-                kept.map(|(_, corner)| *corner).collect::<Vec<_>>()
-            };
-            (0..simplex.corners.len()).map(without).collect::<Vec<_>>()
-        };
-        let all: Vec<Vec<usize>> = self.simplices.iter().flat_map(sides).collect();
-        all.iter().filter(|side| all.iter().filter(|other| other == side).count() == 1).cloned().collect()
+        let facets = boundary.iter().filter_map(facet).collect();
+        Some(Self { colors: colors.to_vec(), frame, points, simplices, facets, lattice })
     }
 
     /// Returns the colors of the palette.
@@ -118,8 +88,10 @@ impl Decomposer {
     /// those of its nearest point.
     #[must_use]
     pub fn weights(&self, color: [f64; 3]) -> Vec<f64> {
+        let point = self.frame.of(color);
+        let Some((simplex, parts)) = self.found(point, 0) else { return nearest(&self.points, point) };
         let mut weights = vec![0.0; self.colors.len()];
-        self.weigh(color, &mut 0, &mut weights);
+        self.lattice.interpolate(simplex, self.frame.dimension(), parts, &mut weights);
         weights
     }
 
@@ -149,38 +121,34 @@ impl Decomposer {
 
     /// Does the same on one thread, into a slice of each plane. Returns the largest weight that storing moved.
     pub fn fill(&self, colors: &[[f32; 3]], storing: Storing, planes: &mut [&mut [f32]]) -> f64 {
-        let count = self.colors.len();
-        let (mut near, mut weights, mut blocks) = (0, vec![0.0; count], vec![[0.0; BLOCK]; count]);
-        let mut apportioner = Apportioner::new(storing);
+        let level = Level::new();
+        let (mut near, mut block, mut apportioner) = (0, Block::new(self.colors.len()), Apportioner::new(storing));
         let mut moved = 0.0_f64;
         for (run, colors) in colors.chunks(BLOCK).enumerate() {
-            for (pixel, color) in colors.iter().enumerate() {
-                self.weigh(color.map(f64::from), &mut near, &mut weights);
-                blocks.iter_mut().zip(&weights).for_each(|(block, weight)| block[pixel] = *weight);
+            if self.simplices.is_empty() {
+                colors.iter().enumerate().for_each(|(x, color)| {
+                    let weights = self.weights(color.map(f64::from));
+                    block.weights.iter_mut().zip(weights).for_each(|(own, weight)| own[x] = weight);
+                });
+            } else {
+                dispatch!(level, simd => simd.vectorize(#[inline(always)] || block.weigh(self, colors, &mut near)));
             }
-            moved = moved.max(apportioner.block(&mut blocks));
-            for (plane, block) in planes.iter_mut().zip(&blocks) {
-                let plane = plane[run * BLOCK..].iter_mut().zip(&block[..colors.len()]);
+            moved = moved.max(apportioner.block(&mut block.weights[..self.colors.len()]));
+            for (plane, weights) in planes.iter_mut().zip(&block.weights) {
+                let plane = plane[run * BLOCK..].iter_mut().zip(&weights[..colors.len()]);
                 plane.for_each(|(stored, weight)| *stored = *weight as f32);
             }
         }
         moved
     }
 
-    /// Computes the weights of a displayed color. `near` is the simplex of a similar color, where the search starts; it
-    /// does not change the result.
-    fn weigh(&self, color: [f64; 3], near: &mut usize, weights: &mut [f64]) {
-        let point = self.frame.of(color);
+    /// Returns the simplex in which a point lies, and its coordinates. The search starts at the simplex of a similar color,
+    /// which does not change the result.
+    pub(crate) fn found(&self, point: Point, near: usize) -> Option<(usize, [f64; 4])> {
         // A point well inside of a simplex is in no other one.
-        let known = self.simplices.get(*near).map(|simplex| (simplex, simplex.coordinates(point)));
+        let known = self.simplices.get(near).map(|simplex| (simplex, simplex.coordinates(point)));
         let known = known.filter(|(simplex, parts)| simplex.least_of(parts) > ROUNDING);
-        match known.map(|(_, parts)| (*near, parts)).or_else(|| self.searched(point)) {
-            Some((simplex, parts)) => {
-                *near = simplex;
-                self.interpolate(simplex, parts, weights);
-            }
-            None => weights.copy_from_slice(&nearest(&self.points, point)),
-        }
+        known.map(|(_, parts)| (near, parts)).or_else(|| self.searched(point))
     }
 
     /// Returns the simplex in which a point or its nearest one in the hull lies, and that one's coordinates.
@@ -216,135 +184,19 @@ impl Decomposer {
         // Of equal ones the first, so that all points of a shared side have the same.
         all.reduce(|best, next| if next.1 > best.1 { next } else { best })
     }
-
-    /// Interpolates in a simplex at a point with these barycentric coordinates.
-    fn interpolate(&self, index: usize, coordinates: [f64; 4], weights: &mut [f64]) {
-        let parts = coordinates.map(|part| part.max(0.0));
-        let dimension = self.simplices[index].corners.len() - 1;
-        let whole = 1.0 / parts.iter().sum::<f64>();
-        // Cumulative coordinates fall from the number of cuts to 0; of each, the whole part and the fraction.
-        let (mut node, mut fractions) = ([0; 3], [0.0; 3]);
-        let (mut left, mut most) = (1.0, self.cuts as u32 - 1);
-        for at in 0..dimension {
-            left -= parts[at] * whole;
-            let coordinate = self.cuts as f64 * left.clamp(0.0, 1.0);
-            most = most.min(coordinate as u32);
-            node[at] = most as usize;
-            fractions[at] = (coordinate - f64::from(most)).clamp(0.0, 1.0);
-        }
-        // The largest fraction first; of equal ones, the first goes first, so that coordinates keep falling.
-        let mut order = [0, 1, 2];
-        for (a, b) in [(0, 1), (1, 2), (0, 1)] {
-            if b < dimension && fractions[order[b]] > fractions[order[a]] {
-                order.swap(a, b);
-            }
-        }
-        let count = self.colors.len();
-        let first = index * places_count(dimension + 1, self.cuts);
-        // Shares of up to four nodes; those that there are not have none.
-        let (mut shares, mut nodes) = ([0.0; 4], [&self.nodes[first * count..][..count]; 4]);
-        let mut before = 1.0;
-        for step in 0..=dimension {
-            let after = if step < dimension { fractions[order[step]] } else { 0.0 };
-            shares[step] = before - after;
-            if shares[step] > 0.0 {
-                nodes[step] = &self.nodes[(first + place(&node[..dimension])) * count..][..count];
-            }
-            if step < dimension {
-                node[order[step]] += 1;
-            }
-            before = after;
-        }
-        let [a, b, c, d] = nodes;
-        for ((((weight, a), b), c), d) in weights.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-            *weight = shares[0] * a + shares[1] * b + shares[2] * c + shares[3] * d;
-        }
-    }
 }
 
-/// Returns the number of nodes of a simplex.
-fn places_count(corners: usize, cuts: usize) -> usize {
-    match corners {
-        1 => 1,
-        2 => cuts + 1,
-        3 => (cuts + 1) * (cuts + 2) / 2,
-        _ => (cuts + 1) * (cuts + 2) * (cuts + 3) / 6,
-    }
-}
-
-/// Returns the index of a node by its falling cumulative coordinates.
-fn place(cumulative: &[usize]) -> usize {
-    match *cumulative {
-        [a] => a,
-        [a, b] => a * (a + 1) / 2 + b,
-        [a, b, c] => a * (a + 1) * (a + 2) / 6 + b * (b + 1) / 2 + c,
-        _ => 0,
-    }
-}
-
-/// Returns the parts of each corner, of `cuts`, at each node of a simplex, in the order of [`place`].
-fn places(corners: usize, cuts: usize) -> Vec<Vec<usize>> {
-    let mut nodes = vec![Vec::new(); places_count(corners, cuts)];
-    let mut put = |cumulative: &[usize]| {
-        let ends = std::iter::once(cuts).chain(cumulative.iter().copied());
-        let parts = ends.zip(cumulative.iter().copied().chain([0])).map(|(from, to)| from - to);
-        nodes[place(cumulative)] = parts.collect();
-    };
-    match corners {
-        1 => put(&[]),
-        2 => (0..=cuts).for_each(|a| put(&[a])),
-        3 => (0..=cuts).for_each(|a| (0..=a).for_each(|b| put(&[a, b]))),
-        _ => (0..=cuts).for_each(|a| (0..=a).for_each(|b| (0..=b).for_each(|c| put(&[a, b, c])))),
-    }
-    nodes
-}
-
-/// Returns the weights of greatest entropy, by the heights, that mix the same point as `plain`: Newton's method for the
-/// multipliers, whose function is convex.
-fn gibbs(points: &[Point], heights: &[f64], softness: f64, plain: &[f64]) -> Vec<f64> {
-    let target = points.iter().zip(plain).fold([0.0; 3], |sum, (point, weight)| add(sum, scale(*point, *weight)));
-    let offsets: Vec<Point> = points.iter().map(|point| sub(*point, target)).collect();
-    // The function's value, and the weights.
-    let at = |multipliers: Point| {
-        let exponents: Vec<f64> = offsets
-            .iter()
-            .zip(heights)
-            .map(|(offset, height)| (dot(multipliers, *offset) - height) / softness)
-            .collect();
-        let most = exponents.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let parts: Vec<f64> = exponents.iter().map(|exponent| libm::exp(exponent - most)).collect();
-        let sum: f64 = parts.iter().sum();
-        (softness * (most + libm::log(sum)), parts.into_iter().map(|part| part / sum).collect::<Vec<f64>>())
-    };
-    let mut multipliers = [0.0; 3];
-    let (mut value, mut weights) = at(multipliers);
-    for _ in 0..80 {
-        let gradient = offsets.iter().zip(&weights).fold([0.0; 3], |sum, (offset, w)| add(sum, scale(*offset, *w)));
-        if dot(gradient, gradient) < 1e-26 {
-            break;
-        }
-        let row = |i: usize| {
-            let entry = |j: usize| {
-                let moment: f64 = offsets.iter().zip(&weights).map(|(offset, w)| w * offset[i] * offset[j]).sum();
-                (moment - gradient[i] * gradient[j]) / softness + if i == j { 1e-12 } else { 0.0 }
-            };
-            vec![entry(0), entry(1), entry(2), -gradient[i]]
+/// Returns the facets of the hull: sides of simplices that belong to one simplex only.
+fn boundary(simplices: &[Simplex]) -> Vec<Vec<usize>> {
+    let sides = |simplex: &Simplex| {
+        let without = |left_out: usize| {
+            let kept = simplex.corners.iter().enumerate().filter(move |(index, _)| *index != left_out);
+            kept.map(|(_, corner)| *corner).collect::<Vec<_>>()
         };
-        let Some(step) = solve((0..3).map(row).collect()) else { break };
-        let step = [step[0], step[1], step[2]];
-        let slope = dot(gradient, step);
-        let mut share = 1.0;
-        for _ in 0..40 {
-            let next = add(multipliers, scale(step, share));
-            let (lower, found) = at(next);
-            if lower <= value + 1e-4 * share * slope + 1e-15 {
-                (multipliers, value, weights) = (next, lower, found);
-                break;
-            }
-            share *= 0.5;
-        }
-    }
-    weights
+        (0..simplex.corners.len()).map(without).collect::<Vec<_>>()
+    };
+    let all: Vec<Vec<usize>> = simplices.iter().flat_map(sides).collect();
+    all.iter().filter(|side| all.iter().filter(|other| other == side).count() == 1).cloned().collect()
 }
 
 #[cfg(test)]

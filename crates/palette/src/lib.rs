@@ -7,6 +7,7 @@
 
 #![forbid(unsafe_code)]
 
+mod block;
 mod cloud;
 mod corner;
 mod decompose;
@@ -15,6 +16,7 @@ mod few;
 mod found;
 mod grid;
 mod ignore;
+mod lattice;
 mod mesh;
 mod order;
 mod program;

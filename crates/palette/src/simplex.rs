@@ -9,27 +9,31 @@ const FLAT: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(crate) struct Frame {
     origin: Point,
-    axes: Vec<Point>,
+    /// Those beyond the dimension are 0.
+    axes: [Point; 3],
+    dimension: usize,
 }
 
 impl Frame {
     /// Returns the frame of some colors. Its axes are orthogonal and have length 1.
     pub(crate) fn new(colors: &[Point]) -> Self {
-        let mut frame = Self { origin: colors.first().copied().unwrap_or_default(), axes: Vec::new() };
-        while frame.axes.len() < 3 {
+        let origin = colors.first().copied().unwrap_or_default();
+        let mut frame = Self { origin, axes: [[0.0; 3]; 3], dimension: 0 };
+        while frame.dimension < 3 {
             let rest = colors.iter().map(|color| frame.rest(*color));
             let farthest = rest.max_by(|a, b| dot(*a, *a).total_cmp(&dot(*b, *b)));
             match farthest.filter(|rest| length(*rest) > FLAT).and_then(unit) {
-                Some(axis) => frame.axes.push(axis),
+                Some(axis) => frame.axes[frame.dimension] = axis,
                 None => break,
             }
+            frame.dimension += 1;
         }
         frame
     }
 
     /// Returns the number of dimensions.
     pub(crate) fn dimension(&self) -> usize {
-        self.axes.len()
+        self.dimension
     }
 
     /// Returns what the axes leave of a color.
@@ -39,11 +43,10 @@ impl Frame {
     }
 
     /// Returns the coordinates of a color; those beyond the dimension are 0.
+    #[inline(always)]
     pub(crate) fn of(&self, color: Point) -> Point {
         let from = sub(color, self.origin);
-        let mut coordinates = [0.0; 3];
-        coordinates.iter_mut().zip(&self.axes).for_each(|(coordinate, axis)| *coordinate = dot(from, *axis));
-        coordinates
+        [dot(from, self.axes[0]), dot(from, self.axes[1]), dot(from, self.axes[2])]
     }
 }
 
@@ -105,7 +108,14 @@ impl Simplex {
 
     /// Returns the barycentric coordinates of a point; 0 for corners that a simplex of fewer dimensions lacks.
     pub(crate) fn coordinates(&self, point: Point) -> [f64; 4] {
-        self.forms.map(|form| form[0] * point[0] + form[1] * point[1] + form[2] * point[2] + form[3])
+        [self.coordinate(0, point), self.coordinate(1, point), self.coordinate(2, point), self.coordinate(3, point)]
+    }
+
+    /// Returns one of them.
+    #[inline(always)]
+    pub(crate) fn coordinate(&self, corner: usize, point: Point) -> f64 {
+        let form = &self.forms[corner];
+        form[0] * point[0] + form[1] * point[1] + form[2] * point[2] + form[3]
     }
 
     /// Returns the least of a point's barycentric coordinates.

@@ -3,6 +3,7 @@
 /// A point or direction.
 pub(crate) type Point = [f64; 3];
 
+#[inline(always)]
 pub(crate) fn sub(a: Point, b: Point) -> Point {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
@@ -15,6 +16,7 @@ pub(crate) fn scale(a: Point, by: f64) -> Point {
     a.map(|channel| channel * by)
 }
 
+#[inline(always)]
 pub(crate) fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

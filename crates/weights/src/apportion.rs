@@ -99,25 +99,29 @@ fn apportion(weights: &mut [[f64; BLOCK]], columns: &mut [Column], units: f64) -
     scale.iter_mut().for_each(|sum| *sum = units / *sum);
     let mut rest = [units; BLOCK];
     for (weights, column) in weights.iter().zip(&mut *columns) {
+        let (mut wholes, mut remainders, mut keys) = ([0.0; BLOCK], [0.0; BLOCK], [0; BLOCK]);
         for x in 0..BLOCK {
             let scaled = weights[x] * scale[x];
-            column.wholes[x] = whole(scaled);
-            column.remainders[x] = scaled - column.wholes[x];
-            column.keys[x] = if weights[x] > 0.0 { 1 + key(column.remainders[x]) } else { 0 };
-            rest[x] -= column.wholes[x];
+            wholes[x] = whole(scaled);
+            remainders[x] = scaled - wholes[x];
+            keys[x] = if weights[x] > 0.0 { 1 + key(remainders[x]) } else { 0 };
+            rest[x] -= wholes[x];
         }
+        *column = Column { wholes, remainders, keys, before: [0; BLOCK] };
     }
     for own in 0..columns.len() {
         let (others, rest) = columns.split_at_mut(own);
         let own = &mut rest[0];
-        own.before = [0; BLOCK];
+        let (keys, mut before) = (own.keys, [0; BLOCK]);
         for other in others {
+            let (theirs, counts) = (&other.keys, &mut other.before);
             for x in 0..BLOCK {
-                let is_first = i32::from(other.keys[x] >= own.keys[x]);
-                own.before[x] += is_first;
-                other.before[x] += 1 - is_first;
+                let is_first = i32::from(theirs[x] >= keys[x]);
+                before[x] += is_first;
+                counts[x] += 1 - is_first;
             }
         }
+        own.before = before;
     }
     // A pixel without any weight has no rest either.
     let rest = rest.map(|rest| rest as i32);
