@@ -2,7 +2,6 @@
 
 use crate::output_file::{OutputError, OutputFile, layer};
 use crate::recipe::{LATE as LATE_OF_RECIPE, RecipeInfo, RecipeRows};
-use std::borrow::Cow;
 use trochoid_engine::Storing;
 use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision};
 use trochoid_image::WorkingSpace;
@@ -38,15 +37,16 @@ impl Conversion {
         Ok(if is_encoded { Self::Linear(graph.space()) } else { Self::None })
     }
 
-    /// Returns the channels of the file for some pixels of the output.
-    pub(crate) fn channels<'r>(&self, rows: &[&'r [f32]]) -> Vec<Cow<'r, [f32]>> {
+    /// Returns the channels of the file for some pixels of the output; those that differ are computed in `converted`.
+    pub(crate) fn channels<'r>(&self, rows: &[&'r [f32]], converted: &'r mut Vec<Vec<f32>>) -> Vec<&'r [f32]> {
         match (self, rows) {
             (Self::Linear(space), [r, g, b]) => {
-                convert([r, g, b], |color| space.to_linear_srgb(color)).into_iter().map(Cow::Owned).collect()
+                *converted = convert([r, g, b], |color| space.to_linear_srgb(color)).into();
             }
-            (Self::Recipe(recipe), _) => recipe.stored(rows).into_iter().map(Cow::Owned).collect(),
-            _ => rows.iter().map(|row| Cow::Borrowed(*row)).collect(),
+            (Self::Recipe(recipe), _) => recipe.store(rows, converted),
+            _ => return rows.to_vec(),
         }
+        converted.iter().map(Vec::as_slice).collect()
     }
 
     /// Returns the metadata that are known when all pixels are converted.

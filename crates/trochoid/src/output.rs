@@ -1,15 +1,15 @@
 //! Writing of evaluated frames to files.
 
 use crate::Form;
-use crate::exr_layer::{Conversion, convert, file_channels, reserved};
+use crate::exr_layer::convert;
 use crate::files::{folder_of_file, target};
 use crate::marks::with_mark;
 use crate::output_file::{OutputError, OutputFile};
-use std::borrow::Cow;
+use crate::stream::write_layers;
 use trochoid_engine::{Frame, Picture};
 use trochoid_graph::{CheckedGraph, Kind, OutputSpec, Precision};
 use trochoid_image::{Plane, Window, WorkingSpace};
-use trochoid_io::{ExrChannel, ExrImage, PngImage, SampleType, Samples, write_exr, write_png8, write_png16};
+use trochoid_io::{PngImage, Samples, write_png8, write_png16};
 
 /// Writes one file of an evaluated frame, which appears whole or not at all, and creates missing folders.
 ///
@@ -34,42 +34,6 @@ pub fn write_output(
 fn pictures<'f>(graph: &'f CheckedGraph, frame: &'f Frame, file: &OutputFile) -> Vec<(&'f OutputSpec, &'f Picture)> {
     let chosen = frame.pictures.iter().filter(|picture| file.outputs.contains(&picture.output));
     chosen.map(|picture| (&graph.outputs()[picture.output], picture)).collect()
-}
-
-fn write_layers(
-    graph: &CheckedGraph,
-    frame: &Frame,
-    file: &OutputFile,
-    metadata: &[(String, String)],
-) -> Result<(), OutputError> {
-    let chosen = pictures(graph, frame, file);
-    let conversion = |(spec, _): &(&OutputSpec, _)| Conversion::of(graph, spec, file, frame.number);
-    let conversions = chosen.iter().map(conversion).collect::<Result<Vec<_>, _>>()?;
-    let converted: Vec<Vec<Cow<'_, [f32]>>> = (chosen.iter().zip(&conversions))
-        .map(|((_, picture), conversion)| {
-            let rows: Vec<&[f32]> = picture.planes.iter().map(Plane::samples).collect();
-            conversion.channels(&rows)
-        })
-        .collect();
-    let mut channels = Vec::new();
-    for ((spec, _), converted) in chosen.iter().zip(&converted) {
-        for ((name, sample_type), samples) in file_channels(graph, spec, file).into_iter().zip(converted) {
-            let samples = Samples::contiguous(samples);
-            let float = sample_type == SampleType::Float;
-            channels.push(if float { ExrChannel::float(name, samples) } else { ExrChannel::half(name, samples) });
-        }
-    }
-    let late = conversions.iter().filter_map(Conversion::metadata);
-    let image = ExrImage {
-        display: graph.format().window(),
-        data: frame.window,
-        channels,
-        metadata: metadata.iter().cloned().chain(late).collect(),
-        // As in a file that is written while its rows are computed, so that both files are equal.
-        reserved: reserved(chosen.iter().map(|(spec, _)| *spec), conversions.iter()),
-        chromaticities: chosen.iter().any(|(_, p)| p.kind == Kind::Color).then(|| graph.space().chromaticities()),
-    };
-    Ok(write_exr(target(&file.path, Form::Exr, graph.access().overwrites()), &image)?)
 }
 
 fn write_png(

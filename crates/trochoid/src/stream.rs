@@ -5,9 +5,8 @@ use crate::exr_layer::{Conversion, file_channels, reserved};
 use crate::files::{folder_of_file, target};
 use crate::marks::with_mark;
 use crate::output_file::{OutputError, OutputFile};
-use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
-use trochoid_engine::{EvalError, Plan, Sink};
+use trochoid_engine::{EvalError, Frame, Plan, Sink};
 use trochoid_graph::{CheckedGraph, Kind};
 use trochoid_image::Window;
 use trochoid_io::{EncodeScratch, ExrHeader, ExrWriter};
@@ -34,9 +33,17 @@ use trochoid_io::{EncodeScratch, ExrHeader, ExrWriter};
 /// ```
 pub struct FileSink {
     files: Vec<Open>,
-    spare: Mutex<Vec<EncodeScratch>>,
+    spare: Mutex<Vec<Scratch>>,
     /// Why the evaluation fails: what came first, for what follows is its consequence.
     failure: Mutex<Option<Arc<OutputError>>>,
+}
+
+/// Reusable memory of a thread.
+#[derive(Default)]
+struct Scratch {
+    encoding: EncodeScratch,
+    /// Converted samples by output and channel.
+    converted: Vec<Vec<Vec<f32>>>,
 }
 
 /// File being written.
@@ -59,30 +66,8 @@ impl FileSink {
             return Ok(None);
         }
         let planned = plan.outputs();
-        let mut open = Vec::with_capacity(files.len());
-        for file in files {
-            folder_of_file(&file.path)?;
-            let outputs: Vec<usize> = planned.iter().copied().filter(|output| file.outputs.contains(output)).collect();
-            let specs = || outputs.iter().map(|output| &graph.outputs()[*output]);
-            let conversions = specs().map(|spec| Conversion::of(graph, spec, file, plan.frame()));
-            let conversions = conversions.collect::<Result<Vec<_>, _>>()?;
-            let header = ExrHeader {
-                display: graph.format().window(),
-                data: plan.window(),
-                channels: specs().flat_map(|spec| file_channels(graph, spec, file)).collect(),
-                late_metadata: reserved(specs(), conversions.iter()),
-                chromaticities: specs().any(|s| s.kind == Kind::Color).then(|| graph.space().chromaticities()),
-                ..ExrHeader::new(plan.window())
-            };
-            let place = |output: &usize| planned.iter().position(|planned| planned == output);
-            let outputs = outputs.iter().zip(conversions);
-            let outputs = outputs.filter_map(|(output, conversion)| Some((place(output)?, conversion))).collect();
-            open.push(Open {
-                file: file.clone(),
-                writer: ExrWriter::create(target(&file.path, Form::Exr, graph.access().overwrites()), &header)?,
-                outputs,
-            });
-        }
+        let open = files.iter().map(|file| Open::create(graph, file, &planned, plan.window(), plan.frame()));
+        let open = open.collect::<Result<Vec<_>, _>>()?;
         Ok(Some(Self { files: open, spare: Mutex::new(Vec::new()), failure: Mutex::new(None) }))
     }
 
@@ -96,36 +81,87 @@ impl FileSink {
     ) -> Result<(), OutputError> {
         for open in self.files {
             if let Some(metadata) = metadata(&open.file) {
-                let late = open.outputs.iter().filter_map(|(_, conversion)| conversion.metadata());
-                let metadata = with_mark(&metadata).into_iter().chain(late);
-                open.writer.finish(&metadata.collect::<Vec<_>>())?;
+                open.finish(&metadata)?;
             }
         }
         Ok(())
     }
+}
 
-    fn encode(
-        &self,
-        open: &Open,
-        band: Window,
-        rows: &[Vec<&[f32]>],
-        scratch: &mut EncodeScratch,
-    ) -> Result<(), OutputError> {
-        let width = band.width();
-        let height = open.writer.rows_per_band();
-        let first = (band.y0 - open.writer.band_window(0).y0) as usize / height;
-        for (index, start) in (0..band.height()).step_by(height).enumerate() {
-            let range = start * width..(start + height).min(band.height()) * width;
-            let converted = open.outputs.iter().flat_map(|(output, conversion)| {
+impl Open {
+    /// Starts a file of some of the `evaluated` outputs.
+    fn create(
+        graph: &CheckedGraph,
+        file: &OutputFile,
+        evaluated: &[usize],
+        window: Window,
+        frame: i64,
+    ) -> Result<Self, OutputError> {
+        folder_of_file(&file.path)?;
+        let outputs: Vec<usize> = evaluated.iter().copied().filter(|output| file.outputs.contains(output)).collect();
+        let specs = || outputs.iter().map(|output| &graph.outputs()[*output]);
+        let conversions = specs().map(|spec| Conversion::of(graph, spec, file, frame));
+        let conversions = conversions.collect::<Result<Vec<_>, _>>()?;
+        let header = ExrHeader {
+            display: graph.format().window(),
+            channels: specs().flat_map(|spec| file_channels(graph, spec, file)).collect(),
+            late_metadata: reserved(specs(), conversions.iter()),
+            chromaticities: specs().any(|spec| spec.kind == Kind::Color).then(|| graph.space().chromaticities()),
+            ..ExrHeader::new(window)
+        };
+        let place = |output: &usize| evaluated.iter().position(|evaluated| evaluated == output);
+        let outputs = outputs.iter().zip(conversions);
+        let outputs = outputs.filter_map(|(output, conversion)| Some((place(output)?, conversion))).collect();
+        let writer = ExrWriter::create(target(&file.path, Form::Exr, graph.access().overwrites()), &header)?;
+        Ok(Self { file: file.clone(), writer, outputs })
+    }
+
+    /// Adds whole bands of the file, beginning with row `y0`: the samples by evaluated output and channel.
+    fn encode(&self, y0: i64, rows: &[Vec<&[f32]>], scratch: &mut Scratch) -> Result<(), OutputError> {
+        let window = self.writer.band_window(0);
+        let first = (y0 - window.y0) as usize / self.writer.rows_per_band();
+        let mut start = 0;
+        for band in first..self.writer.bands() {
+            let range = start..start + self.writer.band_window(band).area();
+            if rows.iter().flatten().next().is_none_or(|row| row.len() < range.end) {
+                break;
+            }
+            scratch.converted.resize_with(self.outputs.len(), Vec::new);
+            let outputs = self.outputs.iter().zip(&mut scratch.converted);
+            let channels = outputs.flat_map(|((output, conversion), converted)| {
                 let rows: Vec<&[f32]> = rows[*output].iter().map(|row| &row[range.clone()]).collect();
-                conversion.channels(&rows)
+                conversion.channels(&rows, converted)
             });
-            let converted: Vec<Cow<'_, [f32]>> = converted.collect();
-            let channels: Vec<&[f32]> = converted.iter().map(|channel| &**channel).collect();
-            open.writer.push(open.writer.encode(first + index, &channels, scratch)?)?;
+            let channels: Vec<&[f32]> = channels.collect();
+            self.writer.push(self.writer.encode(band, &channels, &mut scratch.encoding)?)?;
+            start = range.end;
         }
         Ok(())
     }
+
+    fn finish(self, metadata: &[(String, String)]) -> Result<(), OutputError> {
+        let late = self.outputs.iter().filter_map(|(_, conversion)| conversion.metadata());
+        Ok(self.writer.finish(&with_mark(metadata).into_iter().chain(late).collect::<Vec<_>>())?)
+    }
+}
+
+/// Writes outputs of an evaluated frame as layers of an EXR file.
+pub(crate) fn write_layers(
+    graph: &CheckedGraph,
+    frame: &Frame,
+    file: &OutputFile,
+    metadata: &[(String, String)],
+) -> Result<(), OutputError> {
+    let evaluated: Vec<usize> = frame.pictures.iter().map(|picture| picture.output).collect();
+    let open = Open::create(graph, file, &evaluated, frame.window, frame.number)?;
+    open.writer.each_band(|band, scratch: &mut Scratch| {
+        let window = open.writer.band_window(band);
+        let start = (window.y0 - frame.window.y0) as usize * frame.window.width();
+        let planes = frame.pictures.iter().map(|picture| picture.planes.iter());
+        let rows = planes.map(|planes| planes.map(|plane| &plane.samples()[start..start + window.area()]).collect());
+        open.encode(window.y0, &rows.collect::<Vec<_>>(), scratch)
+    })?;
+    open.finish(metadata)
 }
 
 impl std::fmt::Debug for FileSink {
@@ -142,7 +178,7 @@ impl Sink for FileSink {
     fn take(&self, band: Window, rows: &[Vec<&[f32]>]) -> Result<(), EvalError> {
         let spare = || self.spare.lock().unwrap_or_else(PoisonError::into_inner);
         let mut scratch = spare().pop().unwrap_or_default();
-        let encoded = self.files.iter().try_for_each(|open| self.encode(open, band, rows, &mut scratch));
+        let encoded = self.files.iter().try_for_each(|open| open.encode(band.y0, rows, &mut scratch));
         spare().push(scratch);
         encoded.map_err(|error| {
             let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);

@@ -68,6 +68,9 @@ pub(crate) struct Fill {
     pub(crate) inputs: Vec<(PortId, Vec<Vec<Feed>>)>,
     /// Program of the pointwise values that the stage takes, run before it.
     pub(crate) taps: Option<CompiledProgram>,
+    /// Whether most pixels of what the program reads are the same for all samples, though the stage's are not: then it
+    /// runs again only where they differ.
+    pub(crate) steady: bool,
     /// Whether the pass's own program reads the stage, so that it is needed over the whole tile.
     pub(crate) read: bool,
     /// Views that must see the same surface for a sample to reuse the result of the pixel's first sample; `None` if

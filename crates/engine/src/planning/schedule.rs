@@ -61,7 +61,16 @@ impl Scheduler<'_, '_, '_> {
             if self.planner.bound[id.0] {
                 if let Some(wanted) = wanted.channels.remove(&id) {
                     let (variance, inputs) = (Variance::Pixel, Vec::new());
-                    fills.push(Fill { node: id, wanted, variance, inputs, taps: None, read: false, shared: None });
+                    fills.push(Fill {
+                        node: id,
+                        wanted,
+                        variance,
+                        inputs,
+                        taps: None,
+                        steady: false,
+                        read: false,
+                        shared: None,
+                    });
                 }
                 continue;
             }
@@ -70,7 +79,7 @@ impl Scheduler<'_, '_, '_> {
             };
             let Some(own) = wanted.channels.get(&id).cloned() else { continue };
             let shared = self.shared[id.0].clone().filter(|_| sharing);
-            let mut fill = self.fill(id, stage, settled, own, shared, &mut wanted);
+            let mut fill = self.fill(id, stage, settled, own, sharing, shared, &mut wanted);
             if sharing && stage.rate() == Rate::Surface && graph.node(id).kinds.contains(&Kind::View) {
                 fills.extend(split(&mut fill, &wanted.per_sample));
             }
@@ -94,18 +103,25 @@ impl Scheduler<'_, '_, '_> {
         Pass { offsets, fills, halo, sharing, program, roots: owners }
     }
 
+    /// Returns the slots that the `needed` operations load.
+    fn loads(&self, needed: &[bool]) -> impl Iterator<Item = Slot> {
+        let ops = self.program.ops().iter().zip(needed).filter(|(_, needed)| **needed);
+        ops.flat_map(|((op, _), _)| match op {
+            Op::Load(slot) => vec![*slot],
+            Op::LoadColor(slot) => (slot.channel..slot.channel + 3).map(|channel| Slot { channel, ..*slot }).collect(),
+            _ => Vec::new(),
+        })
+    }
+
     /// Marks the slots that the `needed` operations load.
     fn want_loads(&self, needed: &[bool], per_sample: bool, wanted: &mut Demand) {
-        for (op, _) in self.program.ops().iter().zip(needed).filter(|(_, needed)| **needed).map(|(op, _)| op) {
-            match op {
-                Op::Load(slot) => self.want(wanted, *slot, per_sample),
-                Op::LoadColor(slot) => {
-                    let channels = slot.channel..slot.channel + 3;
-                    channels.for_each(|channel| self.want(wanted, Slot { channel, ..*slot }, per_sample));
-                }
-                _ => {}
-            }
-        }
+        self.loads(needed).for_each(|slot| self.want(wanted, slot, per_sample));
+    }
+
+    /// Returns whether a stage's results are mostly the same for all samples of a pixel that share.
+    fn is_steady(&self, id: NodeId) -> bool {
+        let is_view = self.planner.graph.node(id).kinds.contains(&Kind::View);
+        is_view || self.shared[id.0].is_some() || self.planner.bound[id.0]
     }
 
     fn want(&self, wanted: &mut Demand, slot: Slot, per_sample: bool) {
@@ -140,6 +156,7 @@ impl Scheduler<'_, '_, '_> {
         stage: &dyn Stage,
         settled: &Settled,
         own: Vec<Vec<bool>>,
+        sharing: bool,
         shared: Option<Vec<NodeId>>,
         wanted: &mut Demand,
     ) -> Fill {
@@ -164,16 +181,18 @@ impl Scheduler<'_, '_, '_> {
                 .collect();
             inputs.push((PortId::new(index, name), feeds));
         }
+        let needed = cone(self.program, tap_roots.iter().copied());
+        let steady = sharing && per_sample && self.loads(&needed).all(|slot| self.is_steady(slot.node));
         let taps = (!tap_roots.is_empty()).then(|| {
-            self.want_loads(&cone(self.program, tap_roots.iter().copied()), per_sample, wanted);
-            self.compile(&tap_roots, false, self.switches().hoist && per_sample)
+            self.want_loads(&needed, per_sample, wanted);
+            self.compile(&tap_roots, false, self.switches().hoist && per_sample && !steady)
         });
         let variance = if self.switches().hoist {
             (0..own.len()).map(|output| stage.variance(output)).max().unwrap_or(Variance::Pixel)
         } else {
             Variance::Pixel
         };
-        Fill { node: id, wanted: own, variance, inputs, taps, read: false, shared }
+        Fill { node: id, wanted: own, variance, inputs, taps, steady, read: false, shared }
     }
 
     #[expect(clippy::too_many_arguments, reason = "what is asked of a source")]

@@ -146,7 +146,8 @@ impl Plan<'_> {
                           \"height\", or render fewer outputs at once";
             consumers.push((MemoryConsumer::Pictures, bytes, remedy));
             if pictures == Pictures::Files {
-                let bytes = samples(channels().max().unwrap_or(0), size).saturating_mul(ENCODED);
+                // Those of PNG: EXR is written band by band.
+                let bytes = samples(channels().max().unwrap_or(0).min(4), size).saturating_mul(ENCODED);
                 consumers.push((MemoryConsumer::Writing, bytes, remedy));
             }
         }
@@ -254,15 +255,15 @@ impl Plan<'_> {
 
     /// Returns the width and height that each stage of a pass fills for a tile, without what lies beyond the picture,
     /// and the largest number of temporary samples: of any stage its inputs, of which it gets copies and makes about as
-    /// much again, and of all stages the planes of the programs before them, which share their memory.
+    /// much again, and the planes of the programs before stages, which share their memory unless samples share results.
     fn sizes(&self, pass: &Pass, tile: [usize; 2]) -> (Vec<[usize; 2]>, u64) {
         let mut sizes: Vec<[usize; 2]> = pass.fills.iter().map(|fill| if fill.read { tile } else { [0, 0] }).collect();
-        let (mut most, mut taps, mut tapped) = (0, HashSet::new(), [0, 0]);
+        let (mut most, mut taps, mut tapped, mut kept) = (0, HashSet::new(), [0, 0], 0_u64);
         for (index, fill) in pass.fills.iter().enumerate().rev() {
             let Some(stage) = self.stage(fill.node) else { continue };
             let [width, height] = sizes[index];
             let own = Window::new(0, 0, width as i64, height as i64);
-            let mut passing = 0_u64;
+            let (mut passing, mut own_taps) = (0_u64, [0, 0]);
             for (port, connections) in &fill.inputs {
                 let asked = stage.regions_of_interest(*port, own, self.graph.format());
                 let asked = [asked.width().min(self.window.width()), asked.height().min(self.window.height())];
@@ -275,8 +276,11 @@ impl Plan<'_> {
                     match feed {
                         Feed::Slot(slot) => need(slot.node),
                         Feed::Tap(root, channel) => {
-                            taps.insert((*root, *channel));
-                            tapped = larger(tapped, asked);
+                            own_taps = larger(own_taps, asked);
+                            if !fill.steady {
+                                taps.insert((*root, *channel));
+                                tapped = larger(tapped, asked);
+                            }
                             fill.taps.iter().flat_map(|taps| &taps.planes).for_each(|slot| need(slot.node));
                         }
                         Feed::Nothing | Feed::Constant(_) => {}
@@ -284,8 +288,11 @@ impl Plan<'_> {
                 }
             }
             most = most.max(passing);
+            if let Some(program) = fill.taps.as_ref().filter(|_| fill.steady) {
+                kept = kept.saturating_add(samples(program.roots.iter().sum(), own_taps));
+            }
         }
-        (sizes, most.saturating_add(samples(taps.len(), tapped)))
+        (sizes, most.saturating_add(samples(taps.len(), tapped)).saturating_add(kept))
     }
 
     /// Returns a node's stage, if it is needed and not filled from outside.

@@ -7,6 +7,7 @@ use super::prepare::PreparedStage;
 use crate::judge::{Judge, is_judged, nan_count};
 use crate::planning::plan::{Pass, Sample};
 use crate::{Buffers, EvalError, Monitor, Plan};
+use fearless_simd::{Level, Simd, dispatch};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
@@ -37,6 +38,7 @@ pub(crate) struct Worker<'p> {
     plan: &'p Plan<'p>,
     buffers: &'p Buffers<'p>,
     judges: &'p [Option<Arc<Judge>>],
+    level: Level,
     passes: Vec<PassState<'p>>,
     /// Seconds by node.
     pub(crate) fill_seconds: Vec<f64>,
@@ -83,6 +85,7 @@ impl<'p> Worker<'p> {
             plan,
             buffers,
             judges,
+            level: Level::new(),
             passes,
             fill_seconds: vec![0.0; nodes],
             program_seconds: 0.0,
@@ -168,29 +171,27 @@ impl<'p> Worker<'p> {
             for y in 0..height {
                 let mut out: Vec<Target<'_>> = state.rows.iter_mut().map(|row| Target::new(row)).collect();
                 state.machine.row(&mut views, y, &mut out, 0, None);
-                for (sums, row) in state.sums.iter_mut().zip(&state.rows) {
-                    // Most channels of a recipe are 0 at most pixels; to look is faster than to add.
-                    if row.iter().fold(0, |bits, value| bits | value.to_bits()) == 0 {
-                        continue;
+                dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || {
+                    for (sums, row) in state.sums.iter_mut().zip(&state.rows) {
+                        add(&mut sums[y * width..(y + 1) * width], row);
                     }
-                    for (sum, value) in sums[y * width..(y + 1) * width].iter_mut().zip(row) {
-                        *sum += f64::from(*value);
-                    }
-                }
+                }));
             }
             self.program_seconds += started.elapsed().as_secs_f64();
         }
         // The weights are equal and sum to 1. Partial sums of n values ≤ m are at most n·m, which f64 holds exactly
         // for every f32 m, so the average stays in the bounding box of the samples.
         let scale = 1.0 / pass.offsets.len() as f64;
-        for (slice, sums) in slices(pass, rows).into_iter().zip(&state.sums) {
-            for (y, sums) in sums.chunks_exact(width).enumerate() {
-                let start = y * place.stride + place.x;
-                for (to, sum) in slice[start..start + width].iter_mut().zip(sums) {
-                    *to = (sum * scale) as f32;
+        dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || {
+            for (slice, sums) in slices(pass, rows).into_iter().zip(&state.sums) {
+                for (y, sums) in sums.chunks_exact(width).enumerate() {
+                    let start = y * place.stride + place.x;
+                    for (to, sum) in slice[start..start + width].iter_mut().zip(sums) {
+                        *to = (sum * scale) as f32;
+                    }
                 }
             }
-        }
+        }));
         let mut seen = vec![Audit::default(); self.judges.len()];
         // The channels of weights are separate roots, and are audited together.
         for &(output, _) in pass.roots.iter().filter(|(_, first)| *first == 0) {
@@ -203,6 +204,17 @@ impl<'p> Worker<'p> {
     pub(crate) fn audit(&self) -> WeightAudit {
         let audits = self.passes.iter().map(|state| state.fills.audit().merge(state.machine.audit()));
         audits.fold(WeightAudit::default(), WeightAudit::merge)
+    }
+}
+
+/// Adds a row of samples to their sums. Most channels of a recipe are 0 at most pixels; to look is faster than to add.
+#[inline(always)]
+fn add(sums: &mut [f64], row: &[f32]) {
+    if row.iter().fold(0, |bits, value| bits | value.to_bits()) == 0 {
+        return;
+    }
+    for (sum, value) in sums.iter_mut().zip(row) {
+        *sum += f64::from(*value);
     }
 }
 

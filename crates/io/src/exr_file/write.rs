@@ -2,9 +2,8 @@
 
 use trochoid_image::{Chromaticities, Window};
 
-use super::parallel::in_order;
 use super::write_header::ExrHeader;
-use super::writer::{EncodeScratch, ExrWriter};
+use super::writer::ExrWriter;
 use crate::{Error, SampleType, Samples, Target};
 
 /// Picture to write as EXR.
@@ -86,8 +85,7 @@ pub fn write_exr(target: impl Into<Target>, image: &ExrImage<'_>) -> Result<(), 
     let samples: Vec<Samples<'_>> = image.channels.iter().map(|channel| channel.samples).collect();
     let writer = ExrWriter::create(target, &header)?;
     let band_area = writer.rows_per_band() * image.data.width();
-    in_order(0..writer.bands(), usize::MAX, |scratch: &mut EncodeScratch, band| {
-        writer.push(writer.encode_samples(band, &samples, band * band_area, scratch)?)
-    })?;
+    writer
+        .each_band(|band, scratch| writer.push(writer.encode_samples(band, &samples, band * band_area, scratch)?))?;
     writer.finish(late)
 }

@@ -10,7 +10,7 @@ use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
 use trochoid_image::Window;
 
 use super::layout::Layout;
-use super::parallel::lock;
+use super::parallel::{in_order, lock};
 use super::write_header::{self, ExrHeader};
 use super::zip::Deflater;
 use crate::atomic::AtomicFile;
@@ -203,6 +203,17 @@ impl ExrWriter {
         let size = (bytes.len() - 8) as i32;
         bytes[4..8].copy_from_slice(&size.to_le_bytes());
         Ok(EncodedBand { band, bytes })
+    }
+
+    /// Calls `work` with every band and a thread's scratch memory, on all threads, until one call fails.
+    ///
+    /// # Errors
+    /// The first error of `work`.
+    pub fn each_band<S: Default, E: Send>(
+        &self,
+        work: impl Fn(usize, &mut S) -> Result<(), E> + Sync,
+    ) -> Result<(), E> {
+        in_order(0..self.bands(), usize::MAX, |scratch, band| work(band, scratch))
     }
 
     /// Refuses the first value of a row that half cannot represent; NaN and infinities are accepted.

@@ -309,7 +309,8 @@ impl<S: StoredSample + Send> Sink for Packer<S> {
     }
 
     fn take(&self, band: Window, rows: &[Vec<&[f32]>]) -> Result<(), EvalError> {
-        let channels = self.rows.stored(&rows[0]);
+        let mut channels = Vec::new();
+        self.rows.store(&rows[0], &mut channels);
         let weights = self.rows.info.weights();
         let own = channels[..weights].iter().map(|row| row.iter().map(|weight| f64::from(*weight)).sum::<f64>());
         let own: Vec<f64> = own.collect();

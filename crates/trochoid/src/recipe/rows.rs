@@ -27,12 +27,13 @@ impl RecipeRows {
         self.info.metadata(self.rounding())
     }
 
-    /// Rounds pixels: takes the layers of a recipe, channel by channel, and returns the channels of the file.
-    pub(crate) fn stored(&self, layers: &[&[f32]]) -> Vec<Vec<f32>> {
+    /// Rounds pixels: turns the layers of a recipe, channel by channel, into the channels of the file.
+    pub(crate) fn store(&self, layers: &[&[f32]], channels: &mut Vec<Vec<f32>>) {
         let RecipeInfo { has_images, storing, .. } = &self.info;
         let rows = &layers[..self.info.weights()];
-        let mut channels: Vec<Vec<f32>> = rows.iter().map(|row| vec![0.0; row.len()]).collect();
-        let mut found = Rounding { moved: Apportioner::new(*storing).rows(rows, &mut channels), ..Rounding::default() };
+        channels.resize_with(rows.len(), Vec::new);
+        channels.iter_mut().zip(rows).for_each(|(channel, row)| channel.resize(row.len(), 0.0));
+        let mut found = Rounding { moved: Apportioner::new(*storing).rows(rows, channels), ..Rounding::default() };
         if *has_images {
             // The color stands in the last layer; where rounding leaves an image no weight, it may keep a color.
             for row in &layers[layers.len() - 3..] {
@@ -45,7 +46,6 @@ impl RecipeRows {
         }
         let mut rounding = self.rounding.lock().unwrap_or_else(PoisonError::into_inner);
         *rounding = rounding.max(found);
-        channels
     }
 }
 

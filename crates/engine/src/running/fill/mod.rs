@@ -8,6 +8,7 @@ mod extent;
 mod parts;
 mod runner;
 mod shared;
+mod tapped;
 
 use crate::planning::plan::{Feed, Fill, Pass, Sample};
 use crate::planning::shading::SHARING_CHANNELS;
@@ -23,6 +24,7 @@ use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::HashMap;
 use std::time::Instant;
+use tapped::{Tapped, Taps};
 use trochoid_graph::{
     Block, Connection, Inputs, NoBound, NodeError, NodeId, Outputs, SharedResult, Slot, Stage, Variance,
 };
@@ -51,7 +53,7 @@ pub(crate) struct Fills<'p> {
     /// Planes that are known from an earlier evaluation, and planes to keep from this one.
     keeper: Option<&'p PlaneKeeper>,
     /// Planes of the programs before stages, whose memory is used again and again.
-    tapped: Taps,
+    tapped: Tapped,
 }
 
 struct FillState<'p> {
@@ -70,6 +72,8 @@ struct FillState<'p> {
     window: Window,
     /// Pixels that the program before the stage runs over.
     tap_window: Window,
+    /// Planes of that program, if it runs again only where samples differ.
+    tapped: Tapped,
     /// Results of the first sample at the pixels where the current sample does not share them.
     replaced: ReplacedValues,
     /// What the stage found at the first sample, for use at all samples.
@@ -137,6 +141,7 @@ impl<'p> Fills<'p> {
                     .collect(),
                 window: Window::default(),
                 tap_window: Window::default(),
+                tapped: Tapped::default(),
                 replaced: ReplacedValues::default(),
                 found: None,
                 need: Window::default(),
@@ -156,7 +161,7 @@ impl<'p> Fills<'p> {
             sharing: pass.sharing,
             exact: if bounding { vec![0.0; picture.width()] } else { Vec::new() },
             keeper: None,
-            tapped: Taps::new(),
+            tapped: Tapped::default(),
         }
     }
 
@@ -321,17 +326,17 @@ impl<'p> Fills<'p> {
             return Ok(());
         }
         // Taken out, so that the stages before it can be read meanwhile.
-        let (mut planes, mut machine, mut tapped) = {
-            let state = &mut self.fills[index];
-            (std::mem::take(&mut state.planes), state.taps.take(), std::mem::take(&mut self.tapped))
-        };
+        let state = &mut self.fills[index];
+        let tapped_of = if state.fill.steady { &mut state.tapped } else { &mut self.tapped };
+        let mut tapped = std::mem::take(tapped_of);
+        let (mut planes, mut machine) = (std::mem::take(&mut state.planes), state.taps.take());
         let filled = self.fill_into(index, sample, &mut planes, machine.as_mut(), &mut tapped);
         let state = &mut self.fills[index];
         if filled.is_err() {
             state.columns = None;
         }
         (state.planes, state.taps) = (planes, machine);
-        self.tapped = tapped;
+        *(if state.fill.steady { &mut state.tapped } else { &mut self.tapped }) = tapped;
         state.found = filled?;
         if let Some(keeper) = self.keeper {
             let state = &self.fills[index];
@@ -347,7 +352,7 @@ impl<'p> Fills<'p> {
         sample: Sample,
         planes: &mut [Vec<Vec<f32>>],
         machine: Option<&mut Runner<'p>>,
-        taps: &mut Taps,
+        tapped: &mut Tapped,
     ) -> Result<Option<SharedResult>, NodeError> {
         let state = &self.fills[index];
         let before = &self.fills[..index];
@@ -358,7 +363,8 @@ impl<'p> Fills<'p> {
             plane.reserve_exact(samples.saturating_sub(plane.len()));
             plane.resize(samples, 0.0);
         }
-        self.run_taps(state, before, machine, taps);
+        self.run_taps(state, before, sample.index, machine, tapped);
+        let taps = &tapped.planes;
         let held: Vec<Vec<ConnectionPlanes<'_>>> = state
             .fill
             .inputs
@@ -453,33 +459,10 @@ impl<'p> Fills<'p> {
             samples.into()
         })
     }
-
-    /// Runs the pointwise program before a stage, and stores the planes of its roots.
-    fn run_taps(
-        &self,
-        state: &FillState<'_>,
-        before: &[FillState<'_>],
-        machine: Option<&mut Runner<'p>>,
-        taps: &mut Taps,
-    ) {
-        if let (Some(machine), Some(compiled)) = (machine, &state.fill.taps) {
-            let window = state.tap_window;
-            let planes: Vec<Plane<'_>> = compiled.planes.iter().map(|slot| self.plane(slot, window, before)).collect();
-            taps.values_mut().for_each(Vec::clear);
-            machine.tile(&planes, window.width(), window.height(), &mut |root, channel, _, row| {
-                let plane = taps.entry((root, channel)).or_default();
-                plane.reserve_exact(if plane.is_empty() { window.area() } else { 0 });
-                plane.extend_from_slice(row);
-            });
-        }
-    }
 }
 
 /// Channels of one connection; `None` where not requested.
 type ConnectionPlanes<'a> = Vec<Option<Cow<'a, [f32]>>>;
-
-/// Planes of a program's roots, by root and channel.
-type Taps = HashMap<(usize, usize), Vec<f32>>;
 
 fn by_slot(fills: &[Fill]) -> HashMap<Slot, usize> {
     let mut by_slot = HashMap::new();

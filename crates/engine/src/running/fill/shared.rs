@@ -1,7 +1,8 @@
 //! Stages whose results the samples of a pixel share: after the first sample, only the pixels that differ are filled.
 
 use super::runner::Runner;
-use super::{ConnectionPlanes, FillState, Fills, Taps};
+use super::tapped::Taps;
+use super::{ConnectionPlanes, FillState, Fills};
 use crate::planning::plan::{Feed, Fill};
 use crate::planning::shading::SHARING_CHANNELS;
 use crate::running::certify::{Found, fill_with_bounds};
@@ -33,7 +34,7 @@ pub(super) struct UnsharedPixels {
     views: Vec<NodeId>,
     window: Window,
     /// Indices into planes over the window.
-    indices: Vec<usize>,
+    pub(super) indices: Vec<usize>,
     pixels: Vec<[i64; 2]>,
     /// Pixels at which the reference may decide differently.
     doubtful: Vec<[i64; 2]>,
@@ -146,6 +147,16 @@ fn is_doubtful([first, first_bounds]: [[f32; 2]; 2], [here, bounds]: [[f32; 2]; 
     let is_shared = apart + off <= limit(first.abs() - off_first);
     let is_apart = apart - off > limit(first.abs() + off_first);
     !(is_shared || is_apart)
+}
+
+impl UnsharedPixels {
+    /// Makes those of a window with these indices.
+    pub(super) fn at(window: Window, indices: Vec<usize>) -> Self {
+        let width = window.width();
+        let pixel = |index: &usize| [window.x0 + (index % width) as i64, window.y0 + (index / width) as i64];
+        let pixels = indices.iter().map(pixel).collect();
+        Self { views: Vec::new(), window, indices, pixels, doubtful: Vec::new() }
+    }
 }
 
 impl<'p> Fills<'p> {
@@ -308,7 +319,7 @@ impl<'p> Fills<'p> {
     }
 
     /// Runs the pointwise program before a stage at single pixels of its window.
-    fn tap_pixels(
+    pub(super) fn tap_pixels(
         &self,
         state: &FillState<'_>,
         unshared: &UnsharedPixels,

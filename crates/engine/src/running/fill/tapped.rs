@@ -1,0 +1,129 @@
+//! Planes of the pointwise program before a stage.
+
+use super::runner::Runner;
+use super::shared::UnsharedPixels;
+use super::{FillState, Fills};
+use std::collections::HashMap;
+use trochoid_graph::Slot;
+use trochoid_image::Window;
+use trochoid_kernel::{CompiledProgram, Plane};
+
+/// Planes of a program's roots, by root and channel.
+pub(super) type Taps = HashMap<(usize, usize), Vec<f32>>;
+
+/// Results of a program over a window, and what is needed to update them for another sample.
+#[derive(Default)]
+pub(super) struct Tapped {
+    pub(super) planes: Taps,
+    window: Window,
+    /// What the first sample read from stages that do not tell where samples differ.
+    first: Vec<(Slot, Vec<f32>)>,
+    /// Pixels of the window that do not hold the first sample's results.
+    changed: Vec<usize>,
+}
+
+impl Tapped {
+    /// Leaves out the pixels outside of a window within the current one.
+    fn crop(&mut self, to: Window) {
+        let (from, width) = (self.window, to.width());
+        if from == to {
+            return;
+        }
+        let start = (to.y0 - from.y0) as usize * from.width() + (to.x0 - from.x0) as usize;
+        for plane in self.planes.values_mut().chain(self.first.iter_mut().map(|(_, plane)| plane)) {
+            for y in 0..to.height() {
+                let at = start + y * from.width();
+                plane.copy_within(at..at + width, y * width);
+            }
+            plane.truncate(to.area());
+        }
+        self.window = to;
+    }
+}
+
+impl<'p> Fills<'p> {
+    /// Runs the pointwise program before a stage, and stores the planes of its roots.
+    pub(super) fn run_taps(
+        &self,
+        state: &FillState<'_>,
+        before: &[FillState<'_>],
+        sample: usize,
+        machine: Option<&mut Runner<'p>>,
+        tapped: &mut Tapped,
+    ) {
+        let (Some(machine), Some(compiled)) = (machine, &state.fill.taps) else { return };
+        let window = state.tap_window;
+        let updates = state.fill.steady && !self.plan.settings.bounds();
+        if sample > 0 && updates && tapped.window.intersect(window) == window {
+            tapped.crop(window);
+            self.update_taps(state, before, compiled, machine, tapped);
+            return;
+        }
+        let planes: Vec<Plane<'_>> = compiled.planes.iter().map(|slot| self.plane(slot, window, before)).collect();
+        tapped.planes.values_mut().for_each(Vec::clear);
+        machine.tile(&planes, window.width(), window.height(), &mut |root, channel, _, row| {
+            let plane = tapped.planes.entry((root, channel)).or_default();
+            plane.reserve_exact(if plane.is_empty() { window.area() } else { 0 });
+            plane.extend_from_slice(row);
+        });
+        tapped.window = window;
+        tapped.changed.clear();
+        tapped.first.clear();
+        if updates {
+            let read = compiled.planes.iter().zip(&planes).filter(|(slot, _)| !self.tells_changes(slot, before));
+            let rows =
+                |plane: &Plane<'_>| (0..window.height()).flat_map(|y| plane.row(y, window.width())).copied().collect();
+            tapped.first.extend(read.map(|(slot, plane)| (*slot, rows(plane))));
+        }
+    }
+
+    /// Returns whether it is known where a plane differs from that of the first sample.
+    fn tells_changes(&self, slot: &Slot, before: &[FillState<'_>]) -> bool {
+        let fill = self.by_slot.get(slot).and_then(|&index| before.get(index));
+        fill.is_none_or(|state| state.fill.shared.is_some())
+    }
+
+    /// Updates the planes of the first sample, or one after it, for the current one.
+    fn update_taps(
+        &self,
+        state: &FillState<'_>,
+        before: &[FillState<'_>],
+        compiled: &CompiledProgram,
+        machine: &mut Runner<'p>,
+        tapped: &mut Tapped,
+    ) {
+        let window = tapped.window;
+        let width = window.width();
+        let mut differs = vec![false; window.area()];
+        for state in compiled.planes.iter().filter_map(|slot| before.get(*self.by_slot.get(slot)?)) {
+            let held = state.window;
+            for index in &state.replaced.indices {
+                let (x, y) = (held.x0 + (index % held.width()) as i64, held.y0 + (index / held.width()) as i64);
+                if window.contains(x, y) {
+                    differs[(y - window.y0) as usize * width + (x - window.x0) as usize] = true;
+                }
+            }
+        }
+        for (slot, first) in &tapped.first {
+            let plane = self.plane(slot, window, before);
+            for (y, (first, differs)) in first.chunks(width).zip(differs.chunks_mut(width)).enumerate() {
+                let row = first.iter().zip(plane.row(y, width)).zip(differs);
+                row.for_each(|((first, now), differs)| *differs |= first.to_bits() != now.to_bits());
+            }
+        }
+        let changed: Vec<usize> = (0..differs.len()).filter(|index| differs[*index]).collect();
+        // Where only the sample before differed, the first sample's results come back.
+        tapped.changed.iter().for_each(|index| differs[*index] = true);
+        tapped.changed = changed;
+        let indices: Vec<usize> = (0..differs.len()).filter(|index| differs[*index]).collect();
+        if indices.is_empty() {
+            return;
+        }
+        let pixels = UnsharedPixels::at(window, indices);
+        for (root, values) in self.tap_pixels(state, &pixels, before, Some(machine)) {
+            if let Some(plane) = tapped.planes.get_mut(&root) {
+                pixels.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = value);
+            }
+        }
+    }
+}
