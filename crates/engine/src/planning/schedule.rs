@@ -150,6 +150,7 @@ impl Scheduler<'_, '_, '_> {
     }
 
     /// Plans one stage's inputs and marks what it wants from other stages.
+    #[expect(clippy::too_many_arguments, reason = "what is known of a stage")]
     fn fill(
         &self,
         id: NodeId,
