@@ -3,9 +3,8 @@
 use crate::support::{bits, evaluate, graph, pixels_are_as_the_whole, sample, settings, under_all_settings};
 use trochoid::{Buffers, Cache, Certifier, CheckedGraph, ReferenceFrame, Silent};
 
-/// A sea and a sail before the sky, with passes that samples share and passes that they do not.
-fn scene(format: &str) -> CheckedGraph {
-    let nodes = r##"
+/// Nodes of a sea and a sail before the sky, with passes that samples share and passes that they do not.
+const NODES: &str = r##"
         "camera": { "type": "Camera", "position": [0, 3, 12], "target": [0, 1, 0], "fov": 50 },
         "sun": { "type": "Light", "direction": [0.5, 0.6, 1] },
         "waves": { "type": "GerstnerSea", "wavelength": 6, "spread": 1, "height": 1.5, "count": 20, "seed": 3 },
@@ -31,7 +30,9 @@ fn scene(format: &str) -> CheckedGraph {
         "far": { "type": "Mix", "a": "both", "b": "#90a0b0", "weight": "haze" },
         "inked": { "type": "Mix", "a": "far", "b": "#000000", "weight": "edge" },
         "beauty": { "type": "Mix", "a": "#f0d090", "b": "inked", "weight": "view.coverage" }"##;
-    graph(format, nodes, r#""beauty": { "color": "beauty" }, "torn": { "field": "torn" }"#)
+
+fn scene(format: &str) -> CheckedGraph {
+    graph(format, NODES, r#""beauty": { "color": "beauty" }, "torn": { "field": "torn" }"#)
 }
 
 #[test]
@@ -82,4 +83,31 @@ fn edges_of_surfaces_are_as_fine_as_the_samples() {
     let (each, shared) = (picture("sample"), picture("pixel"));
     assert_eq!(each, shared);
     assert!(each.iter().filter(|value| **value > 0.0 && **value < 1.0).count() > 40, "the edge has steps");
+}
+
+#[test]
+fn what_samples_share_is_mixed_once_before_strokes_with_the_bits_of_each_sample() {
+    // Nothing of red is mixed in, but where depends on the place of each sample, so nothing is shared.
+    let strokes = |image: &str| {
+        format!(
+            r#"{{ "type": "Strokes", "image": "{image}", "view": "view",
+                 "layers": [{{ "length": 9, "width": 4, "spacing": 5 }}, {{ "length": 4, "width": 2, "spacing": 5 }}] }}"#
+        )
+    };
+    let nodes = format!(
+        r##"{NODES},
+        "before": {{ "type": "Mix", "a": "#f0d090", "b": "far", "weight": "view.coverage" }},
+        "nothing": {{ "type": "FieldMath", "a": "height", "expression": "0 * a" }},
+        "never": {{ "type": "Clamp", "field": "nothing", "min": 0, "max": 1 }},
+        "across": {{ "type": "ScreenX" }},
+        "nowhere": {{ "type": "Multiply", "weights": ["across", "never"] }},
+        "again": {{ "type": "Mix", "a": "before", "b": "#ff0000", "weight": "nowhere" }},
+        "once": {}, "each": {}"##,
+        strokes("before"),
+        strokes("again"),
+    );
+    let format = r#""width": 60, "height": 34, "samples": 4, "shading": "pixel""#;
+    let outputs = r#""once": { "color": "once" }, "each": { "color": "each" }"#;
+    let frame = under_all_settings(&graph(format, &nodes, outputs), 7, &Buffers::new(), "strokes by the pixel");
+    assert_eq!(bits(&frame.pictures[0]), bits(&frame.pictures[1]));
 }

@@ -66,10 +66,11 @@ impl<'p> Fills<'p> {
             plane.reserve_exact(if plane.is_empty() { window.area() } else { 0 });
             plane.extend_from_slice(row);
         });
-        tapped.window = window;
         tapped.changed.clear();
         tapped.first.clear();
-        if updates {
+        // Only the first sample's results can be updated.
+        tapped.window = if sample == 0 { window } else { Window::default() };
+        if sample == 0 && updates {
             let read = compiled.planes.iter().zip(&planes).filter(|(slot, _)| !self.tells_changes(slot, before));
             let rows =
                 |plane: &Plane<'_>| (0..window.height()).flat_map(|y| plane.row(y, window.width())).copied().collect();
