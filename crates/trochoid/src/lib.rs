@@ -88,7 +88,7 @@ pub use inputs::InputFiles;
 pub use judge::{Miss, guarantee, held, misses, requirement};
 #[cfg(feature = "io")]
 pub use layers::outputs_lost;
-pub use load::{LoadError, Loaded, load, load_within, missing_files, parse, parse_within, registry};
+pub use load::{LoadError, Loaded, load, load_palette, load_within, missing_files, parse, parse_within, registry};
 #[cfg(feature = "machine")]
 pub use machine::memory_share;
 #[cfg(feature = "io")]

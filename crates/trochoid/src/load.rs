@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use trochoid_graph::{
-    Access, CheckedGraph, Diagnostic, Document, MAX_BYTES, MAX_PALETTE_BYTES, NodeId, Registry, Severity, check,
-    escape_remedy,
+    Access, CheckedGraph, Diagnostic, Document, MAX_BYTES, MAX_PALETTE_BYTES, NodeId, PaletteColor, Registry, Severity,
+    check, escape_remedy,
 };
+use trochoid_image::WorkingSpace;
 
 /// Returns the registry of all node types in this build.
 pub fn registry() -> &'static Registry {
@@ -165,6 +166,26 @@ pub fn parse_within(
         Some(graph) if faults.is_empty() => Ok(Loaded { graph: graph.with_access(access), warnings: diagnostics }),
         _ => Err(LoadError::Invalid(faults.into_iter().chain(diagnostics).collect())),
     }
+}
+
+/// Reads the colors of a palette file, in its order, as a document of a working space would: JSON, another document with
+/// a palette, or a palette of GIMP.
+///
+/// # Errors
+/// `access` excludes the file, it cannot be read, or it is no palette.
+pub fn load_palette(path: &Path, space: WorkingSpace, access: &Access) -> Result<Vec<PaletteColor>, LoadError> {
+    let invalid = |diagnostic: Diagnostic| LoadError::Invalid(vec![diagnostic]);
+    let text = format!(
+        r##"{{ "trochoid": 1, "format": {{ "width": 1, "height": 1 }}, "working_space": "{}", "palette": "",
+            "nodes": {{ "nothing": {{ "type": "Constant", "color": "#000" }} }},
+            "outputs": {{ "nothing": {{ "color": "nothing" }} }} }}"##,
+        space.name()
+    );
+    let mut document = Document::parse(&path.display().to_string(), &text).map_err(|fault| invalid(*fault))?;
+    access.check(path).map_err(|outside| invalid(document.refused_palette(outside)))?;
+    document.read_palette(path, &palette_of(path)?).map_err(|fault| invalid(*fault))?;
+    let (graph, diagnostics) = check(&document, registry(), Path::new("."));
+    Ok(graph.ok_or(LoadError::Invalid(diagnostics))?.palette().to_vec())
 }
 
 /// Returns warnings about input files that do not exist at one of the document's first 10,000 frames. Opens no files.

@@ -1,9 +1,8 @@
 //! Palettes that are given as files.
 
-use crate::failure::{FAILED, Failure};
-use serde_json::json;
+use crate::failure::Failure;
 use std::path::Path;
-use trochoid::{Access, PaletteColor, WorkingSpace, parse_within};
+use trochoid::{Access, PaletteColor, WorkingSpace, load_palette};
 
 /// Colors by name, in a working space.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,7 +11,7 @@ pub(crate) struct Named {
     pub(crate) colors: Vec<[f64; 3]>,
 }
 
-/// Reads a palette as a document would: JSON, another document, or a `.gpl` file. Keyed colors are those of frame 1.
+/// Reads a palette as [`load_palette`] does. Keyed colors are those of frame 1.
 ///
 /// # Errors
 /// The file cannot be read, or is no palette.
@@ -25,24 +24,7 @@ pub(crate) fn read(path: &Path, space: WorkingSpace) -> Result<Named, Failure> {
 /// # Errors
 /// As [`read`].
 pub(crate) fn keyed(path: &Path, space: WorkingSpace) -> Result<Vec<PaletteColor>, Failure> {
-    if let Err(error) = std::fs::metadata(path) {
-        return Err(Failure::new(FAILED, format!("{}: cannot open the file: {error}", path.display())));
-    }
-    let document = json!({
-        "trochoid": 1,
-        "format": { "width": 1, "height": 1 },
-        "working_space": space.name(),
-        "palette": trochoid::resolved(path).to_string_lossy(),
-        "nodes": { "nothing": { "type": "Constant", "color": "#000" } },
-        "outputs": { "nothing": { "color": "nothing" } },
-    });
-    let name = path.display().to_string();
-    let loaded = parse_within(&name, &document.to_string(), Path::new("."), &[], Access::everything())?;
-    let colors = loaded.graph.palette().to_vec();
-    if colors.is_empty() {
-        return Err(Failure::usage(format!("{name}: found no colors; expected some"), "name a palette with colors"));
-    }
-    Ok(colors)
+    Ok(load_palette(path, space, &Access::everything())?)
 }
 
 impl Named {

@@ -7,58 +7,28 @@ use super::swatches::{Swatch, SwatchKey, shown};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
-use trochoid::{Access, CheckedGraph, LoadError, WorkingSpace, parse_within};
+use trochoid::{Access, LoadError, PaletteColor, WorkingSpace, load_palette};
 
 /// Maximum size of a palette file, in bytes.
 const MOST: u64 = 1 << 20;
 
-/// Reason that a file is not read as a palette.
-#[derive(Debug, thiserror::Error)]
-pub enum Unread {
-    /// The file cannot be read.
-    #[error(transparent)]
-    File(#[from] trochoid::io::Error),
-    /// The file is no palette.
-    #[error(transparent)]
-    Palette(#[from] LoadError),
-    /// The file has no colors.
-    #[error("{0}: found no colors; expected some")]
-    Empty(String),
-}
-
-/// Reads a palette as a document of a working space would: JSON, another document, or a `.gpl` file. Colors are as they
-/// are written there.
+/// Reads a palette as [`load_palette`] does. Colors are as they are written there.
 ///
 /// # Errors
 /// The file cannot be read, or is no palette.
-pub fn read(path: &Path, space: WorkingSpace, access: Access) -> Result<Vec<(String, Value)>, Unread> {
-    let graph = checked(path, space, access)?;
-    let text = trochoid::io::read_text(path, MOST)?;
+pub fn read(path: &Path, space: WorkingSpace, access: &Access) -> Result<Vec<(String, Value)>, LoadError> {
+    let colors = load_palette(path, space, access)?;
+    let text = trochoid::io::read_text(path, MOST).map_err(LoadError::Io)?;
     let raw: Value = serde_json::from_str(text.trim_start_matches('\u{feff}')).unwrap_or_default();
     let raw = raw.get("palette").unwrap_or(&raw);
-    let color = |named: &trochoid::PaletteColor| {
+    let written = |named: &PaletteColor| {
         let color = named.color.at(0.0);
         let shown = space.to_display([color[0], color[1], color[2]]).map(|channel| channel as f32);
         // Only those of GIMP, which have 8 bits, are not JSON.
         let value = raw.get(&named.name).cloned().unwrap_or_else(|| json!(hex(shown)));
         (named.name.clone(), value)
     };
-    let colors: Vec<(String, Value)> = graph.palette().iter().map(color).collect();
-    if colors.is_empty() { Err(Unread::Empty(path.display().to_string())) } else { Ok(colors) }
-}
-
-/// Checks a palette as that of a document.
-fn checked(path: &Path, space: WorkingSpace, access: Access) -> Result<CheckedGraph, Unread> {
-    let document = json!({
-        "trochoid": 1,
-        "format": { "width": 1, "height": 1 },
-        "working_space": space.name(),
-        "palette": trochoid::resolved(path).to_string_lossy(),
-        "nodes": { "nothing": { "type": "Constant", "color": "#000" } },
-        "outputs": { "nothing": { "color": "nothing" } },
-    });
-    let name = path.display().to_string();
-    Ok(parse_within(&name, &document.to_string(), Path::new("."), &[], access)?.graph)
+    Ok(colors.iter().map(written).collect())
 }
 
 /// Returns the text of a palette file with the named ones of some colors: of GIMP if its name ends so, and otherwise JSON.

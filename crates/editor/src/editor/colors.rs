@@ -27,6 +27,7 @@ impl Editor {
             Ok(edit) => {
                 self.edit(edit);
                 self.state.session.seal();
+                self.leave_painting();
             }
             Err(why) => self.notices.warning(format!("{file}: expected {why}")),
         }
@@ -55,7 +56,7 @@ impl Editor {
             return;
         };
         let path = session.folder().join(file);
-        match palette_file::read(&path, swatches::space(session.sheet()), session.access().clone()) {
+        match palette_file::read(&path, swatches::space(session.sheet()), session.access()) {
             Ok(colors) => {
                 self.edit(palette::brought(&colors));
                 self.state.session.seal();

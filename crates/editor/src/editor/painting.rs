@@ -20,27 +20,36 @@ pub(super) struct LastPainting {
     shown: Option<Painting>,
     /// Whether the document is being changed by the present drag, because the picture had no recipe when it began.
     writes: bool,
-    /// Revision of the text that a drag left, whose painting stays until there is its picture.
+    /// Revision of a text whose painting stays until there is its picture.
     left: Option<u64>,
 }
 
 impl Editor {
     /// Requests the recipe of the viewed picture while something needs it.
     pub(super) fn ask_mixture(&mut self) {
-        let is_wanted = std::mem::take(&mut self.painting.weighs);
         let generation = self.asked.generation;
         let seen = &mut self.state.evaluated;
         if seen.mixture.as_ref().is_some_and(|mixture| mixture.generation != generation) {
             seen.mixture = None;
         }
-        if !is_wanted || self.state.playing || self.asked.what.is_none() || self.painting.mixed == Some(generation) {
-            return;
-        }
-        if let Some(subject) = self.subject() {
-            self.painting.mixed = Some(generation);
-            (self.state.evaluated.mixing, self.state.evaluated.unmixed) = (true, None);
+        if self.asked.what.is_some()
+            && self.painting.mixed != Some(generation)
+            && let Some(subject) = self.subject()
+            && self.weighs()
+        {
             self.worker.mix(self.job(subject, generation, self.state.frame, false));
         }
+        self.painting.weighs = false;
+    }
+
+    /// Returns whether the recipe is needed of the picture that is requested now. If so, the caller requests it.
+    pub(super) fn weighs(&mut self) -> bool {
+        let weighs = self.painting.weighs && !self.state.playing;
+        if weighs {
+            self.painting.mixed = Some(self.asked.generation);
+            (self.state.evaluated.mixing, self.state.evaluated.unmixed) = (true, None);
+        }
+        weighs
     }
 
     /// Receives the recipe of the viewed picture.
@@ -79,7 +88,7 @@ impl Editor {
         self.painting.what.is_some() && self.painting.what == self.painting.shown
     }
 
-    /// Returns whether the viewer still shows what a drag left.
+    /// Returns whether the viewer still shows what was painted before the last change.
     fn is_left(&self) -> bool {
         self.painting.left == Some(self.state.session.revision()) && self.state.evaluated.progress.is_some()
     }
@@ -172,8 +181,13 @@ impl Editor {
         self.edit(edit);
         self.state.session.seal();
         if painted {
-            self.painting.left = Some(self.state.session.revision());
+            self.leave_painting();
         }
+    }
+
+    /// Keeps what is painted until there is another picture of the document as it is now.
+    pub(super) fn leave_painting(&mut self) {
+        self.painting.left = Some(self.state.session.revision());
     }
 
     /// Takes back what a cancelled drag has written.

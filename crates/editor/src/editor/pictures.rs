@@ -95,7 +95,9 @@ impl Editor {
                     // What a drag has painted is shown until there is the finished picture.
                     let progressive = !self.state.playing && self.state.evaluated.painted.is_none();
                     let job = self.job(subject.clone(), self.asked.generation, self.state.frame, progressive);
-                    self.worker.evaluate(job);
+                    // A picture of which only colors changed is painted at once.
+                    let weighs = self.weighs();
+                    self.worker.evaluate(job, weighs);
                     self.state.evaluated.progress = Some(0.0);
                     self.asked.ahead = None;
                     self.asked.blame = None;

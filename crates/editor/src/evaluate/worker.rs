@@ -39,13 +39,13 @@ impl Worker {
         self.queue.slow_down(by);
     }
 
-    /// Requests a picture, replacing all earlier requests.
-    pub fn evaluate(&self, job: Job) {
+    /// Requests a picture, replacing all earlier requests; before it the recipe if `weighs`, as [`Self::mix`] does.
+    pub fn evaluate(&self, job: Job, weighs: bool) {
         self.queue.change(true, |requests| {
             requests.shown = None;
             requests.question = None;
             requests.ahead.clear();
-            (requests.known_mixture, requests.mixture) = (None, None);
+            (requests.known_mixture, requests.mixture) = (weighs.then(|| job.clone()), None);
             requests.job = Some(job);
         });
     }

@@ -116,7 +116,7 @@ fn called(file: &Path) -> String {
 /// Returns the action that takes the colors of a file into the document.
 pub(super) fn load(state: &State, file: &Path) -> Action {
     // The user chose the file, which the document does not name.
-    match palette_file::read(file, swatches::space(state.sheet()), Access::everything()) {
+    match palette_file::read(file, swatches::space(state.sheet()), &Access::everything()) {
         Ok(entries) => Action::TakePalette(entries, called(file)),
         Err(why) => Action::Notice(why.to_string()),
     }
@@ -125,7 +125,7 @@ pub(super) fn load(state: &State, file: &Path) -> Action {
 /// Adds a palette to compare with, and returns the action that shows the picture in it.
 pub(super) fn compare(panel: &mut Palette, state: &State, file: &Path) -> Option<Action> {
     let space = swatches::space(state.sheet());
-    let entries = match palette_file::read(file, space, Access::everything()) {
+    let entries = match palette_file::read(file, space, &Access::everything()) {
         Ok(entries) => entries,
         Err(why) => return Some(Action::Notice(why.to_string())),
     };
@@ -194,7 +194,7 @@ mod tests {
                 let saved = folder.path().join(saved);
                 save(state, &saved);
                 let space = swatches::space(state.sheet());
-                let back = palette_file::read(&saved, space, Access::everything()).unwrap();
+                let back = palette_file::read(&saved, space, &Access::everything()).unwrap();
                 assert_eq!(back, [("night".into(), "#101a33".into()), ("foam".into(), "#ffe0c0".into())]);
             }
             act(&mut window, Action::Undo);

@@ -183,7 +183,7 @@ fn saved_palettes_are_read_as_they_were() {
         let space = swatches::space(session.sheet());
         let path = folder.path().join("palette.json");
         std::fs::write(&path, palette_file::text(&path, &all(&session), space)).unwrap();
-        let back = palette_file::read(&path, space, trochoid::Access::everything()).unwrap();
+        let back = palette_file::read(&path, space, &trochoid::Access::everything()).unwrap();
         let edit = palette::replaced(session.sheet(), &all(&session), &back).unwrap();
         assert!(edit.ops.is_empty(), "{}: {:?}", file.display(), edit.ops);
         let warnings = session.meaning().diagnostics.iter().filter(|one| one.severity == Severity::Error).count();

@@ -76,7 +76,7 @@ fn every_kind_of_node_is_seen_and_faults_elsewhere_do_not_matter() {
 #[test]
 fn a_coarse_picture_comes_first_and_the_last_is_whole() {
     let worker = Worker::new(|| ()).unwrap();
-    worker.evaluate(job(&sheet(), "sea", 5));
+    worker.evaluate(job(&sheet(), "sea", 5), false);
     let mut sizes = Vec::new();
     loop {
         if let News::Picture(result) = next(&worker) {
@@ -99,7 +99,7 @@ fn the_newest_request_is_answered_in_the_end() {
     let worker = Worker::new(|| ()).unwrap();
     for generation in 1..=30 {
         let name = if generation % 2 == 0 { "sea" } else { "depth" };
-        worker.evaluate(job(&sheet, name, generation));
+        worker.evaluate(job(&sheet, name, generation), false);
     }
     let last = loop {
         match next(&worker) {
@@ -116,7 +116,7 @@ fn a_part_of_the_picture_is_that_part() {
     let sheet = sheet();
     let worker = Worker::new(|| ()).unwrap();
     let picture = |region: Option<[f32; 4]>, generation: u64| {
-        worker.evaluate(Job { region, progressive: false, ..job(&sheet, "sea", generation) });
+        worker.evaluate(Job { region, progressive: false, ..job(&sheet, "sea", generation) }, false);
         loop {
             match next(&worker) {
                 News::Picture(result) if result.finished && result.generation == generation => break result.picture,
@@ -149,7 +149,7 @@ fn thumbnails_of_all_nodes_come_at_once() {
 #[test]
 fn a_picture_is_shown_as_asked() {
     let worker = Worker::new(|| ()).unwrap();
-    worker.evaluate(Job { progressive: false, ..job(&sheet(), "sea", 1) });
+    worker.evaluate(Job { progressive: false, ..job(&sheet(), "sea", 1) }, false);
     let result = loop {
         if let News::Picture(result) = next(&worker) {
             break result;
@@ -181,7 +181,7 @@ fn every_channel_of_a_gray_is_as_bright_as_the_gray() {
         let text = text.replace("#8090a0", "#808080");
         let sheet = Session::new(text, None).sheet().clone();
         let worker = Worker::new(|| ()).unwrap();
-        worker.evaluate(Job { progressive: false, ..job(&sheet, "sea", 1) });
+        worker.evaluate(Job { progressive: false, ..job(&sheet, "sea", 1) }, false);
         let result = loop {
             match next(&worker) {
                 News::Picture(result) => break result,
