@@ -216,6 +216,18 @@ def check_controls(browser, folder, webgl):
     it.mouse.move(box["x"] + 20, box["y"] - 60, steps=4)
     it.mouse.up()
     expect(page.swatch(0).get_attribute("aria-label") != before, "dragging a swatch changes nothing")
+    # Escape puts a dragged color back, and ends the drag.
+    kept = page.picture()
+    for box in (page.swatch(0).bounding_box(), it.locator("#field").bounding_box()):
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        it.mouse.move(x, y)
+        it.mouse.down()
+        it.mouse.move(x + 30, y - 40, steps=4)
+        expect(apart(page.picture(), kept) > 0, "dragging paints nothing")
+        it.keyboard.press("Escape")
+        it.mouse.move(x + 60, y - 60, steps=4)
+        it.mouse.up()
+        expect(apart(page.picture(), kept) == 0, "Escape does not put a dragged color back")
     # A warning of colors that nobody can tell apart.
     page.swatch(0).click()
     it.fill("#hex", "#5a3f5f")

@@ -89,8 +89,8 @@ pub struct Evaluated {
     pub mixture: Option<Arc<Mixture>>,
     /// Why the viewed picture has no recipe, as a sentence.
     pub unmixed: Option<String>,
-    /// Whether the recipe of the viewed picture is awaited.
-    pub mixing: bool,
+    /// Completed share of the recipe of the viewed picture, from 0 to 1, while it is awaited.
+    pub mixing: Option<f32>,
     /// Last picture, if there is no current one: it stays visible until there is another.
     pub last: Option<Arc<Result>>,
     /// Message why there is no picture, as a sentence.

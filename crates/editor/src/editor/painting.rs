@@ -47,7 +47,7 @@ impl Editor {
         let weighs = self.painting.weighs && !self.state.playing;
         if weighs {
             self.painting.mixed = Some(self.asked.generation);
-            (self.state.evaluated.mixing, self.state.evaluated.unmixed) = (true, None);
+            (self.state.evaluated.mixing, self.state.evaluated.unmixed) = (Some(0.0), None);
         }
         weighs
     }
@@ -55,7 +55,7 @@ impl Editor {
     /// Receives the recipe of the viewed picture.
     pub(super) fn take_mixture(&mut self, mixture: Mixture) {
         if mixture.generation == self.asked.generation {
-            self.state.evaluated.mixing = false;
+            self.state.evaluated.mixing = None;
             self.state.evaluated.mixture = Some(Arc::new(mixture));
         }
     }
@@ -63,7 +63,7 @@ impl Editor {
     /// Receives the reason that a picture has no recipe.
     pub(super) fn take_unmixed(&mut self, generation: u64, why: String) {
         if generation == self.asked.generation {
-            self.state.evaluated.mixing = false;
+            self.state.evaluated.mixing = None;
             self.state.evaluated.unmixed = Some(why);
         }
     }

@@ -270,6 +270,9 @@ impl Editor {
                     seen.blame = Some(*blamed);
                 }
                 News::Mixture(mixture) => self.take_mixture(*mixture),
+                News::Mixing { generation, share } if generation == self.asked.generation && seen.mixing.is_some() => {
+                    seen.mixing = Some(share);
+                }
                 News::Unmixed { generation, why } => self.take_unmixed(generation, why),
                 News::Thumbnails(all) => {
                     seen.thumbnails = all.into_iter().map(|one| (one.node, Arc::new(one.screen))).collect();

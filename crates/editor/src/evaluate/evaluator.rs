@@ -193,7 +193,12 @@ impl<'o> Evaluator<'o> {
         }
         // The one before is needed no more, and both would not fit.
         self.recipe = None;
-        let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Short, progress: None };
+        let tell = |share: f32| {
+            let _ = self.news.send(News::Mixing { generation, share });
+            (self.wake)();
+        };
+        let told = Progress::new(&tell);
+        let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Short, progress: Some(&told) };
         let region = |format| job.region.map(|region| part(region, format));
         let made = match lens.drawn(job.proxy, true) {
             Ok(graph) => {

@@ -129,6 +129,13 @@ pub enum News {
     Blame(Box<Blamed>),
     /// The recipe of a picture.
     Mixture(Box<Mixture>),
+    /// Completed share of a picture's recipe, from 0 to 1.
+    Mixing {
+        /// Generation number of the picture.
+        generation: u64,
+        /// Completed share.
+        share: f32,
+    },
     /// A picture has no recipe.
     Unmixed {
         /// Generation number of the picture.

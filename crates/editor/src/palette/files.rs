@@ -24,7 +24,7 @@ enum Purpose {
 }
 
 impl Dialog {
-    fn new(purpose: Purpose, state: &State) -> Self {
+    fn new(purpose: Purpose, state: &State, last: Option<&Path>) -> Self {
         let palettes = Filter::new(|path: &Path| {
             path.extension().is_some_and(|end| ["json", "gpl"].iter().any(|known| end.eq_ignore_ascii_case(known)))
         });
@@ -36,7 +36,8 @@ impl Dialog {
             .default_save_extension("Palette");
         let folder = state.session.folder();
         let own = folder.join("palettes");
-        dialog.config_mut().initial_directory = if own.is_dir() { own } else { folder };
+        let usual = if own.is_dir() { own } else { folder };
+        dialog.config_mut().initial_directory = last.filter(|last| last.is_dir()).map_or(usual, Path::to_path_buf);
         match purpose {
             Purpose::Load => dialog.pick_file(),
             Purpose::Compare => dialog.pick_multiple(),
@@ -80,7 +81,7 @@ pub(super) fn menu_ui(panel: &mut Palette, ui: &mut Ui, state: &State, actions: 
         (Purpose::Save, "Save palette …", "Write the named colors to a file, JSON or .gpl"),
     ] {
         if ui.button(text).on_hover_text(help).clicked() {
-            panel.dialog = Some(Dialog::new(purpose, state));
+            panel.dialog = Some(Dialog::new(purpose, state, panel.folder.as_deref()));
             ui.close();
         }
     }
@@ -101,6 +102,7 @@ pub(super) fn dialog_ui(panel: &mut Palette, ui: &Ui, state: &State, actions: &m
     }
     panel.dialog = None;
     for file in one.into_iter().chain(many.into_iter().flatten()) {
+        panel.folder = file.parent().map(Path::to_path_buf);
         match purpose {
             Purpose::Load => actions.push(load(state, &file)),
             Purpose::Compare => actions.extend(compare(panel, state, &file)),

@@ -131,6 +131,9 @@ fn row_ui(ui: &mut Ui, state: &State, row: &Row<'_>, most: f64, actions: &mut Ve
     }
     if clicked {
         actions.push(Action::Swatch((!is_chosen).then(|| swatch.key.clone())));
+    } else if handle.drag_started() && !is_chosen {
+        // The tracks show the color that one drags.
+        actions.push(Action::Swatch(Some(swatch.key.clone())));
     }
     handle.on_hover_text(format!(
         "{help}\n\nDrag up for more lightness, sideways for another hue, with Shift for chroma"

@@ -13,6 +13,7 @@ use crate::state::State;
 use egui::{ComboBox, Panel, RichText, ScrollArea, Ui};
 use files::Dialog;
 use list::Sort;
+use std::path::PathBuf;
 use std::sync::Arc;
 use trochoid::Means;
 
@@ -21,6 +22,8 @@ use trochoid::Means;
 pub(crate) struct Palette {
     sort: Sort,
     dialog: Option<Dialog>,
+    /// Folder of the last file that was chosen.
+    folder: Option<PathBuf>,
     /// Palettes to compare with the document's.
     others: Vec<Arc<OtherPalette>>,
 }
@@ -34,7 +37,7 @@ impl Palette {
 
     /// Clears everything that belongs to the document being left.
     pub(crate) fn forget(&mut self) {
-        self.dialog = None;
+        (self.dialog, self.folder) = (None, None);
         self.others.clear();
     }
 }
@@ -137,9 +140,10 @@ fn told_ui(ui: &mut Ui, state: &State, all: &[Swatch]) {
     let seen = &state.evaluated;
     ui.horizontal_wrapped(|ui| {
         ui.weak(text);
-        if seen.mixing {
+        if let Some(share) = seen.mixing {
             ui.add(egui::Spinner::new().size(12.0));
-            ui.weak("weighing the picture").on_hover_text(
+            let share = if share > 0.0 { format!(", {:.0} %", 100.0 * share) } else { String::new() };
+            ui.weak(format!("weighing the picture{share}")).on_hover_text(
                 "Once the picture's weights are known, it follows a dragged color at once; until then it is evaluated",
             );
         } else if let Some(why) = &seen.unmixed {

@@ -117,8 +117,10 @@ function fromField(event) {
 }
 find("field").addEventListener("pointerdown", event => {
   find("field").setPointerCapture(event.pointerId);
+  beginDrag(() => find("field").releasePointerCapture(event.pointerId));
   fromField(event);
 });
+find("field").addEventListener("lostpointercapture", () => { dragged = null; });
 find("field").addEventListener("pointermove", event => {
   if (find("field").hasPointerCapture(event.pointerId)) fromField(event);
 });

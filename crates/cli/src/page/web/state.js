@@ -37,6 +37,25 @@ function revert(index) {
   tell("colors");
 }
 
+// While the pointer drags the chosen color: what it was before, and what ends the drag.
+let dragged = null;
+
+function beginDrag(end) {
+  const name = selectedName();
+  dragged = { name, before: state.edits.get(name), end };
+}
+
+// Escape puts a dragged color back.
+addEventListener("keydown", event => {
+  if (event.key !== "Escape" || !dragged) return;
+  const { name, before, end } = dragged;
+  dragged = null;
+  if (before) state.edits.set(name, before);
+  else state.edits.delete(name);
+  end();
+  tell("colors");
+});
+
 // Starts from a palette, or from the original without one.
 function choosePalette(palette) {
   state.edits = new Map((palette?.colors ?? []).map(({ name, color }) => [name, color]));

@@ -67,6 +67,7 @@ function draggable(swatch, index) {
     select(index);
     start = { x: event.clientX, y: event.clientY, lch: lchOf(colors()[index].shown), drags: false };
     swatch.setPointerCapture(event.pointerId);
+    beginDrag(() => swatch.releasePointerCapture(event.pointerId));
   });
   swatch.addEventListener("pointermove", event => {
     if (!start) return;
@@ -83,7 +84,7 @@ function draggable(swatch, index) {
   });
   const end = () => {
     if (start?.drags) say(described(index));
-    start = null;
+    start = dragged = null;
     swatch.classList.remove("dragged");
   };
   for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) swatch.addEventListener(kind, end);

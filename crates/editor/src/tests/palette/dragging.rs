@@ -13,6 +13,7 @@ fn the_whole_picture_follows_a_dragged_color_and_the_document_changes_once_on_re
     window.run_steps(3);
     assert_eq!(text(&window), before, "nothing is written while one drags");
     assert_eq!(undoes(&window), None);
+    assert_eq!(editor(&window).state().colors.chosen, Some(named("night")), "its tracks show the dragged color");
     let last = painted(editor(&window)).unwrap();
     assert!(apart(&last, &old) > 20);
     pointer(&mut window, end, Some(false));

@@ -164,7 +164,7 @@ fn a_palette_that_is_missing_is_not_waited_for() {
     act(&mut window, Action::Panel(Pane::Palette));
     until(&mut window, "the reason", |editor| editor.state().evaluated.unmixed.is_some());
     window.run_steps(2);
-    assert!(!editor(&window).state().evaluated.mixing);
+    assert!(editor(&window).state().evaluated.mixing.is_none());
     window.get_by_label("no shares");
 }
 
