@@ -9,6 +9,9 @@ use trochoid_graph::CheckedGraph;
 /// Most runs of each of the settings.
 const RUNS: usize = 5;
 
+/// Ratio of two times that is beyond any spread, if one of them is that of a single run.
+const SINGLE: f64 = 2.0;
+
 /// Seconds of several runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Times {
@@ -46,9 +49,10 @@ impl Times {
     }
 
     /// Returns whether all runs were shorter than all runs of the other settings. A single run shows no spread, so it
-    /// decides nothing.
+    /// must differ by [`SINGLE`].
     pub fn is_below(&self, other: &Self) -> bool {
-        self.runs().min(other.runs()) > 1 && self.range()[1] < other.range()[0]
+        let apart = if self.runs().min(other.runs()) > 1 { 1.0 } else { SINGLE };
+        apart * self.range()[1] < other.range()[0]
     }
 }
 
@@ -162,8 +166,11 @@ mod tests {
         assert_eq!(best(&[(&[0.7, 1.64, 2.6], 0.5), (&[1.6, 1.7], 0.1)]), [false, true]);
         // As good and not slower beyond the spread: as good as one another. Slower beyond it: beaten.
         assert_eq!(best(&[(&[1.0, 1.1], 0.1), (&[1.05, 1.2], 0.1), (&[1.3, 1.4], 0.1)]), [true, true, false]);
-        // One run each decides nothing, so only the smallest error is sure to be of use.
-        assert_eq!(best(&[(&[1.0], 0.5), (&[9.0], 0.1)]), [false, true]);
+        // Single runs show no spread: they decide only if one takes twice as long.
+        assert_eq!(best(&[(&[1.0], 0.5), (&[1.9], 0.1)]), [false, true]);
+        assert_eq!(best(&[(&[1.0], 0.5), (&[2.1], 0.1)]), [true, true]);
+        assert_eq!(best(&[(&[1.0, 1.2], 0.5), (&[2.1], 0.1)]), [false, true]);
+        assert_eq!(best(&[(&[], 0.5), (&[2.1], 0.1)]), [false, true], "nothing is known of the time");
         assert_eq!(best(&[(&[1.0, 1.0], f64::NAN), (&[2.0, 2.0], 0.1)]), [false, true], "nothing is certified");
     }
 }
