@@ -42,6 +42,14 @@ recolored hooks dawn 25 1
 recolored two_seas dusk 1 1
 recolored cartoon_water winter 48 1
 recolored noise_and_shapes night 1 1
+recolored spray summer 41 1
+recolored wave_group aurora 49 1
+recolored toon_lines evening 25 1
+recolored toon_bursts blossom 48 1
+recolored buoys fog 25 1
+recolored toon_teapot_plain delft 1 1
+recolored painted_normals gold 1 1
+recolored bake_sea lagoon 25 1
 
 for scene in stormy_sea stormy_sea_bare great_wave toon_sea cartoon_bay toon_teapot from_passes open_sea; do
   tree "$scene"
