@@ -50,16 +50,23 @@ impl Dialog {
     }
 }
 
-/// Returns the palettes that lie beside a document for it: in the folder `palettes`, with names that begin like its own.
+/// Returns the palettes that lie beside a document for it: in the folder `palettes`, with names that begin like its own,
+/// and not like a longer one of a document beside it.
 fn beside(document: Option<&Path>) -> Vec<PathBuf> {
     let Some((folder, stem)) = document.and_then(|file| Some((file.parent()?, file.file_stem()?.to_str()?))) else {
         return Vec::new();
     };
-    let entries = std::fs::read_dir(folder.join("palettes")).into_iter().flatten().flatten();
-    let is_own = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(stem));
-    let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(is_own).collect();
-    files.sort();
-    files
+    let files = |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let stems = files(folder).filter_map(|file| Some(file.file_stem()?.to_str()?.to_owned()));
+    let longer: Vec<String> = stems.filter(|other| other.len() > stem.len() && other.starts_with(stem)).collect();
+    let is_own = |path: &PathBuf| {
+        path.file_name()
+            .and_then(|name| name.to_str())
+            .is_some_and(|name| name.starts_with(stem) && !longer.iter().any(|other| name.starts_with(other.as_str())))
+    };
+    let mut palettes: Vec<PathBuf> = files(&folder.join("palettes")).filter(is_own).collect();
+    palettes.sort();
+    palettes
 }
 
 /// Draws the entries of the menu that concern files.
@@ -176,6 +183,19 @@ mod tests {
         let path = folder.join(name);
         std::fs::write(&path, text).unwrap();
         path
+    }
+
+    #[test]
+    fn a_palette_lies_beside_the_document_whose_name_is_nearest_to_its_own() {
+        let folder = tempfile::tempdir().unwrap();
+        let palettes = folder.path().join("palettes");
+        std::fs::create_dir(&palettes).unwrap();
+        let [pot, plain] = ["pot.json", "pot_plain.json"].map(|name| file(folder.path(), name, PAINTED));
+        let [copper, delft] = ["pot_copper.gpl", "pot_plain_delft.json"].map(|name| file(&palettes, name, ""));
+        file(&palettes, "other.json", "");
+        assert_eq!(beside(Some(&pot)), [copper]);
+        assert_eq!(beside(Some(&plain)), [delft]);
+        assert!(beside(None).is_empty());
     }
 
     #[test]
