@@ -343,7 +343,10 @@ impl Evaluator<'_> {
                     strokes.extend(seeds.iter().filter_map(|seed| around.stroke(&layer, seed)));
                 }
             }
-            strokes.sort_by_key(|stroke| stroke.key);
+            strokes.sort_by(|a, b| {
+                let down = |axis: usize| b.at[axis].total_cmp(&a.at[axis]);
+                a.key.cmp(&b.key).then(down(1)).then(down(0))
+            });
             let sight = around.seen_at(place);
             for stroke in strokes {
                 let w = stroke.weight([sample[0] - stroke.at[0], sample[1] - stroke.at[1]], &around, sight);
