@@ -53,6 +53,8 @@ mod exr_layer;
 mod files;
 #[cfg(feature = "io")]
 mod inputs;
+#[cfg(feature = "io")]
+mod join;
 mod judge;
 #[cfg(feature = "io")]
 mod layers;
@@ -85,6 +87,8 @@ pub use files::{
 };
 #[cfg(feature = "io")]
 pub use inputs::InputFiles;
+#[cfg(feature = "io")]
+pub use join::{JoinError, Joined, join};
 pub use judge::{Miss, guarantee, held, misses, requirement};
 #[cfg(feature = "io")]
 pub use layers::outputs_lost;

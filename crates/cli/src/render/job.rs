@@ -59,6 +59,12 @@ impl<'a> Job<'a> {
         let frames = frames.unwrap_or_else(|| frames::all(graph, args.frames.is_some(), faults));
         let mut settings = Settings::default();
         settings.threads = usize::from(args.threads);
+        settings.region = args.region;
+        let picture = graph.format().window();
+        if let Some(region) = args.region.filter(|region| region.intersect(picture) != *region) {
+            let message = format!("--region: found pixels {region}; expected some of the picture's, {picture}");
+            faults.push(Failure::usage(message, "choose a region within the picture"));
+        }
         if args.unoptimized {
             settings.switches = Switches::NONE;
         }
@@ -164,7 +170,7 @@ impl<'a> Job<'a> {
 
     /// Renders all frames in order.
     pub(super) fn run(&self, evaluate: &Evaluate<'_>, report: &mut RunReport) -> Result<(), Failure> {
-        let mut progress = Progress::new(self.frames.len(), self.args.quiet);
+        let mut progress = Progress::of(self.args.progress, self.frames.len(), self.args.quiet);
         let mut cache = Cache::new();
         let mut fingerprints = Fingerprints::with(&self.settings).by_reference(self.accuracy.by_reference());
         // Runs that were killed while writing left partial files.

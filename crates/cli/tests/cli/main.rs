@@ -34,4 +34,5 @@ mod stability;
 #[path = "../../../../tests/tests/support/stored.rs"]
 mod stored;
 mod streams;
+mod tiles;
 mod told;
