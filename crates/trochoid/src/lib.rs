@@ -83,7 +83,7 @@ pub use access::refused_outputs;
 pub use costs::{Cost, Costs, MeasureError, measure};
 #[cfg(feature = "io")]
 pub use files::{
-    check_destination, check_destinations, check_replaced, check_replaced_by, target, write_guarded, write_whole,
+    check_destination, check_destinations, check_replaced, check_replaced_by, claim, target, write_guarded, write_whole,
 };
 #[cfg(feature = "io")]
 pub use inputs::InputFiles;

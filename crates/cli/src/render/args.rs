@@ -77,6 +77,13 @@ pub(crate) struct Args {
     /// Skip frames whose files were made from the same document, --set assignments, inputs and frame
     #[arg(long)]
     pub(super) resume: bool,
+    /// Share the frames with other runs of the same command that write to the same folder, also on other machines: each
+    /// takes frames that nobody has taken, skips what is up to date, and ends when all are done
+    #[arg(long)]
+    pub(super) share: bool,
+    /// Go on with the next frame when one fails; the exit code tells of the failure at the end
+    #[arg(long)]
+    pub(super) keep_going: bool,
     #[command(flatten)]
     pub(super) files: FileOptions,
     /// Form of progress
@@ -103,6 +110,11 @@ fn region(text: &str) -> Result<Window, String> {
 }
 
 impl Args {
+    /// Whether files that are up to date are skipped.
+    pub(super) fn resumes(&self) -> bool {
+        self.resume || self.share
+    }
+
     pub(super) fn required(&self) -> Option<Guarantee> {
         self.require.as_deref().and_then(Guarantee::from_name)
     }

@@ -7,6 +7,7 @@ mod chosen;
 mod files;
 mod job;
 mod line;
+mod tally;
 mod written;
 
 use crate::failure::Failure;

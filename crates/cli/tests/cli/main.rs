@@ -30,6 +30,7 @@ mod remedies;
 mod render;
 mod resume;
 mod scene;
+mod share;
 mod stability;
 #[path = "../../../../tests/tests/support/stored.rs"]
 mod stored;
