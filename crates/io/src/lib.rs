@@ -78,7 +78,7 @@ mod statistics;
 mod tiff_file;
 
 #[cfg(feature = "pictures")]
-pub use atomic::{Target, write_bytes};
+pub use atomic::{Target, copy_file, write_bytes};
 #[cfg(feature = "pictures")]
 pub use cost::{Cost, cost};
 pub use describe::describe;
