@@ -127,7 +127,7 @@ pub use trochoid_graph::{
     REFUSALS, Recipes, Refusal, RefusedFile, Registry, Relation, Right, Role, Severity, Source, Spectrum, Stability,
     StabilityMap, StepErrorGroup, StepErrorRow, StepErrors, Term, Tolerance, Verdict, Work, counted, escape_frame,
     expand_frame, expected, folders_to_allow, in_bytes, nearest, quoted, quoted_path, refusal, refusals, resolved,
-    schema,
+    schema, split_frame,
 };
 pub use trochoid_image::{
     Format, FormatError, HexError, Plane, Rgb, Shading, Window, WorkingSpace, oklab, oklch, parse_hex, shown_oklch,

@@ -14,6 +14,7 @@ mod files;
 mod fit;
 #[cfg(target_os = "linux")]
 mod hostile;
+mod job;
 mod kills;
 #[cfg(unix)]
 mod memory;
