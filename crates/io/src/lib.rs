@@ -40,8 +40,6 @@
 #[cfg(feature = "pictures")]
 mod atomic;
 #[cfg(feature = "pictures")]
-mod claim;
-#[cfg(feature = "pictures")]
 mod cost;
 mod describe;
 mod error;
@@ -80,9 +78,7 @@ mod statistics;
 mod tiff_file;
 
 #[cfg(feature = "pictures")]
-pub use atomic::{Target, copy_file, write_bytes};
-#[cfg(feature = "pictures")]
-pub use claim::{Claim, Claims};
+pub use atomic::{Target, write_bytes};
 #[cfg(feature = "pictures")]
 pub use cost::{Cost, cost};
 pub use describe::describe;

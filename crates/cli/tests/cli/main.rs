@@ -14,7 +14,6 @@ mod files;
 mod fit;
 #[cfg(target_os = "linux")]
 mod hostile;
-mod job;
 mod kills;
 #[cfg(unix)]
 mod memory;
@@ -31,10 +30,8 @@ mod remedies;
 mod render;
 mod resume;
 mod scene;
-mod share;
 mod stability;
 #[path = "../../../../tests/tests/support/stored.rs"]
 mod stored;
 mod streams;
-mod tiles;
 mod told;
