@@ -3,6 +3,16 @@
 use super::*;
 use std::time::Duration;
 
+/// Opens a document and views a mask, which has no recipe.
+fn without_recipe() -> Window {
+    let mut window = shown(PAINTED);
+    act(&mut window, Action::Look("down".into(), 0));
+    finished(&mut window);
+    until(&mut window, "the reason", |editor| editor.state().evaluated.unmixed.is_some());
+    window.run_steps(2);
+    window
+}
+
 #[test]
 fn the_whole_picture_follows_a_dragged_color_and_the_document_changes_once_on_release() {
     let mut window = weighed(PAINTED);
@@ -57,14 +67,7 @@ fn undo_and_redo_of_a_color_are_painted_while_the_picture_is_evaluated() {
 #[test]
 fn escape_puts_a_dragged_color_back() {
     for is_weighed in [true, false] {
-        let mut window = if is_weighed { weighed(PAINTED) } else { shown(PAINTED) };
-        if !is_weighed {
-            // Nothing that is viewed has a recipe.
-            act(&mut window, Action::Look("down".into(), 0));
-            finished(&mut window);
-            until(&mut window, "the reason", |editor| editor.state().evaluated.unmixed.is_some());
-            window.run_steps(2);
-        }
+        let mut window = if is_weighed { weighed(PAINTED) } else { without_recipe() };
         let before = text(&window);
         let end = drag(&mut window, "Swatch foam", vec2(30.0, 40.0));
         assert_eq!(text(&window) == before, is_weighed, "without a recipe, the document is changed");
@@ -101,11 +104,7 @@ fn a_drag_that_ends_while_its_panel_is_hidden_is_cancelled() {
 
 #[test]
 fn without_a_recipe_a_drag_is_one_step_of_undo() {
-    let mut window = shown(PAINTED);
-    act(&mut window, Action::Look("down".into(), 0));
-    finished(&mut window);
-    until(&mut window, "the reason", |editor| editor.state().evaluated.unmixed.is_some());
-    window.run_steps(2);
+    let mut window = without_recipe();
     let before = text(&window);
     let end = drag(&mut window, "Swatch foam", vec2(30.0, 40.0));
     pointer(&mut window, end, Some(false));

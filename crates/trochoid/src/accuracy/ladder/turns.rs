@@ -48,8 +48,8 @@ impl Times {
         [self.seconds.first(), self.seconds.last()].map(|end| end.copied().unwrap_or(f64::NAN))
     }
 
-    /// Returns whether all runs were shorter than all runs of the other settings. A single run shows no spread, so it
-    /// must differ by [`SINGLE`].
+    /// Returns whether all runs were shorter than all runs of the other settings; than half of them if there is a single
+    /// run of either, which shows no spread.
     pub fn is_below(&self, other: &Self) -> bool {
         let apart = if self.runs().min(other.runs()) > 1 { 1.0 } else { SINGLE };
         apart * self.range()[1] < other.range()[0]
