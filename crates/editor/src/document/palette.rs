@@ -22,7 +22,7 @@ pub enum Refused {
     /// The palette is in a file.
     #[error("colors in the document, and these are in {0}: bring the palette into the document first")]
     Filed(String),
-    /// A palette names colors that the document does not.
+    /// A palette names only colors that the document does not.
     #[error("names of the document's palette, and it has no {names}{}", .near.as_ref().map_or(String::new(), |near| format!("; did you mean {near}?")))]
     Unknown {
         /// The names.
@@ -155,22 +155,26 @@ pub fn block(entries: &[(String, Value)]) -> String {
     format!("{{\n{}\n  }}", lines.collect::<Vec<_>>().join(",\n"))
 }
 
-/// Replaces colors by those of the same names in another palette. Colors that it lacks stay as they are.
+/// Replaces colors by those of the same names in another palette. Colors that it lacks stay as they are. Also returns
+/// a list of the names that the document has not, whose colors are not taken: `None` if it has all.
 ///
 /// # Errors
-/// The palette is in a file, or the other one has names that the document has not.
-pub fn replaced(sheet: &Sheet, all: &[Swatch], by: &[(String, Value)]) -> Result<Edit, Refused> {
+/// The palette is in a file, or the document has none of the names.
+pub fn replaced(sheet: &Sheet, all: &[Swatch], by: &[(String, Value)]) -> Result<(Edit, Option<String>), Refused> {
     within(sheet)?;
     let own: Vec<&str> = names(all).collect();
     let strange: Vec<&str> = by.iter().map(|(name, _)| name.as_str()).filter(|name| !own.contains(name)).collect();
-    if let [first, ..] = strange[..] {
+    if let [first, ..] = strange[..]
+        && strange.len() == by.len()
+    {
         let near = if strange.len() == 1 { nearest(first, own.iter().copied()).map(String::from) } else { None };
         return Err(Refused::Unknown { names: listed(&strange), near });
     }
     let known = |name: &str| all.iter().find(|own| own.key == SwatchKey::Named(name.into()));
     let changed = by.iter().filter(|(name, value)| known(name).is_some_and(|own| own.value.as_ref() != Some(value)));
     let ops: Vec<Op> = changed.map(|(name, value)| Op::Set(entry(name), style(value))).collect();
-    Ok(Edit::new(format!("Replace {}", count(ops.len(), "color")), ops))
+    let edit = Edit::new(format!("Replace {}", count(ops.len(), "color")), ops);
+    Ok((edit, (!strange.is_empty()).then(|| listed(&strange))))
 }
 
 /// Returns the names in the palette.

@@ -23,11 +23,20 @@ impl Editor {
     /// Replaces colors of the palette by those of a file.
     pub(super) fn take_palette(&mut self, entries: &[(String, Value)], file: &str) {
         match palette::replaced(self.state.sheet(), &self.state.swatches(), entries) {
-            Ok(edit) if edit.ops.is_empty() => self.notices.plain(format!("{file} has the document's own colors")),
-            Ok(edit) => {
-                self.edit(edit);
-                self.state.session.seal();
-                self.leave_painting();
+            Ok((edit, strange)) => {
+                let is_same = edit.ops.is_empty();
+                if !is_same {
+                    self.edit(edit);
+                    self.state.session.seal();
+                    self.leave_painting();
+                }
+                match strange {
+                    Some(names) => self
+                        .notices
+                        .warning(format!("{file}: took the colors whose names the document has, not those of {names}")),
+                    None if is_same => self.notices.plain(format!("{file} has the document's own colors")),
+                    None => {}
+                }
             }
             Err(why) => self.notices.warning(format!("{file}: expected {why}")),
         }

@@ -22,6 +22,8 @@ pub(super) struct LastPainting {
     writes: bool,
     /// Revision of a text whose painting stays until there is its picture.
     left: Option<u64>,
+    /// Generation of the picture of which it is not known yet whether it has the recipe of an earlier text.
+    sought: Option<u64>,
 }
 
 impl Editor {
@@ -47,6 +49,7 @@ impl Editor {
         let weighs = self.painting.weighs && !self.state.playing;
         if weighs {
             self.painting.mixed = Some(self.asked.generation);
+            self.painting.sought = Some(self.asked.generation);
             (self.state.evaluated.mixing, self.state.evaluated.unmixed) = (Some(0.0), None);
         }
         weighs
@@ -54,9 +57,17 @@ impl Editor {
 
     /// Receives the recipe of the viewed picture.
     pub(super) fn take_mixture(&mut self, mixture: Mixture) {
+        self.take_unknown(mixture.generation);
         if mixture.generation == self.asked.generation {
             self.state.evaluated.mixing = None;
             self.state.evaluated.mixture = Some(Arc::new(mixture));
+        }
+    }
+
+    /// Learns that the recipe of a picture must be evaluated.
+    pub(super) fn take_unknown(&mut self, generation: u64) {
+        if self.painting.sought == Some(generation) {
+            self.painting.sought = None;
         }
     }
 
@@ -88,9 +99,12 @@ impl Editor {
         self.painting.what.is_some() && self.painting.what == self.painting.shown
     }
 
-    /// Returns whether the viewer still shows what was painted before the last change.
+    /// Returns whether the viewer still shows what was painted before the last change: until there is the picture, or
+    /// until it is known whether the picture can be painted.
     fn is_left(&self) -> bool {
-        self.painting.left == Some(self.state.session.revision()) && self.state.evaluated.progress.is_some()
+        let is_left = self.painting.left == Some(self.state.session.revision());
+        let is_sought = self.painting.sought == Some(self.asked.generation);
+        (is_left || is_sought) && self.state.evaluated.progress.is_some()
     }
 
     fn wanted_painting(&self) -> Option<Painting> {
@@ -102,7 +116,7 @@ impl Editor {
             (Some(tint), _) if !self.painting.writes => mixture.with(&tint.controls, self.working(tint.color)),
             (None, Some(other)) => {
                 let space = swatches::space(self.state.sheet());
-                let names = mixture.recipe.info().names.iter().zip(&mixture.colors);
+                let names = mixture.names.iter().zip(&mixture.colors);
                 let color = |(name, own): (&String, &[f64; 3])| {
                     let entry = other.entries.iter().find(|(other, _)| other == name);
                     entry

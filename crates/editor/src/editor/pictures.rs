@@ -92,8 +92,7 @@ impl Editor {
                     self.state.evaluated.progress = None;
                 }
                 None => {
-                    // What a drag has painted is shown until there is the finished picture.
-                    let progressive = !self.state.playing && self.state.evaluated.painted.is_none();
+                    let progressive = !self.state.playing;
                     let job = self.job(subject.clone(), self.asked.generation, self.state.frame, progressive);
                     // A picture of which only colors changed is painted at once.
                     let weighs = self.weighs();
@@ -273,6 +272,7 @@ impl Editor {
                 News::Mixing { generation, share } if generation == self.asked.generation && seen.mixing.is_some() => {
                     seen.mixing = Some(share);
                 }
+                News::UnknownMixture { generation } => self.take_unknown(generation),
                 News::Unmixed { generation, why } => self.take_unmixed(generation, why),
                 News::Thumbnails(all) => {
                     seen.thumbnails = all.into_iter().map(|one| (one.node, Arc::new(one.screen))).collect();

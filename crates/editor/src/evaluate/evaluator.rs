@@ -1,7 +1,8 @@
 //! The evaluation thread: its state, and how it performs its tasks.
 
 use super::blame;
-use super::lens::{Lens, LensError, lens, of_every_node};
+use super::known::Known;
+use super::lens::{Lens, LensError, of_every_node};
 use super::mixture::{KnownRecipe, LIMIT, Mixture};
 use super::picture::{Failure, evaluate, part};
 use super::queue::{Cancellation, Progress, Queue, Task, Yields};
@@ -28,13 +29,19 @@ pub(super) struct Evaluator<'o> {
     cache: Cache,
     /// Time and number of samples of the last picture of the viewed result, to predict the next one.
     last: Option<(Duration, u64)>,
-    lens: Option<(Subject, Arc<Lens>)>,
-    recipe: Option<KnownRecipe>,
+    /// The last subject.
+    subject: Option<Subject>,
+    known: &'o Known,
 }
 
 impl<'o> Evaluator<'o> {
-    pub(super) fn new(queue: &'o Queue, news: &'o Sender<News>, wake: &'o (dyn Fn() + Send + Sync)) -> Self {
-        Self { queue, news, wake, cache: Cache::with_limit(CACHE), last: None, lens: None, recipe: None }
+    pub(super) fn new(
+        queue: &'o Queue,
+        known: &'o Known,
+        news: &'o Sender<News>,
+        wake: &'o (dyn Fn() + Send + Sync),
+    ) -> Self {
+        Self { queue, news, wake, cache: Cache::with_limit(CACHE), last: None, subject: None, known }
     }
 
     fn tell(&self, news: News) {
@@ -64,7 +71,6 @@ impl<'o> Evaluator<'o> {
                         self.tell(News::Blame(Box::new(blamed)));
                     }
                 }
-                Task::KnownMixture(job) => self.known_mixture(job),
                 Task::Mixture(job) => self.mixture(job, stamp),
                 Task::Thumbnails(subject, frame) => self.small(&subject, frame, stamp),
                 Task::Ahead(job) => {
@@ -96,21 +102,20 @@ impl<'o> Evaluator<'o> {
         }
     }
 
-    /// Returns the graph that shows a subject, built at most once per subject.
+    /// Returns the graph that shows a subject.
     fn lens(&mut self, subject: &Subject) -> Result<Arc<Lens>, LensError> {
-        if let Some((_, lens)) = self.lens.as_ref().filter(|(known, _)| known.is(subject)) {
-            return Ok(lens.clone());
+        if self.subject.as_ref().is_some_and(|last| last.is(subject)) {
+            return self.known.lens(subject);
         }
         let same_node = |known: &Subject| {
             (known.node, known.output) == (subject.node, subject.output)
                 && known.sheet.nodes.len() == subject.sheet.nodes.len()
         };
-        if !self.lens.as_ref().is_some_and(|(known, _)| same_node(known)) {
+        if !self.subject.as_ref().is_some_and(same_node) {
             self.last = None;
         }
-        let lens = Arc::new(lens(subject)?);
-        self.lens = Some((subject.clone(), lens.clone()));
-        Ok(lens)
+        self.subject = Some(subject.clone());
+        self.known.lens(subject)
     }
 
     /// Evaluates a picture, after coarse previews if it takes long.
@@ -164,23 +169,6 @@ impl<'o> Evaluator<'o> {
         self.cache.forget_unused();
     }
 
-    /// Takes the recipe of an earlier text for a picture, if that differs in colors only; otherwise the recipe is
-    /// evaluated later.
-    fn known_mixture(&mut self, job: Job) {
-        let place = (job.frame, job.proxy, job.region);
-        let lens = self.lens(&job.subject).ok();
-        let colors = |lens: &Lens| {
-            let known = self.recipe.as_ref()?;
-            Some((known.recipe.clone(), known.colors(&job.subject, lens, job.frame, &place)?))
-        };
-        match lens.as_deref().and_then(colors) {
-            Some((recipe, colors)) => {
-                self.tell(News::Mixture(Box::new(Mixture { generation: job.generation, recipe, colors })));
-            }
-            None => self.queue.requests().mixture = Some(job),
-        }
-    }
-
     /// Evaluates the recipe of a picture.
     fn mixture(&mut self, job: Job, stamp: u64) {
         let generation = job.generation;
@@ -192,7 +180,7 @@ impl<'o> Evaluator<'o> {
             return self.tell(without("Only colors have a recipe: view a Color output."));
         }
         // The one before is needed no more, and both would not fit.
-        self.recipe = None;
+        self.known.set_recipe(None);
         let tell = |share: f32| {
             let _ = self.news.send(News::Mixing { generation, share });
             (self.wake)();
@@ -210,9 +198,9 @@ impl<'o> Evaluator<'o> {
         match made {
             Ok(recipe) => {
                 let (recipe, place) = (Arc::new(recipe), (job.frame, job.proxy, job.region));
-                self.recipe = Some(KnownRecipe::new(&job.subject, &lens, &place, recipe.clone()));
-                let colors = recipe.info().colors.clone();
-                self.tell(News::Mixture(Box::new(Mixture { generation, recipe, colors })));
+                self.known.set_recipe(Some(KnownRecipe::new(&job.subject, &lens, &place, recipe.clone())));
+                let (names, colors) = (recipe.info().names.clone(), recipe.info().colors.clone());
+                self.tell(News::Mixture(Box::new(Mixture { generation, recipe, names, colors })));
             }
             Err(PackError::Evaluate(EvalError::Cancelled)) => {
                 let mut requests = self.queue.requests();

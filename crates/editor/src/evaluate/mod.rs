@@ -3,6 +3,7 @@
 pub mod blame;
 mod error;
 mod evaluator;
+mod known;
 pub mod lens;
 mod mixture;
 mod painter;

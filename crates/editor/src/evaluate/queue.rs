@@ -1,4 +1,4 @@
-//! Pending requests for the evaluation thread by urgency, and the cancellation of tasks.
+//! Pending requests for the threads by urgency, and the cancellation of tasks.
 
 use super::blame::Question;
 use super::request::Job;
@@ -36,9 +36,6 @@ impl Requests {
             Some(Task::Held(number, picture, space, display))
         } else if let Some((generation, picture, space, display)) = self.shown.take() {
             Some(Task::Show(generation, picture, space, display))
-        } else if let Some(job) = self.known_mixture.take() {
-            // Before the picture, which takes longer and can be painted of it.
-            Some(Task::KnownMixture(job))
         } else if let Some(job) = self.job.take() {
             Some(Task::Picture(job))
         } else if let Some(question) = self.question.take() {
@@ -57,7 +54,7 @@ impl Requests {
     /// Returns whether a request for the visible picture is pending.
     fn is_urgent(&self) -> bool {
         let is_painted = self.job.is_some() || self.shown.is_some() || self.held.is_some();
-        is_painted || self.question.is_some() || self.known_mixture.is_some()
+        is_painted || self.question.is_some()
     }
 }
 
@@ -65,7 +62,7 @@ impl Requests {
 #[derive(Default)]
 pub(super) struct Queue {
     requests: Mutex<Requests>,
-    /// Wakes the thread when a request arrives.
+    /// Wakes the threads when a request arrives.
     wake_up: Condvar,
     /// Incremented by every request that makes the running task obsolete.
     newest: AtomicU64,
@@ -95,13 +92,15 @@ impl Queue {
         self.requests.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes the pending requests and wakes the thread; `cancels` makes the running task obsolete.
+    /// Changes the pending requests and wakes the threads; `cancels` makes the running task obsolete.
     pub(super) fn change(&self, cancels: bool, change: impl FnOnce(&mut Requests)) {
-        change(&mut self.requests());
+        let mut requests = self.requests();
+        change(&mut requests);
         if cancels {
             self.newest.fetch_add(1, Ordering::Relaxed);
         }
-        self.wake_up.notify_one();
+        drop(requests);
+        self.wake_up.notify_all();
     }
 
     /// Waits for the most urgent task; returns `None` once the queue is closed.
@@ -118,6 +117,31 @@ impl Queue {
         }
     }
 
+    /// Waits for a request of a recipe that may be known, and returns it with its stamp; `None` once the queue is closed.
+    pub(super) fn next_known(&self) -> Option<(Job, u64)> {
+        let mut requests = self.requests();
+        loop {
+            if requests.closed {
+                return None;
+            }
+            if let Some(job) = requests.known_mixture.take() {
+                return Some((job, self.stamp()));
+            }
+            requests = self.wake_up.wait(requests).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Requests the evaluation of a recipe that is not known, unless there is a newer request. Returns its generation.
+    pub(super) fn unknown(&self, job: Job, stamp: u64) -> u64 {
+        let generation = job.generation;
+        self.change(false, |requests| {
+            if self.stamp() == stamp && requests.known_mixture.is_none() {
+                requests.mixture = Some(job);
+            }
+        });
+        generation
+    }
+
     /// Returns the stamp of the present moment; a task is obsolete once the stamp has changed.
     pub(super) fn stamp(&self) -> u64 {
         self.newest.load(Ordering::Relaxed)
@@ -132,7 +156,6 @@ pub(super) enum Task {
     Blame(Question),
     Thumbnails(Subject, i64),
     Ahead(Job),
-    KnownMixture(Job),
     Mixture(Job),
 }
 

@@ -129,6 +129,11 @@ pub enum News {
     Blame(Box<Blamed>),
     /// The recipe of a picture.
     Mixture(Box<Mixture>),
+    /// The recipe of a picture is not that of an earlier text, and is evaluated later.
+    UnknownMixture {
+        /// Generation number of the picture.
+        generation: u64,
+    },
     /// Completed share of a picture's recipe, from 0 to 1.
     Mixing {
         /// Generation number of the picture.

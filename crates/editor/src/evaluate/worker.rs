@@ -1,7 +1,8 @@
-//! Handle to the evaluation thread.
+//! Handle to the evaluation thread and the thread that knows recipes.
 
 use super::blame::Question;
 use super::evaluator::Evaluator;
+use super::known::Known;
 use super::queue::{Queue, Requests};
 use super::request::{Job, News};
 use super::shown::Display;
@@ -11,26 +12,31 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 use trochoid::{Picture, WorkingSpace};
 
-/// Handle to the evaluation thread, which ends when the handle is dropped.
+/// Handle to the threads, which end when the handle is dropped.
 pub struct Worker {
     queue: Arc<Queue>,
     news: Receiver<News>,
-    thread: Option<std::thread::JoinHandle<()>>,
+    threads: Vec<std::thread::JoinHandle<()>>,
 }
 
 impl Worker {
-    /// Starts the thread; `wake` is called whenever there is news.
+    /// Starts the threads; `wake` is called whenever there is news.
     ///
     /// # Errors
     /// Fails if the system cannot start a thread.
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
-        let queue = Arc::new(Queue::default());
         let (sender, news) = channel();
-        let theirs = queue.clone();
-        let thread = std::thread::Builder::new()
-            .name("evaluate".into())
-            .spawn(move || Evaluator::new(&theirs, &sender, &wake).work())?;
-        Ok(Self { queue, news, thread: Some(thread) })
+        let (known, wake) = (Arc::new(Known::default()), Arc::new(wake));
+        let mut worker = Self { queue: Arc::default(), news, threads: Vec::new() };
+        let thread = |name: &str| std::thread::Builder::new().name(name.into());
+        let theirs = (worker.queue.clone(), known.clone(), sender.clone(), wake.clone());
+        worker.threads.push(thread("evaluate").spawn(move || {
+            let (queue, known, sender, wake) = theirs;
+            Evaluator::new(&queue, &known, &sender, &*wake).work();
+        })?);
+        let theirs = worker.queue.clone();
+        worker.threads.push(thread("recipes").spawn(move || known.answer(&theirs, &sender, &*wake))?);
+        Ok(worker)
     }
 
     /// Sets the extra time per picture.
@@ -108,7 +114,7 @@ impl Worker {
 impl Drop for Worker {
     fn drop(&mut self) {
         self.queue.change(true, |requests| requests.closed = true);
-        if let Some(thread) = self.thread.take() {
+        for thread in self.threads.drain(..) {
             let _ = thread.join();
         }
     }

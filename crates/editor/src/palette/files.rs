@@ -222,6 +222,14 @@ mod tests {
             act(&mut window, Action::Undo);
             assert_eq!(editor(&window).state().session.text(), PAINTED);
         }
+        // Colors of other names are not taken, and the user is told.
+        let partly = file(folder.path(), "partly.json", r##"{ "foam": "#ffe0c0", "gone": "#000000" }"##);
+        let action = load(editor(&window).state(), &partly);
+        act(&mut window, action);
+        assert_eq!(editor(&window).state().session.text(), PAINTED.replace("#f2ead2", "#ffe0c0"));
+        use egui_kittest::kittest::Queryable;
+        assert!(window.query_all_by_label_contains("not those of gone").next().is_some());
+        act(&mut window, Action::Undo);
         let strange = file(folder.path(), "strange.json", r##"{ "faom": "#ffe0c0" }"##);
         let action = load(editor(&window).state(), &strange);
         act(&mut window, action);

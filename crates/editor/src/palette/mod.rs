@@ -30,7 +30,7 @@ pub(crate) struct Palette {
 
 impl Palette {
     /// Returns a panel that compares palettes.
-    #[cfg(test)]
+    #[cfg(all(test, feature = "snapshots"))]
     pub(crate) fn comparing(others: Vec<Arc<OtherPalette>>) -> Self {
         Self { others, ..Self::default() }
     }

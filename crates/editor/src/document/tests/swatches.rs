@@ -141,7 +141,7 @@ fn change(session: &Session, random: &mut Pcg64Mcg) -> Option<Edit> {
         _ => {
             let other: Vec<(String, serde_json::Value)> =
                 names.iter().take(2).map(|name| ((*name).to_string(), "#123456".into())).collect();
-            palette::replaced(session.sheet(), &all, &other).ok()
+            palette::replaced(session.sheet(), &all, &other).ok().map(|(edit, _)| edit)
         }
     }
 }
@@ -184,7 +184,8 @@ fn saved_palettes_are_read_as_they_were() {
         let path = folder.path().join("palette.json");
         std::fs::write(&path, palette_file::text(&path, &all(&session), space)).unwrap();
         let back = palette_file::read(&path, space, &trochoid::Access::everything()).unwrap();
-        let edit = palette::replaced(session.sheet(), &all(&session), &back).unwrap();
+        let (edit, strange) = palette::replaced(session.sheet(), &all(&session), &back).unwrap();
+        assert_eq!(strange, None);
         assert!(edit.ops.is_empty(), "{}: {:?}", file.display(), edit.ops);
         let warnings = session.meaning().diagnostics.iter().filter(|one| one.severity == Severity::Error).count();
         assert_eq!(warnings, 0);

@@ -65,6 +65,43 @@ fn undo_and_redo_of_a_color_are_painted_while_the_picture_is_evaluated() {
 }
 
 #[test]
+fn what_changes_no_weight_keeps_the_recipe() {
+    let mut window = weighed(PAINTED);
+    let mixture = |window: &Window| editor(window).state().evaluated.mixture.clone().unwrap();
+    let known = mixture(&window);
+    let night = known.share(&["night".into()]).unwrap();
+    editor(&window).worker.slow_down(Duration::from_secs(600));
+    let swatch = || editor(&window).state().swatches().into_iter().find(|own| own.key == named("night")).unwrap();
+    let renamed = crate::document::palette::renamed(&swatch(), "dusk");
+    for action in [Action::Edit(renamed), Action::AddColor] {
+        act(&mut window, action);
+        wait_for_recipe(&mut window);
+        let now = mixture(&window);
+        assert!(Arc::ptr_eq(&known.recipe, &now.recipe));
+        assert_ne!(known.generation, now.generation);
+        assert_eq!(now.share(&["dusk".into()]), Some(night));
+        assert_eq!(now.share(&["night".into()]), None);
+        assert_eq!(now.colors, known.colors);
+        assert!(editor(&window).state().evaluated.progress.is_some(), "the picture takes longer");
+    }
+}
+
+#[test]
+fn what_was_painted_stays_until_it_is_known_what_can_be() {
+    let mut window = weighed(PAINTED);
+    let end = drag(&mut window, "Swatch night", vec2(40.0, -60.0));
+    editor(&window).worker.slow_down(Duration::from_secs(600));
+    pointer(&mut window, end, Some(false));
+    // One change right after another: no frame shows what the first one has made.
+    for action in [Action::Undo, Action::Redo, Action::Undo, Action::Redo] {
+        let before = painted(editor(&window));
+        assert!(before.is_some());
+        act(&mut window, action);
+        assert!(painted(editor(&window)).is_some());
+    }
+}
+
+#[test]
 fn escape_puts_a_dragged_color_back() {
     for is_weighed in [true, false] {
         let mut window = if is_weighed { weighed(PAINTED) } else { without_recipe() };
