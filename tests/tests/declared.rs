@@ -8,11 +8,13 @@ use std::sync::LazyLock;
 
 static NAMES: LazyLock<BTreeSet<&str>> = LazyLock::new(|| trochoid::registry().names().collect());
 
-/// Words that are names of nodes and of something else too: kinds of value, operations of other programs, a label.
+/// Words that are names of nodes and of something else too: kinds of value, operations of other programs, a label, a step of a
+/// job.
 const HOMONYMS: &[(&str, &[&str])] = &[
     ("crates/graph/src/kind.rs", &["Camera", "Light"]),
     ("crates/graph/src/refusal.rs", &["Multiply", "Screen"]),
     ("crates/editor/src/properties/mod.rs", &["Height"]),
+    ("crates/cli/src/job/openjd.rs", &["Render"]),
 ];
 
 /// Calls that look values up by their keys; nodes have fields instead.

@@ -19,6 +19,8 @@ mod frames;
 mod graph;
 mod info;
 mod interrupt;
+mod join;
+mod job;
 mod nodes;
 mod outputs;
 mod page;
@@ -73,6 +75,10 @@ enum Command {
     Edit(EditArgs),
     /// Render outputs of a document to files
     Render(render::Args),
+    /// Join tiles of a picture to the whole
+    Join(join::Args),
+    /// Write the folder with which a render farm takes a document's frames: Open Job Description or Slurm
+    Job(job::Args),
     /// Check a document: print faults, guarantees, and the nodes that are left out
     Check(check::Args),
     /// Draw a document's graph, with its control colors, as SVG
@@ -120,6 +126,8 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         Command::Edit(_) => edit::run(),
         Command::Render(args) => render::run(args),
+        Command::Join(args) => join::run(args),
+        Command::Job(args) => job::run(args),
         Command::Check(args) => check::run(args),
         Command::Graph(args) => graph::run(args),
         Command::Preview(args) => preview::run(args),

@@ -1,8 +1,12 @@
-//! The progress bar, which is shown on terminals only.
+//! Progress of a run: a bar on terminals, or lines for programs.
+
+mod lines;
 
 use crate::failure::Failure;
 use crate::{interrupt, shell};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use lines::Lines;
+pub(crate) use lines::{Form, failed};
 use std::fmt::Write;
 use std::time::Duration;
 use trochoid::Monitor;
@@ -10,9 +14,10 @@ use trochoid::Monitor;
 /// Steps of the bar per frame.
 const STEPS: u64 = 1000;
 
-/// Progress bar of a run, and the monitor that tells the run whether to stop.
+/// Progress of a run, and the monitor that tells the run whether to stop.
 pub(crate) struct Progress {
     bar: ProgressBar,
+    lines: Option<Lines>,
     /// Position of the bar at the start of the frame.
     start: u64,
     frame: i64,
@@ -36,13 +41,19 @@ impl Progress {
             // Redrawn regularly, so that a long preparation does not look stuck.
             bar.enable_steady_tick(Duration::from_millis(250));
         }
-        Self { bar, start: 0, frame: 0 }
+        Self { bar, lines: None, start: 0, frame: 0 }
+    }
+
+    /// Creates progress in a form.
+    pub(crate) fn of(form: Form, frames: usize, hidden: bool) -> Self {
+        let lines = Lines::new(form);
+        Self { lines, ..Self::new(frames, hidden || form != Form::Text) }
     }
 
     pub(crate) fn begin(&mut self, index: usize, frame: i64) {
         (self.start, self.frame) = (index as u64 * STEPS, frame);
         self.bar.set_position(self.start);
-        self.bar.set_message(format!("frame {frame}"));
+        self.say(&format!("frame {frame}"));
     }
 
     /// Skips a frame. It took no time, so it must not count in the estimate of the time left.
@@ -62,20 +73,39 @@ impl Progress {
     }
 
     pub(crate) fn finish(&self) {
+        self.bar.set_position(self.bar.length().unwrap_or_default());
+        self.share();
         self.bar.finish_and_clear();
+    }
+
+    /// Says what is done now.
+    fn say(&self, text: &str) {
+        self.bar.set_message(text.to_owned());
+        if let Some(lines) = &self.lines {
+            lines.say(self.frame, text);
+        }
+        self.share();
+    }
+
+    /// Tells the share that is done.
+    fn share(&self) {
+        if let Some(lines) = &self.lines {
+            lines.share(self.frame, self.bar.position() as f64 / self.bar.length().unwrap_or(1).max(1) as f64);
+        }
     }
 }
 
 impl Monitor for Progress {
     fn preparing(&self, node: &str) {
-        self.bar.set_message(format!("frame {}: preparing {node}", self.frame));
+        self.say(&format!("frame {}: preparing {node}", self.frame));
     }
 
     fn progress(&self, done: usize, total: usize) {
         if done == 1 {
-            self.bar.set_message(format!("frame {}", self.frame));
+            self.say(&format!("frame {}", self.frame));
         }
         self.bar.set_position(self.start + STEPS * done as u64 / total.max(1) as u64);
+        self.share();
     }
 
     fn cancelled(&self) -> bool {

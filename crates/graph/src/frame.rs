@@ -45,10 +45,27 @@ impl FrameContext {
 /// assert_eq!(expand_frame(r"50\%d.exr", 12), "50%d.exr");
 /// ```
 pub fn expand_frame(pattern: &str, frame: i64) -> String {
-    let plain = |text: &str| text.replace(r"\#", "#").replace(r"\%", "%");
-    let Some((start, end, width)) = placeholder(pattern) else { return plain(pattern) };
+    let Some((before, width, after)) = split_frame(pattern) else { return plain(pattern) };
     let sign = if frame < 0 { "-" } else { "" };
-    format!("{}{sign}{:0width$}{}", plain(&pattern[..start]), frame.unsigned_abs(), plain(&pattern[end..]))
+    format!("{before}{sign}{:0width$}{after}", frame.unsigned_abs())
+}
+
+/// Splits a pattern at the frame, for programs that expand it themselves: the text before the frame, its least number of
+/// digits, and the text after it. `None` if all frames have the same name.
+///
+/// ```
+/// use trochoid_graph::split_frame;
+/// assert_eq!(split_frame(r"take \#3.##.exr"), Some(("take #3.".into(), 2, ".exr".into())));
+/// assert_eq!(split_frame("a.exr"), None);
+/// ```
+pub fn split_frame(pattern: &str) -> Option<(String, usize, String)> {
+    let (start, end, width) = placeholder(pattern)?;
+    Some((plain(&pattern[..start]), width, plain(&pattern[end..])))
+}
+
+/// Returns a text in which `\#` and `\%` are the signs themselves.
+fn plain(text: &str) -> String {
+    text.replace(r"\#", "#").replace(r"\%", "%")
 }
 
 /// Escapes a name, so that [`expand_frame`] returns the name unchanged at every frame.

@@ -72,7 +72,7 @@ pub use fields::{
 };
 #[doc(hidden)]
 pub use fields::{count_items, join_items};
-pub use frame::{FrameContext, escape_frame, escape_remedy, expand_frame, one_frame_pattern};
+pub use frame::{FrameContext, escape_frame, escape_remedy, expand_frame, one_frame_pattern, split_frame};
 pub use kind::{Accepts, Kind};
 pub use literal::{LITERAL_SUM_TOLERANCE, literal, literal_error};
 pub use lowering::Lowering;

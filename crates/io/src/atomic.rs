@@ -126,6 +126,20 @@ pub fn write_bytes(to: impl Into<Target>, bytes: &[u8]) -> Result<(), Error> {
     write_atomically(&to, |writer| writer.write_all(bytes).map_err(Error::io(to.path(), "write the file")))
 }
 
+/// Copies a regular file with its time of change; the copy appears whole or not at all.
+///
+/// # Errors
+/// The file cannot be read or is not a regular file, or the copy cannot be written.
+pub fn copy_file(from: impl AsRef<Path>, to: impl Into<Target>) -> Result<(), Error> {
+    let (from, to) = (from.as_ref(), to.into());
+    let mut source = crate::open_file(from)?.file;
+    let changed = source.metadata().and_then(|found| found.modified()).map_err(Error::io(from, "read the file"))?;
+    write_atomically(&to, |writer| {
+        let written = std::io::copy(&mut source, writer).map(drop).and_then(|()| writer.flush());
+        written.and_then(|()| writer.get_ref().set_modified(changed)).map_err(Error::io(to.path(), "write the file"))
+    })
+}
+
 fn folder(target: &Path) -> &Path {
     match target.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -182,6 +196,23 @@ mod tests {
             .unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert_eq!(names(folder.path()), ["a.bin"]);
+    }
+
+    #[test]
+    fn copies_have_the_time_of_change_and_are_whole_or_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let [from, to] = ["a.bin", "b.bin"].map(|name| folder.path().join(name));
+        fs::write(&from, [7; 100_000]).unwrap();
+        let then = std::time::UNIX_EPOCH + std::time::Duration::from_secs(1);
+        File::options().write(true).open(&from).unwrap().set_modified(then).unwrap();
+        copy_file(&from, &to).unwrap();
+        assert_eq!(fs::read(&to).unwrap(), [7; 100_000]);
+        assert_eq!(fs::metadata(&to).unwrap().modified().unwrap(), then);
+        assert!(copy_file(folder.path(), &to).is_err() && copy_file(folder.path().join("none"), &to).is_err());
+        assert_eq!(fs::read(&to).unwrap().len(), 100_000);
+        copy_file(&to, &to).unwrap();
+        assert_eq!(fs::read(&to).unwrap(), [7; 100_000]);
+        assert_eq!(names(folder.path()).len(), 2);
     }
 
     #[test]

@@ -40,6 +40,8 @@
 #[cfg(feature = "pictures")]
 mod atomic;
 #[cfg(feature = "pictures")]
+mod claim;
+#[cfg(feature = "pictures")]
 mod cost;
 mod describe;
 mod error;
@@ -78,7 +80,9 @@ mod statistics;
 mod tiff_file;
 
 #[cfg(feature = "pictures")]
-pub use atomic::{Target, write_bytes};
+pub use atomic::{Target, copy_file, write_bytes};
+#[cfg(feature = "pictures")]
+pub use claim::{Claim, Claims};
 #[cfg(feature = "pictures")]
 pub use cost::{Cost, cost};
 pub use describe::describe;

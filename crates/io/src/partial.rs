@@ -93,7 +93,7 @@ fn remove_if_dead(path: &Path) -> std::io::Result<()> {
 }
 
 /// Returns whether a name, which is not a link, leads to an open file.
-fn stands_at(file: &File, path: &Path) -> bool {
+pub(crate) fn stands_at(file: &File, path: &Path) -> bool {
     let (Ok(open), Ok(named)) = (file.metadata(), fs::symlink_metadata(path)) else { return false };
     #[cfg(unix)]
     {
@@ -103,6 +103,23 @@ fn stands_at(file: &File, path: &Path) -> bool {
     #[cfg(not(unix))]
     {
         open.is_file() && named.is_file()
+    }
+}
+
+/// File of this process that is removed if it ends without unwinding, until this is dropped.
+#[derive(Debug)]
+pub(crate) struct Registered(PathBuf);
+
+impl Registered {
+    /// Registers a file; `None` if the process has registered it already.
+    pub(crate) fn new(path: &Path) -> Option<Self> {
+        ours().names.insert(path.into()).then(|| Self(path.into()))
+    }
+}
+
+impl Drop for Registered {
+    fn drop(&mut self) {
+        ours().names.remove(&self.0);
     }
 }
 

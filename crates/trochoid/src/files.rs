@@ -1,13 +1,13 @@
 //! Destinations of files: checked before anything is evaluated, and written whole or not at all.
 
-use crate::output_file::{ForeignFile, NoDestination, OutputError};
+use crate::output_file::{ForeignFile, NoDestination, OutputError, OutputFile};
 use crate::{Form, is_ours};
 use std::collections::HashSet;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use trochoid_graph::resolved;
-use trochoid_io::Target;
+use trochoid_io::{Claim, Claims, Target};
 
 /// Returns the folder of a file: the current one for a bare name.
 fn folder_of(path: &Path) -> &Path {
@@ -125,6 +125,15 @@ pub fn write_guarded(path: &Path, bytes: &[u8], form: Form, overwrites: bool) ->
 pub(crate) fn make_folder_of(path: &Path) -> std::io::Result<()> {
     let leads_to = if fs::metadata(path).is_err() { resolved(path) } else { path.into() };
     fs::create_dir_all(folder_of(&leads_to))
+}
+
+/// Claims a file that several runs may write, and makes its folder; `None` if another run has claimed it.
+///
+/// # Errors
+/// The folder cannot be made, or accepts no files.
+pub fn claim(claims: &Claims, file: &OutputFile) -> Result<Option<Claim>, OutputError> {
+    folder_of_file(&file.path)?;
+    Ok(claims.claim(&file.path)?)
 }
 
 /// Creates the folder of a file; the error names the folder.

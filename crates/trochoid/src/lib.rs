@@ -53,6 +53,8 @@ mod exr_layer;
 mod files;
 #[cfg(feature = "io")]
 mod inputs;
+#[cfg(feature = "io")]
+mod join;
 mod judge;
 #[cfg(feature = "io")]
 mod layers;
@@ -81,10 +83,12 @@ pub use access::refused_outputs;
 pub use costs::{Cost, Costs, MeasureError, measure};
 #[cfg(feature = "io")]
 pub use files::{
-    check_destination, check_destinations, check_replaced, check_replaced_by, target, write_guarded, write_whole,
+    check_destination, check_destinations, check_replaced, check_replaced_by, claim, target, write_guarded, write_whole,
 };
 #[cfg(feature = "io")]
 pub use inputs::InputFiles;
+#[cfg(feature = "io")]
+pub use join::{JoinError, Joined, join};
 pub use judge::{Miss, guarantee, held, misses, requirement};
 #[cfg(feature = "io")]
 pub use layers::outputs_lost;
@@ -123,7 +127,7 @@ pub use trochoid_graph::{
     REFUSALS, Recipes, Refusal, RefusedFile, Registry, Relation, Right, Role, Severity, Source, Spectrum, Stability,
     StabilityMap, StepErrorGroup, StepErrorRow, StepErrors, Term, Tolerance, Verdict, Work, counted, escape_frame,
     expand_frame, expected, folders_to_allow, in_bytes, nearest, quoted, quoted_path, refusal, refusals, resolved,
-    schema,
+    schema, split_frame,
 };
 pub use trochoid_image::{
     Format, FormatError, HexError, Plane, Rgb, Shading, Window, WorkingSpace, oklab, oklch, parse_hex, shown_oklch,

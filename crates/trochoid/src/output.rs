@@ -3,6 +3,7 @@
 use crate::Form;
 use crate::exr_layer::convert;
 use crate::files::{folder_of_file, target};
+use crate::join::{REGION, region_text};
 use crate::marks::with_mark;
 use crate::output_file::{OutputError, OutputFile};
 use crate::stream::write_layers;
@@ -51,6 +52,10 @@ fn write_png(
     let channels = samples_of(&picture.planes, encoded.as_ref());
     let mut image = PngImage::new(window.width() as u32, window.height() as u32, channels);
     image.metadata = metadata.to_vec();
+    let whole = graph.format().window();
+    if window != whole {
+        image.metadata.push((REGION.into(), region_text(window, whole)));
+    }
     let target = target(&file.path, Form::Png, graph.access().overwrites());
     match spec.precision {
         Some(Precision::Uint16) => write_png16(target, &image)?,

@@ -5,15 +5,20 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use trochoid_graph::{CheckedGraph, ContentKey, Guarantee, KeyHasher, NodeId};
+use trochoid_image::Window;
 
 /// Metadata key of the fingerprint.
-pub(crate) const KEY: &str = "trochoid:fingerprint";
+pub(crate) const FINGERPRINT: &str = "trochoid:fingerprint";
+/// Metadata key of the fingerprint that the whole picture of a region has.
+pub(crate) const WHOLE: &str = "trochoid:whole";
 /// Version of the fingerprint's definition. Files with another version are rendered again.
 const RECIPE: u32 = 3;
 /// Metadata key for the names of the outputs in a file.
 pub(crate) const OUTPUTS: &str = "trochoid:outputs";
 /// Metadata key of the weakest guarantee that was found to hold on a color of the file.
-const HELD: &str = "trochoid:held";
+pub(crate) const HELD: &str = "trochoid:held";
+/// Metadata key of the guarantees of colors, with the number of pixels outside.
+pub(crate) const GUARANTEE: &str = "trochoid:guarantee";
 
 /// Length and modification time. A file with the same ones counts as unchanged, as in the cache of an evaluation.
 type State = Option<(u64, Option<SystemTime>)>;
@@ -47,6 +52,11 @@ impl Fingerprints {
     /// document (including `--set`), the frame, the outputs, settings that affect the picture or its metadata, and the
     /// contents of all input files. An input that cannot be read contributes the reason.
     pub fn of(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: i64) -> String {
+        self.of_region(graph, file, frame, self.settings.region)
+    }
+
+    /// Returns the hash of a region; of the whole picture for `None`.
+    fn of_region(&mut self, graph: &CheckedGraph, file: &OutputFile, frame: i64, region: Option<Window>) -> String {
         let context = graph.frame_context(frame, u64::MAX);
         let roots = file.outputs.iter().map(|index| graph.outputs()[*index].node);
         let reached = graph.dependencies(roots, frame);
@@ -54,7 +64,7 @@ impl Fingerprints {
         let names: Vec<&str> = file.outputs.iter().map(|index| graph.outputs()[*index].name.as_str()).collect();
         (RECIPE, VERSION, graph.document_hash(), frame, names).feed(&mut hasher);
         graph.format().feed(&mut hasher);
-        self.shown(&mut hasher);
+        self.shown(region, &mut hasher);
         let nodes = graph.order().iter().filter(|id| reached[id.0]).map(|id| graph.node(*id).ty.declaration());
         let nodes: Vec<(&str, u32)> = nodes.map(|declaration| (declaration.name, declaration.revision)).collect();
         nodes.feed(&mut hasher);
@@ -75,11 +85,11 @@ impl Fingerprints {
     }
 
     /// Feeds the settings that affect a file to the hash.
-    fn shown(&self, hasher: &mut KeyHasher) {
-        let Settings { switches, judge, region, .. } = &self.settings;
+    fn shown(&self, region: Option<Window>, hasher: &mut KeyHasher) {
+        let Settings { switches, judge, .. } = &self.settings;
         // The metadata list what is left out, but not how the rest is computed.
         let switches = Switches { hoist: true, fuse: true, compile: true, ..*switches };
-        (switches, judge, region, self.by_reference).feed(hasher);
+        (switches, judge, &region, self.by_reference).feed(hasher);
     }
 
     /// Summarizes the needed and omitted nodes of a file's outputs, whatever other outputs the run evaluates.
@@ -106,14 +116,14 @@ impl Fingerprints {
         let metadata = metadata_of_whole(&file.path);
         let entry = |key: &str| metadata.iter().find(|entry| entry.0 == key).map(|entry| entry.1.as_str());
         let demanded = file.outputs.iter().filter_map(|index| requirement(&graph.outputs()[*index], required)).max();
-        entry(KEY) == Some(self.of(graph, file, frame).as_str())
+        entry(FINGERPRINT) == Some(self.of(graph, file, frame).as_str())
             && entry(HELD).and_then(Guarantee::from_name) >= demanded
     }
 
     /// Returns whether a complete file exists that was written with the [`metadata`](Self::metadata) of this
     /// fingerprint.
     pub fn is_marked(path: &Path, fingerprint: &str) -> bool {
-        metadata_of_whole(path).iter().any(|(key, value)| key == KEY && value == fingerprint)
+        metadata_of_whole(path).iter().any(|(key, value)| key == FINGERPRINT && value == fingerprint)
     }
 
     /// Returns the metadata of a file: what it was made from, and what was found on its pixels.
@@ -129,17 +139,19 @@ impl Fingerprints {
             .collect();
         let names: Vec<&str> = pictures().map(|picture| graph.outputs()[picture.output].name.as_str()).collect();
         let entry = |key: &str, value: String| (format!("trochoid:{key}"), value);
-        vec![
+        let whole = self.settings.region.map(|_| (WHOLE.into(), self.of_region(graph, file, frame.number, None)));
+        let entries = vec![
             entry("version", VERSION.into()),
             (OUTPUTS.into(), names.join(", ")),
             entry("document", graph.document_hash()),
             entry("frame", frame.number.to_string()),
             entry("workingSpace", graph.space().name().into()),
             entry("plan", self.plan_summary(graph, file, frame)),
-            entry("guarantee", guarantees.join("; ")),
+            (GUARANTEE.into(), guarantees.join("; ")),
             (HELD.into(), held.map_or("none", Guarantee::name).into()),
-            (KEY.into(), self.of(graph, file, frame.number)),
-        ]
+            (FINGERPRINT.into(), self.of(graph, file, frame.number)),
+        ];
+        entries.into_iter().chain(whole).collect()
     }
 }
 

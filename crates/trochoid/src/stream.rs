@@ -11,6 +11,11 @@ use trochoid_graph::{CheckedGraph, Kind};
 use trochoid_image::Window;
 use trochoid_io::{EncodeScratch, ExrHeader, ExrWriter};
 
+/// Metadata key of a tile: bytes that the file of the whole picture reserves for late metadata.
+pub(crate) const RESERVED: &str = "trochoid:reserved";
+/// Bytes that a tile reserves beyond these: for [`RESERVED`], and the fingerprint of the whole picture.
+const OF_TILE: usize = 256;
+
 /// Sink for the EXR files of one frame, which [`Plan::evaluate_to`] writes band by band.
 ///
 /// ```
@@ -102,10 +107,12 @@ impl Open {
         let specs = || outputs.iter().map(|output| &graph.outputs()[*output]);
         let conversions = specs().map(|spec| Conversion::of(graph, spec, file, frame));
         let conversions = conversions.collect::<Result<Vec<_>, _>>()?;
+        let display = graph.format().window();
+        let of_tile = if window == display { 0 } else { OF_TILE };
         let header = ExrHeader {
-            display: graph.format().window(),
+            display,
             channels: specs().flat_map(|spec| file_channels(graph, spec, file)).collect(),
-            late_metadata: reserved(specs(), conversions.iter()),
+            late_metadata: reserved(specs(), conversions.iter()) + of_tile,
             chromaticities: specs().any(|spec| spec.kind == Kind::Color).then(|| graph.space().chromaticities()),
             ..ExrHeader::new(window)
         };
@@ -141,7 +148,9 @@ impl Open {
 
     fn finish(self, metadata: &[(String, String)]) -> Result<(), OutputError> {
         let late = self.outputs.iter().filter_map(|(_, conversion)| conversion.metadata());
-        Ok(self.writer.finish(&with_mark(metadata).into_iter().chain(late).collect::<Vec<_>>())?)
+        let ExrHeader { display, data, late_metadata, .. } = *self.writer.header();
+        let of_tile = (data != display).then(|| (RESERVED.into(), (late_metadata - OF_TILE).to_string()));
+        Ok(self.writer.finish(&with_mark(metadata).into_iter().chain(late).chain(of_tile).collect::<Vec<_>>())?)
     }
 }
 

@@ -2,8 +2,9 @@
 
 use crate::changes::Changes;
 use crate::files::FileOptions;
+use crate::progress::Form as ProgressForm;
 use std::path::PathBuf;
-use trochoid::{Guarantee, Tolerance};
+use trochoid::{Guarantee, Tolerance, Window};
 
 /// Options of `trochoid render`.
 #[derive(Debug, Default, clap::Args)]
@@ -37,6 +38,9 @@ pub(crate) struct Args {
     /// Store the weights of --recipe as 32-bit floats instead of 16-bit ones; their sums are exact either way
     #[arg(long, requires = "recipe")]
     pub(super) float: bool,
+    /// Render only these pixels, counted from the upper left; `trochoid join` makes one picture of such tiles
+    #[arg(long, value_name = "X,Y,WIDTH,HEIGHT", value_parser = region, conflicts_with_all = ["certificate", "error"])]
+    pub(super) region: Option<Window>,
     #[command(flatten)]
     pub(super) changes: Changes,
     /// Number of threads; 0 uses all cores
@@ -73,17 +77,44 @@ pub(crate) struct Args {
     /// Skip frames whose files were made from the same document, --set assignments, inputs and frame
     #[arg(long)]
     pub(super) resume: bool,
+    /// Share the frames with other runs of the same command that write to the same folder, also on other machines: each
+    /// takes frames that nobody has taken, skips what is up to date, and ends when all are done
+    #[arg(long)]
+    pub(super) share: bool,
+    /// Go on with the next frame when one fails; the exit code tells of the failure at the end
+    #[arg(long)]
+    pub(super) keep_going: bool,
     #[command(flatten)]
     pub(super) files: FileOptions,
+    /// Form of progress
+    #[arg(long, value_name = "FORM", value_enum, default_value_t)]
+    pub(super) progress: ProgressForm,
     /// Print nothing on stdout, and show no progress
-    #[arg(long, conflicts_with = "json")]
+    #[arg(long, conflicts_with_all = ["json", "progress"])]
     pub(super) quiet: bool,
     /// Print one JSON object per frame
     #[arg(long)]
     pub(super) json: bool,
 }
 
+/// Reads a region such as `960,0,960,1080`: left, top, width and height in pixels.
+fn region(text: &str) -> Result<Window, String> {
+    let numbers = text.split(',').map(|number| number.trim().parse::<u32>().ok()).collect::<Option<Vec<_>>>();
+    match numbers.as_deref() {
+        Some(&[x, y, width, height]) if width.min(height) > 0 => {
+            let [x, y, width, height] = [x, y, width, height].map(i64::from);
+            Ok(Window::new(x, y, x + width, y + height))
+        }
+        _ => Err("expected left, top, width and height in pixels, such as 960,0,960,1080".into()),
+    }
+}
+
 impl Args {
+    /// Whether files that are up to date are skipped.
+    pub(super) fn resumes(&self) -> bool {
+        self.resume || self.share
+    }
+
     pub(super) fn required(&self) -> Option<Guarantee> {
         self.require.as_deref().and_then(Guarantee::from_name)
     }

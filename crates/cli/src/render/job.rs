@@ -6,14 +6,16 @@ use super::certify::{self, CertifyContext, Companions, HalfMonitor};
 use super::chosen::Chosen;
 use super::files::RequestedFiles;
 use super::line;
-use crate::failure::{FAILED, Failure, MISSED};
+use super::tally::Tally;
+use crate::failure::{FAILED, Failure, INTERRUPTED, Message};
 use crate::progress::Progress;
 use crate::{frames, interrupt};
 use serde_json::{Value, json};
-use std::collections::{BTreeSet, HashSet};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use trochoid::certificate::PrivateKey;
+use trochoid::io::{Claim, Claims};
 use trochoid::{
     Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, NodeReport, OutputError,
     OutputFile, Pictures, Plan, ReferenceError, RunReport, Settings, Sink, Switches, Work, clear_partial_files,
@@ -39,6 +41,11 @@ pub(super) struct Job<'a> {
     key: Option<PrivateKey>,
 }
 
+/// Time in which a run on a file system without locks must give a sign of life, or its frame is taken over.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Pause before frames are asked for again that other runs have.
+const PAUSE: Duration = Duration::from_millis(200);
+
 /// Result of a frame.
 struct FrameResult {
     report: Value,
@@ -59,6 +66,12 @@ impl<'a> Job<'a> {
         let frames = frames.unwrap_or_else(|| frames::all(graph, args.frames.is_some(), faults));
         let mut settings = Settings::default();
         settings.threads = usize::from(args.threads);
+        settings.region = args.region;
+        let picture = graph.format().window();
+        if let Some(region) = args.region.filter(|region| region.intersect(picture) != *region) {
+            let message = format!("--region: found pixels {region}; expected some of the picture's, {picture}");
+            faults.push(Failure::usage(message, "choose a region within the picture"));
+        }
         if args.unoptimized {
             settings.switches = Switches::NONE;
         }
@@ -164,42 +177,92 @@ impl<'a> Job<'a> {
 
     /// Renders all frames in order.
     pub(super) fn run(&self, evaluate: &Evaluate<'_>, report: &mut RunReport) -> Result<(), Failure> {
-        let mut progress = Progress::new(self.frames.len(), self.args.quiet);
+        let mut progress = Progress::of(self.args.progress, self.frames.len(), self.args.quiet);
         let mut cache = Cache::new();
         let mut fingerprints = Fingerprints::with(&self.settings).by_reference(self.accuracy.by_reference());
         // Runs that were killed while writing left partial files.
         self.folders.iter().for_each(|folder| clear_partial_files(folder));
-        let mut missed = 0;
-        // Each node, and each surface of a view, is warned of once.
-        let (mut told, mut missing) = (HashSet::new(), HashSet::new());
-        for (index, &frame) in self.frames.iter().enumerate() {
-            progress.begin(index, frame);
-            let done = self.frame(frame, evaluate, &mut cache, &mut fingerprints, &progress)?;
-            cache.forget_unused();
-            if done.skipped {
-                progress.skip();
+        let mut tally = Tally::default();
+        let claims = self.args.share.then(|| Claims::new(PATIENCE));
+        let mut open = self.frames.clone();
+        while !open.is_empty() {
+            let (mut taken, done) = (Vec::new(), tally.done);
+            for frame in open {
+                let claim = match &claims {
+                    Some(claims) => self.claim(claims, frame)?,
+                    None => None,
+                };
+                if claims.is_some() && claim.is_none() {
+                    taken.push(frame);
+                    continue;
+                }
+                progress.begin(tally.done, frame);
+                let made = self.frame(frame, evaluate, &mut cache, &mut fingerprints, &progress);
+                cache.forget_unused();
+                self.tell(frame, made, &mut tally, &progress, report)?;
             }
-            if self.args.json {
-                progress.print(&format!("{}\n", done.report))?;
-            } else if !self.args.quiet && !self.args.report_on_stdout() {
-                progress.print(&done.line)?;
+            open = taken;
+            if tally.done == done {
+                stop_if_asked()?;
+                std::thread::sleep(PAUSE);
             }
-            missed += usize::from(!done.misses.is_empty());
-            progress.tell(&done.misses);
-            let news = done.replaced.iter().filter(|(name, _)| told.insert(name.clone()));
-            let news = news.filter_map(|(name, count)| self.warning_of_replaced(name, *count, frame));
-            progress.tell(&news.collect::<Vec<_>>());
-            let news = done.unseen.into_iter().filter(|unseen| missing.insert(unseen.clone()));
-            let news = news.filter_map(|(name, surface)| self.warning_of_unseen(&name, &surface, frame));
-            progress.tell(&news.collect::<Vec<_>>());
-            report.push(done.report);
         }
         progress.finish();
-        if missed > 0 {
-            let total = self.frames.len();
-            let message = format!("a required guarantee was missed in {missed} of {total} frames");
-            return Err(Failure::new(MISSED, message));
+        tally.outcome()
+    }
+
+    /// Claims a frame that several runs may render; `None` if another one has it.
+    fn claim(&self, claims: &Claims, frame: i64) -> Result<Option<Claim>, Failure> {
+        stop_if_asked()?;
+        let files = self.files(frame)?;
+        // All runs have the same files, so the first one stands for all.
+        let file = files.first().ok_or_else(|| Failure::new(FAILED, format!("frame {frame}: has no file")))?;
+        Ok(trochoid::claim(claims, file)?)
+    }
+
+    /// Tells what became of a frame.
+    fn tell(
+        &self,
+        frame: i64,
+        made: Result<FrameResult, Failure>,
+        tally: &mut Tally,
+        progress: &Progress,
+        report: &mut RunReport,
+    ) -> Result<(), Failure> {
+        tally.done += 1;
+        let done = match made {
+            Ok(done) => done,
+            Err(failure) => {
+                if self.args.json && failure.code != INTERRUPTED {
+                    let messages: Vec<&str> = failure.messages.iter().map(Message::text).collect();
+                    let line = json!({ "frame": frame, "failed": messages.join("\n"), "code": failure.code });
+                    progress.print(&format!("{line}\n"))?;
+                }
+                if !self.args.keep_going || failure.code == INTERRUPTED {
+                    return Err(failure);
+                }
+                progress.tell(&failure.messages.iter().map(ToString::to_string).collect::<Vec<_>>());
+                tally.failed.push((frame, failure.code));
+                return Ok(());
+            }
+        };
+        if done.skipped {
+            progress.skip();
         }
+        if self.args.json {
+            progress.print(&format!("{}\n", done.report))?;
+        } else if !self.args.quiet && !self.args.report_on_stdout() {
+            progress.print(&done.line)?;
+        }
+        tally.missed += usize::from(!done.misses.is_empty());
+        progress.tell(&done.misses);
+        let news = done.replaced.iter().filter(|(name, _)| tally.told.insert(name.clone()));
+        let news = news.filter_map(|(name, count)| self.warning_of_replaced(name, *count, frame));
+        progress.tell(&news.collect::<Vec<_>>());
+        let news = done.unseen.into_iter().filter(|unseen| tally.unseen.insert(unseen.clone()));
+        let news = news.filter_map(|(name, surface)| self.warning_of_unseen(&name, &surface, frame));
+        progress.tell(&news.collect::<Vec<_>>());
+        report.push(done.report);
         Ok(())
     }
 
@@ -218,7 +281,7 @@ impl<'a> Job<'a> {
         type PairedFiles = Vec<(OutputFile, Companions)>;
         let (current, open): (PairedFiles, PairedFiles) =
             all.into_iter().zip(companions).partition(|(file, companions)| {
-                self.args.resume
+                self.args.resumes()
                     && fingerprints.is_current(self.graph, file, number, self.required)
                     && (!self.certifies()
                         || companions.is_current(self.graph, file, number, fingerprints, self.key.as_ref()))

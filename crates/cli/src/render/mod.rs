@@ -7,11 +7,12 @@ mod chosen;
 mod files;
 mod job;
 mod line;
+mod tally;
 mod written;
 
 use crate::failure::Failure;
 use crate::remedies;
-use crate::{frames, interrupt, shell};
+use crate::{frames, interrupt, progress, shell};
 pub(crate) use args::Args;
 use chosen::Chosen;
 use job::Job;
@@ -72,6 +73,9 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
     interrupt::watch()?;
     let mut report = RunReport::new(&chosen.graph);
     let outcome = job.run(evaluate, &mut report);
+    if let Some(message) = outcome.as_ref().err().and_then(|failure| failure.messages.first()) {
+        progress::failed(args.progress, message.text());
+    }
     let status = outcome.as_ref().err().map_or(RunStatus::Done, Failure::status);
     let written = write_report(args, &report, status);
     Failure::all([outcome.err(), written.err()].into_iter().flatten())

@@ -14,6 +14,7 @@ mod files;
 mod fit;
 #[cfg(target_os = "linux")]
 mod hostile;
+mod job;
 mod kills;
 #[cfg(unix)]
 mod memory;
@@ -30,8 +31,10 @@ mod remedies;
 mod render;
 mod resume;
 mod scene;
+mod share;
 mod stability;
 #[path = "../../../../tests/tests/support/stored.rs"]
 mod stored;
 mod streams;
+mod tiles;
 mod told;

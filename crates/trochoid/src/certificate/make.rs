@@ -70,7 +70,7 @@ pub fn certify(inputs: &CertificateInputs<'_>, path: &Path) -> Result<Certificat
 
 /// Returns the fingerprint in the image's own metadata, so that image and certificate agree.
 fn fingerprint_of(inputs: &CertificateInputs<'_>, image: &StoredImage) -> String {
-    let said = image.metadata.iter().find(|(key, _)| key == crate::resume::KEY).map(|(_, value)| value.clone());
+    let said = image.metadata.iter().find(|(key, _)| key == crate::resume::FINGERPRINT).map(|(_, value)| value.clone());
     said.unwrap_or_else(|| Fingerprints::with(inputs.settings).of(inputs.graph, inputs.file, inputs.frame))
 }
 

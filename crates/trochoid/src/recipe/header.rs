@@ -7,7 +7,7 @@ use trochoid_engine::Storing;
 use trochoid_image::{Window, WorkingSpace};
 
 /// Key of the metadata of a recipe.
-const KEY: &str = "trochoid:recipe";
+pub(crate) const KEY: &str = "trochoid:recipe";
 /// Bytes to reserve for what is known only when all weights are stored.
 pub(crate) const LATE: usize = 128;
 

@@ -20,9 +20,9 @@ mod tiles;
 mod whole;
 
 #[cfg(feature = "io")]
-pub(crate) use header::LATE;
-#[cfg(feature = "io")]
 pub use header::RecipeError;
+#[cfg(feature = "io")]
+pub(crate) use header::{KEY, LATE};
 #[cfg(feature = "io")]
 pub(crate) use info::LAYER;
 pub use info::{RecipeInfo, Rounding};
