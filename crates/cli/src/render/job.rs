@@ -181,7 +181,8 @@ impl<'a> Job<'a> {
         let mut cache = Cache::new();
         let mut fingerprints = Fingerprints::with(&self.settings).by_reference(self.accuracy.by_reference());
         // Runs that were killed while writing left partial files.
-        self.folders.iter().for_each(|folder| clear_partial_files(folder));
+        let clear = || self.folders.iter().for_each(|folder| clear_partial_files(folder));
+        clear();
         let mut tally = Tally::default();
         let claims = self.args.share.then(|| Claims::new(PATIENCE));
         let mut open = self.frames.clone();
@@ -206,6 +207,10 @@ impl<'a> Job<'a> {
                 stop_if_asked()?;
                 std::thread::sleep(PAUSE);
             }
+        }
+        if claims.is_some() {
+            // Others may have been killed in the meantime.
+            clear();
         }
         progress.finish();
         tally.outcome()
