@@ -145,6 +145,7 @@ const OPENINGS: &[&str] = &[
 const OPENED: &[(&str, &str, &str)] = &[
     ("crates/io/src/open.rs", "OpenOptions", "the function by which all files are opened"),
     ("crates/io/src/partial.rs", "OpenOptions", "a temporary file of our own, of which only the lock is used"),
+    ("crates/io/src/claim.rs", "OpenOptions", "a file of our own that is made and locked, and read by `open_file`"),
     ("crates/io/src/atomic.rs", "File::open", "a folder, so that its new entry is on disk"),
     ("crates/editor/src/document/keep.rs", "File::open", "a lock of the editor's own, which is not read"),
     ("crates/trochoid/src/report.rs", "fs::read_to_string", "what the system reports about this process"),

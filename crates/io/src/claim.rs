@@ -124,7 +124,8 @@ impl Claims {
     /// Returns whether the holder of a claim has given no sign of life for too long.
     fn is_gone(&self, path: &Path) -> bool {
         let mut found = Vec::new();
-        if File::open(path).and_then(|file| file.take(64).read_to_end(&mut found)).is_err() {
+        let read = crate::open_file(path).is_ok_and(|file| file.reader().take(64).read_to_end(&mut found).is_ok());
+        if !read {
             // It may have just ended.
             return false;
         }

@@ -98,16 +98,21 @@ pub(crate) struct Args {
 }
 
 /// Reads a region such as `960,0,960,1080`: left, top, width and height in pixels.
-fn region(text: &str) -> Result<Window, String> {
+fn region(text: &str) -> Result<Window, NoRegion> {
     let numbers = text.split(',').map(|number| number.trim().parse::<u32>().ok()).collect::<Option<Vec<_>>>();
     match numbers.as_deref() {
         Some(&[x, y, width, height]) if width.min(height) > 0 => {
             let [x, y, width, height] = [x, y, width, height].map(i64::from);
             Ok(Window::new(x, y, x + width, y + height))
         }
-        _ => Err("expected left, top, width and height in pixels, such as 960,0,960,1080".into()),
+        _ => Err(NoRegion),
     }
 }
+
+/// A text is no region.
+#[derive(Debug, thiserror::Error)]
+#[error("expected left, top, width and height in pixels, such as 960,0,960,1080")]
+struct NoRegion;
 
 impl Args {
     /// Whether files that are up to date are skipped.

@@ -26,7 +26,8 @@ pub(super) fn write(
     monitor: &dyn Monitor,
 ) -> Result<(), JoinError> {
     let reserved = tiles[0].entry(RESERVED).and_then(|bytes| bytes.parse().ok());
-    let reserved = reserved.ok_or_else(|| tiles[0].fault("a picture that is no tile", "one of `render --region`"))?;
+    let reserved =
+        reserved.ok_or_else(|| tiles[0].fault("a picture that is no tile", "one of `trochoid render --region`"))?;
     let channels = tiles[0].channels();
     let selection = Selection::channels(channels.iter().map(|(name, _)| name.as_str()));
     let open = |tile: &Tile| ExrReader::open(&tile.path, &selection, &Limits::default());
