@@ -30,7 +30,7 @@ pub(crate) struct Args {
     #[arg(value_name = "GRAPH")]
     graph: PathBuf,
     /// The pixel, from the left and from the top, the first being 0,0; may be repeated
-    #[arg(long, value_name = "X,Y", required = true, value_parser = pixel)]
+    #[arg(long, value_name = "X,Y", required = true, value_parser = pixel, allow_hyphen_values = true)]
     at: Vec<[i64; 2]>,
     /// Frame [default: the document's first]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]

@@ -1,4 +1,4 @@
-//! Lists of frames such as `1-10,20-40x2`; the step may also be written `20-40:2`, as render farms do.
+//! Lists of frames such as `1-10,20-40x2`, in the forms that other programs write, too.
 
 use crate::failure::Failure;
 use std::collections::HashSet;
@@ -37,7 +37,8 @@ pub(crate) enum PieceFault {
 
 /// Returns the frames that a list names, each once, in list order.
 ///
-/// A piece is a frame (`7`, `-3`), a range (`1-10`, `-5--1`), or every nth frame of a range (`20-40x2`, `20-40:2`).
+/// A piece is a frame (`7`, `-3`), a range (`1-10`, `-5--1`), or every nth frame of a range (`20-40x2`). Render farms write
+/// the step as `20-40:2`, Blender a range as `1..10`, and Nuke spaces for commas.
 ///
 /// # Errors
 /// Returns a message for every piece that has none of these forms, or that names too many frames.
@@ -45,7 +46,7 @@ pub(crate) fn parse(list: &str) -> Result<Vec<i64>, Vec<FrameFault>> {
     let mut faults = Vec::new();
     let mut seen = HashSet::new();
     let mut frames = Vec::new();
-    for piece in list.split(',').map(str::trim) {
+    for piece in list.split(',').flat_map(pieces) {
         let named = match range(piece) {
             Ok((first, last, step)) => (first..=last).step_by(step),
             Err(fault) => {
@@ -60,6 +61,12 @@ pub(crate) fn parse(list: &str) -> Result<Vec<i64>, Vec<FrameFault>> {
         }
     }
     if faults.is_empty() { Ok(frames) } else { Err(faults) }
+}
+
+/// Splits a text between commas at its spaces.
+fn pieces(text: &str) -> Vec<&str> {
+    let pieces: Vec<&str> = text.split_whitespace().collect();
+    if pieces.is_empty() { vec![""] } else { pieces }
 }
 
 /// Returns all frames of the document; only the first if a list was `given`, which then could not be read.
@@ -79,7 +86,7 @@ pub(crate) fn all(graph: &CheckedGraph, given: bool, faults: &mut Vec<Failure>) 
 /// Returns the first frame, the last frame and the step of a piece; the error says what was expected.
 fn range(piece: &str) -> Result<(i64, i64, usize), PieceFault> {
     let (first, rest) = number(piece).ok_or(PieceFault::Form)?;
-    let (last, step) = match rest.strip_prefix('-') {
+    let (last, step) = match rest.strip_prefix('-').or_else(|| rest.strip_prefix("..")) {
         None if rest.is_empty() => (first, 1),
         None => return Err(PieceFault::Form),
         Some(rest) => {
@@ -124,7 +131,7 @@ mod tests {
 
     #[test]
     fn lists_are_read_in_their_order_and_every_frame_once() {
-        let cases: [(&str, &[i64]); 10] = [
+        let cases: [(&str, &[i64]); 15] = [
             ("7", &[7]),
             ("1-4", &[1, 2, 3, 4]),
             ("20-25x2", &[20, 22, 24]),
@@ -135,6 +142,11 @@ mod tests {
             ("5,1-6x2, 2", &[5, 1, 3, 2]),
             ("3-3x9", &[3]),
             ("4,4,4-5", &[4, 5]),
+            ("1..3", &[1, 2, 3]),
+            ("-3..-1,5", &[-3, -2, -1, 5]),
+            ("1..7x3", &[1, 4, 7]),
+            ("1 3 5", &[1, 3, 5]),
+            ("1-2  8-9x1, 4", &[1, 2, 8, 9, 4]),
         ];
         for (list, frames) in cases {
             assert_eq!(parse(list).unwrap(), frames, "{list}");
@@ -149,7 +161,9 @@ mod tests {
             "1-",
             "-",
             "--",
-            "1..3",
+            "1...3",
+            "1..",
+            "1.3",
             "1-3x",
             "1-3:",
             "1-3x2:2",

@@ -128,10 +128,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     // Without pixels, the seed decides nothing.
     let again = if found.outputs.is_empty() { String::new() } else { format!(" (seed {seed:016x})") };
     let [certificate, image] = [&args.certificate, &args.image].map(|path| path.display());
-    let last = format!(
-        "{certificate}: does not hold for {image}{again}\n  remedy: give the picture that was certified, or certify this \
-         one: render its document with --certificate"
-    );
+    // Of a changed certificate nothing else is checked.
+    let is_changed = found.frame.is_none();
+    let remedy = if is_changed {
+        "give the certificate as it was written, or certify the picture anew: render its document with --certificate"
+    } else {
+        "give the picture that was certified, or certify this one: render its document with --certificate"
+    };
+    let last = format!("{certificate}: does not hold for {image}{again}\n  remedy: {remedy}");
     let last = Failure::new(MISSED, last);
     Failure::all(failures.chain([last]))
 }

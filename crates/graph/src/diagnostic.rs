@@ -140,19 +140,24 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     candidates
         .into_iter()
         .map(|candidate| (candidate, candidate.to_lowercase()))
-        .filter(|(_, known)| is_slip(&lower, known))
-        .map(|(candidate, known)| (strsim::jaro_winkler(&lower, &known), candidate))
-        .filter(|(likeness, _)| *likeness > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate)
+        .filter_map(|(candidate, known)| {
+            let likeness = strsim::jaro_winkler(&lower, &known);
+            Some((slips(&lower, &known)?, likeness, candidate)).filter(|_| likeness > 0.75)
+        })
+        // Fewest slips first: letters in the right order alone make "sead" more like "spread" than like "seed".
+        .min_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)))
+        .map(|(.., candidate)| candidate)
 }
 
-/// Whether two names differ by few edits, at most one in three letters (and at least one), or one, of three letters
-/// or more, is the beginning of the other.
-fn is_slip(name: &str, known: &str) -> bool {
+/// Returns the number of edits between two names; `None` if they are too many for a slip: more than one in three letters
+/// (and more than one). That one, of three letters or more, is the beginning of the other counts as one.
+fn slips(name: &str, known: &str) -> Option<usize> {
     let (short, long) = if name.len() < known.len() { (name, known) } else { (known, name) };
+    if short.chars().count() >= 3 && long.starts_with(short) {
+        return Some(usize::from(short != long));
+    }
     let slips = strsim::osa_distance(name, known);
-    (short.chars().count() >= 3 && long.starts_with(short)) || slips <= (long.chars().count() / 3).max(1)
+    (slips <= (long.chars().count() / 3).max(1)).then_some(slips)
 }
 
 #[cfg(test)]
@@ -167,5 +172,6 @@ mod tests {
         assert_eq!(nearest("of", ["view", "other", "soft"]), None);
         assert_eq!(nearest("sinn", ["min", "sin", "sign"]), Some("sin"));
         assert_eq!(nearest("rot", ["x", "rotate"]), Some("rotate"));
+        assert_eq!(nearest("sead", ["spread", "seed"]), Some("seed"));
     }
 }

@@ -1,6 +1,6 @@
 //! Inputs and outputs of stages: what the engine passes to them, and the planes that they fill.
 
-use crate::{BadData, Channel, Connected, FrameContext, Handle, Kind, NodeError, NodeId, SharedResult, Source};
+use crate::{BadData, Channel, Connected, FrameContext, Handle, Kind, NodeError, NodeId, SharedResult, Source, Store};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -82,6 +82,7 @@ pub struct Prepare<'a> {
     handles: &'a dyn Fn(NodeId) -> Option<Handle>,
     cancelled: &'a (dyn Fn() -> bool + Sync),
     pool: &'a Pool,
+    store: Option<&'a Arc<dyn Store>>,
     purpose: Purpose,
 }
 
@@ -95,13 +96,24 @@ impl<'a> Prepare<'a> {
         cancelled: &'a (dyn Fn() -> bool + Sync),
         pool: &'a Pool,
     ) -> Self {
-        Self { frame, kinds, wanted, handles, cancelled, pool, purpose: Purpose::Pictures }
+        Self { frame, kinds, wanted, handles, cancelled, pool, store: None, purpose: Purpose::Pictures }
     }
 
     /// Sets what the stage is prepared for; pictures by default.
     #[must_use]
     pub fn with_purpose(self, purpose: Purpose) -> Self {
         Self { purpose, ..self }
+    }
+
+    /// Sets the store; none by default.
+    #[must_use]
+    pub fn with_store(self, store: Option<&'a Arc<dyn Store>>) -> Self {
+        Self { store, ..self }
+    }
+
+    /// Returns the store in which the stage may leave what it prepares for other processes.
+    pub fn store(&self) -> Option<Arc<dyn Store>> {
+        self.store.cloned()
     }
 
     /// Whether [`Prepared::bound`](crate::Prepared::bound) will be called, so that data for it alone must be prepared.

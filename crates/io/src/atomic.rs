@@ -122,8 +122,18 @@ pub(crate) fn write_atomically(
 /// # Errors
 /// The path is not a regular file, or the file cannot be written; an existing file is untouched then.
 pub fn write_bytes(to: impl Into<Target>, bytes: &[u8]) -> Result<(), Error> {
+    write_parts(to, &[bytes])
+}
+
+/// Writes bytes that lie in several places to a file, like [`write_bytes`].
+///
+/// # Errors
+/// As [`write_bytes`].
+pub fn write_parts(to: impl Into<Target>, parts: &[&[u8]]) -> Result<(), Error> {
     let to = to.into();
-    write_atomically(&to, |writer| writer.write_all(bytes).map_err(Error::io(to.path(), "write the file")))
+    write_atomically(&to, |writer| {
+        parts.iter().try_for_each(|part| writer.write_all(part)).map_err(Error::io(to.path(), "write the file"))
+    })
 }
 
 /// Copies a regular file with its time of change; the copy appears whole or not at all.

@@ -7,7 +7,7 @@ mod memory;
 mod tell;
 
 pub use allow::warn_of_missing;
-pub use memory::{MemoryArgs, enough_memory};
+pub use memory::{MemoryArgs, SizeError, enough_memory, size};
 pub use tell::{printable, tell};
 
 /// Exit code if input or output failed, input data is invalid, or the evaluation failed.

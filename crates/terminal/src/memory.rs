@@ -16,15 +16,18 @@ static RESERVE: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 const RESERVED: usize = 4 << 20;
 
 /// Reads a size such as 8GB, 500MB or 2GiB.
-fn parse(text: &str) -> Result<u64, SizeError> {
+///
+/// # Errors
+/// The text is no number with a unit, or the size is too small to be useful.
+pub fn size(text: &str) -> Result<u64, SizeError> {
     // What the library says of it tells neither what is expected nor what to do.
     let size = text.parse::<ByteSize>().map_err(|_| SizeError::None)?.as_u64();
     if size < LEAST { Err(SizeError::Small { found: size }) } else { Ok(size) }
 }
 
-/// Error in a memory size.
+/// Error in a size of memory or of files.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
-enum SizeError {
+pub enum SizeError {
     /// Not a number with a unit.
     #[error("{EXPECTED}")]
     None,
@@ -52,7 +55,7 @@ pub fn enough_memory(bytes: u64) -> String {
 pub struct MemoryArgs {
     /// Most memory to take, such as 8GB or 500MB: what needs more is refused before it begins [default: three quarters of the
     /// machine's]
-    #[arg(long, global = true, value_name = "SIZE", value_parser = parse)]
+    #[arg(long, global = true, value_name = "SIZE", value_parser = size)]
     memory: Option<u64>,
 }
 
@@ -93,7 +96,7 @@ mod tests {
     #[test]
     fn what_would_do_can_be_asked_for() {
         for bytes in [1, 64_000_000, 999_999_999, 9_999_999_999, 10_000_000_000, 123_456_789_012] {
-            assert!(parse(&enough_memory(bytes)).unwrap() >= bytes + bytes / 10, "{bytes}");
+            assert!(size(&enough_memory(bytes)).unwrap() >= bytes + bytes / 10, "{bytes}");
         }
     }
 
@@ -102,10 +105,10 @@ mod tests {
         for (text, bytes) in
             [("8GB", 8_000_000_000), ("500MB", 500_000_000), ("2GiB", 2 << 30), ("1.5 gb", 1_500_000_000)]
         {
-            assert_eq!(parse(text), Ok(bytes), "{text}");
+            assert_eq!(size(text), Ok(bytes), "{text}");
         }
         for text in ["", "8", "1kB", "much", "-8GB", "8XB", "NaNGB"] {
-            assert!(parse(text).unwrap_err().to_string().contains("8GB"), "{text}");
+            assert!(size(text).unwrap_err().to_string().contains("8GB"), "{text}");
         }
     }
 }

@@ -75,6 +75,8 @@ mod report;
 mod resume;
 mod stability;
 #[cfg(feature = "io")]
+mod store;
+#[cfg(feature = "io")]
 mod stream;
 
 pub use access::refused_files;
@@ -111,6 +113,8 @@ pub use report::{RunReport, RunStatus, frame_report};
 pub use resume::Fingerprints;
 pub use stability::{stability, stability_of, step_errors_of};
 #[cfg(feature = "io")]
+pub use store::{FolderStore, NoStore, StoreUses};
+#[cfg(feature = "io")]
 pub use stream::FileSink;
 pub use trochoid_engine::{
     Account, AccuracyLimit, Audit, BindingFault, Blame, BufferFault, Buffers, Cache, Certified, CertifiedPixels,
@@ -120,14 +124,14 @@ pub use trochoid_engine::{
     Silent, Sink, State, StoredSample, Storing, Switches, paint,
 };
 pub use trochoid_graph::{
-    Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, Control,
-    DataPlace, Declaration, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files,
+    Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, ContentKey,
+    Control, DataPlace, Declaration, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files,
     Guarantee, Harmonic, Interpolation, Item, Key, Kind, Knob, KnobDefault, KnobType, List, Means, MemoryUse,
     NodeError, NodeId, NodeType, Offer, Omission, OutputSpec, PaletteColor, PaletteUse, Paths, Port, Precision,
     REFUSALS, Recipes, Refusal, RefusedFile, Registry, Relation, Right, Role, Severity, Source, Spectrum, Stability,
-    StabilityMap, StepErrorGroup, StepErrorRow, StepErrors, Term, Tolerance, Verdict, Work, counted, escape_frame,
-    expand_frame, expected, folders_to_allow, in_bytes, nearest, quoted, quoted_path, refusal, refusals, resolved,
-    schema, split_frame,
+    StabilityMap, StepErrorGroup, StepErrorRow, StepErrors, Store, StoredEntry, Term, Tolerance, Verdict, Work,
+    counted, escape_frame, expand_frame, expected, folders_to_allow, in_bytes, nearest, quoted, quoted_path, refusal,
+    refusals, resolved, schema, split_frame,
 };
 pub use trochoid_image::{
     Format, FormatError, HexError, Plane, Rgb, Shading, Window, WorkingSpace, oklab, oklch, parse_hex, shown_oklch,

@@ -19,7 +19,7 @@ const LONGEST: u64 = 256 << 20;
 pub(super) const SCRIPTS: [&str; 5] = ["template.json", "parameter_values.json", "job.sh", "join.sh", "submit.sh"];
 
 /// What is written to a path.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum Content {
     Text(String),
     /// A copy of this file.

@@ -6,6 +6,7 @@
 mod folder;
 mod inputs;
 mod join;
+mod measure;
 mod openjd;
 mod ranges;
 mod slurm;
@@ -39,7 +40,7 @@ of a wedge; the tiles from which they are joined stay in a folder named tiles.
 Examples:
   trochoid job storm.json --engine openjd -o farm
   trochoid job storm.json --engine slurm --frames 1-96 --chunk 8 --threads 16 -o farm && bash farm/submit.sh
-  trochoid job storm.json --engine openjd --wedge storm.height=3,4,5 -o heights
+  trochoid job storm.json --engine openjd --wedge storm.height=3,4,5 --measure -o heights
   trochoid job storm.json --engine slurm --frames 36 --tiles 4x2 --output beauty --minutes 600 -o poster")]
 pub(crate) struct Args {
     /// The document
@@ -71,9 +72,17 @@ pub(crate) struct Args {
     /// Threads, and cores that a task asks for
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
-    /// Most time of a task in minutes, after which the engine ends it; make it generous, since nothing is measured here
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    minutes: u32,
+    /// Most time of a task in minutes, after which the engine ends it; make it generous [default: 60, or as measured]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    minutes: Option<u32>,
+    /// Render two frames of the last task on this machine, or a tile of them, writing nothing: tells the time of a task,
+    /// the share of it that each task does anew, and sets --minutes to four times as long and two minutes
+    #[arg(long)]
+    measure: bool,
+    /// Let tasks keep the states of long simulations in this folder, which all machines must reach by the same path, and
+    /// go on from those of others
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
     /// Refer to the document in its place instead of copying it and its files
     #[arg(long)]
     shared: bool,
@@ -129,19 +138,30 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     }
     let variants: Vec<&CheckedGraph> = if wedge.is_some() { variants.iter().collect() } else { vec![graph] };
     let chosen = outputs::choose(graph, &args.output, &mut faults);
-    let work = Work::new(args, graph, &variants, &chosen, frames, wedge, &mut faults);
+    let mut work = Work::new(args, graph, &variants, &chosen, frames, wedge, &mut faults);
     let inputs = inputs::files(args, &variants, &chosen, &work.frames, &mut faults);
     Failure::all(faults)?;
-    let mut files = inputs;
-    files.extend(match args.engine {
-        Engine::Openjd => openjd::files(&work)?,
-        Engine::Slurm => slurm::files(&work),
-    });
-    let folder = Folder::check(&args.into, files, &crate::files::inputs(graph, &args.graph, &args.changes.set, &[]))?;
+    let read = crate::files::inputs(graph, &args.graph, &args.changes.set, &[]);
+    let folder = |work: &Work| {
+        let mut files = inputs.clone();
+        files.extend(match args.engine {
+            Engine::Openjd => openjd::files(work)?,
+            Engine::Slurm => slurm::files(work),
+        });
+        Folder::check(&args.into, files, &read)
+    };
+    // What cannot be written need not be measured.
+    folder(&work)?;
     interrupt::watch()?;
+    let measured = if args.measure { Some(measure::measure(&work, variants[0], &chosen)?) } else { None };
+    if let (Some(measured), None) = (&measured, args.minutes) {
+        work.minutes = measured.minutes();
+    }
+    let folder = folder(&work)?;
     folder.write()?;
     shell::tell(&work.notes(args.engine));
-    if args.quiet { Ok(()) } else { shell::print(&told(args, &work)) }
+    let times = measured.map_or(String::new(), |measured| measured.told());
+    if args.quiet { Ok(()) } else { shell::print(&(told(args, &work) + &times)) }
 }
 
 impl Args {
@@ -181,7 +201,8 @@ fn told(args: &Args, work: &Work) -> String {
     };
     let memory = work.memory();
     let threads = if work.threads == 1 { "1 thread".into() } else { format!("{} threads", work.threads) };
-    format!("{}: {tasks}, of {threads} and {memory} MiB each\nrun them: {next}\n", printable(&dir))
+    let minutes = if work.minutes == 1 { "1 minute".into() } else { format!("{} minutes", work.minutes) };
+    format!("{}: {tasks}, of {threads}, {memory} MiB and at most {minutes} each\nrun them: {next}\n", printable(&dir))
 }
 
 /// Files of a job: the path in the folder, and what is there.

@@ -128,7 +128,7 @@ fn submit(work: &Work) -> String {
     text += if work.tiles.is_empty() {
         "exec sbatch \"$@\" job.sh\n"
     } else {
-        "render=$(sbatch --parsable \"$@\" job.sh)\n\
+        "render=$(sbatch --parsable \"$@\" job.sh)\necho \"Submitted batch job ${render%%;*}\"\n\
          sbatch --dependency=\"afterok:${render%%;*}\" --kill-on-invalid-dep=yes \"$@\" join.sh\n"
     };
     text

@@ -10,6 +10,13 @@ pub(super) struct Grid {
     pub(super) rows: u32,
 }
 
+impl Grid {
+    /// Returns the index of the tile in the middle.
+    pub(super) fn middle(self) -> usize {
+        (self.rows / 2 * self.columns + self.columns / 2) as usize
+    }
+}
+
 /// Text that is no grid of tiles.
 #[derive(Debug, thiserror::Error)]
 #[error("expected columns and rows from 1 to {MOST}, such as 4x2")]

@@ -18,6 +18,8 @@ pub(super) const TILES: &str = "tiles";
 const MOST: usize = 100_000;
 /// Most tasks of an array in Slurm, unless its settings say otherwise.
 const USUAL: usize = 1000;
+/// Most minutes of a task, if neither given nor measured.
+const MINUTES: u32 = 60;
 /// Memory of a task beside what `--memory` bounds, in MiB: the program and its threads.
 const BESIDE: u64 = 256;
 
@@ -36,6 +38,8 @@ pub(super) struct Work {
     pub(super) chunk: usize,
     /// Tiles, each as left, top, width and height; empty if pictures are rendered whole.
     pub(super) tiles: Vec<[u32; 4]>,
+    /// Index of the tile in the middle of the picture.
+    pub(super) middle: usize,
     pub(super) wedge: Option<Wedge>,
     /// Options of all render commands, one word each: names may begin with a hyphen.
     pub(super) options: Vec<String>,
@@ -84,6 +88,9 @@ impl Work {
         for set in &args.changes.set {
             options.push(format!("--set={set}"));
         }
+        if let Some(folder) = &args.cache {
+            options.push(format!("--cache={}", text("--cache", &absolute(folder))));
+        }
         for output in &args.output {
             options.push(format!("--output={output}"));
         }
@@ -101,13 +108,14 @@ impl Work {
             is_shared: args.shared,
             chunk: args.chunk as usize,
             tiles,
+            middle: args.tiles.map_or(0, Grid::middle),
             wedge,
             options,
             pattern: args.out.clone(),
             outputs: escaped.collect(),
             threads: args.threads,
             bound: bound(variants, chosen, frames[0], args.threads, faults),
-            minutes: args.minutes,
+            minutes: args.minutes.unwrap_or(MINUTES),
             frames,
         };
         let (tasks, joins) = (work.tasks(), work.joins());
@@ -232,12 +240,10 @@ fn bound(graphs: &[&CheckedGraph], outputs: &[usize], frame: i64, threads: u16, 
     (settings.threads, settings.memory_limit) = (usize::from(threads), u64::MAX);
     let mut most = 0;
     for graph in graphs {
-        let painted =
-            if graph.has_recipe(outputs) { (*graph).clone().with_recipes(outputs) } else { Ok((*graph).clone()) };
-        let graph = match painted {
+        let graph = match evaluated(graph, outputs) {
             Ok(graph) => graph,
-            Err(refused) => {
-                faults.push(LoadError::Invalid(refused).into());
+            Err(fault) => {
+                faults.push(fault);
                 continue;
             }
         };
@@ -248,4 +254,16 @@ fn bound(graphs: &[&CheckedGraph], outputs: &[usize], frame: i64, threads: u16, 
         }
     }
     most.saturating_add(most / 4).div_ceil(1 << 20).max(BESIDE)
+}
+
+/// Returns a graph as it is evaluated: with recipes if its palette is used so.
+///
+/// # Errors
+/// It has no recipes.
+pub(super) fn evaluated(graph: &CheckedGraph, outputs: &[usize]) -> Result<CheckedGraph, Failure> {
+    let graph = graph.clone();
+    if !graph.has_recipe(outputs) {
+        return Ok(graph);
+    }
+    graph.with_recipes(outputs).map_err(|refused| LoadError::Invalid(refused).into())
 }

@@ -1,5 +1,6 @@
 //! Options of `trochoid render`.
 
+use super::store::StoreOptions;
 use crate::changes::Changes;
 use crate::files::FileOptions;
 use crate::progress::Form as ProgressForm;
@@ -84,6 +85,8 @@ pub(crate) struct Args {
     /// Go on with the next frame when one fails; the exit code tells of the failure at the end
     #[arg(long)]
     pub(super) keep_going: bool,
+    #[command(flatten)]
+    pub(super) store: StoreOptions,
     #[command(flatten)]
     pub(super) files: FileOptions,
     /// Form of progress

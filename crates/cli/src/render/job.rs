@@ -176,9 +176,8 @@ impl<'a> Job<'a> {
     }
 
     /// Renders all frames in order.
-    pub(super) fn run(&self, evaluate: &Evaluate<'_>, report: &mut RunReport) -> Result<(), Failure> {
+    pub(super) fn run(&self, evaluate: &Evaluate<'_>, mut cache: Cache, report: &mut RunReport) -> Result<(), Failure> {
         let mut progress = Progress::of(self.args.progress, self.frames.len(), self.args.quiet);
-        let mut cache = Cache::new();
         let mut fingerprints = Fingerprints::with(&self.settings).by_reference(self.accuracy.by_reference());
         // Runs that were killed while writing left partial files.
         let clear = || self.folders.iter().for_each(|folder| clear_partial_files(folder));

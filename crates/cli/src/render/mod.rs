@@ -7,6 +7,7 @@ mod chosen;
 mod files;
 mod job;
 mod line;
+mod store;
 mod tally;
 mod written;
 
@@ -71,8 +72,10 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
     let job = Job::new(&chosen, args, frames, &mut faults).with(accuracy);
     Failure::all(faults)?;
     interrupt::watch()?;
+    let store = args.store.open()?;
     let mut report = RunReport::new(&chosen.graph);
-    let outcome = job.run(evaluate, &mut report);
+    let outcome = job.run(evaluate, store::cache(store.as_ref()), &mut report);
+    shell::tell(&store.map_or_else(Vec::new, |store| store::warnings(&store)));
     if let Some(message) = outcome.as_ref().err().and_then(|failure| failure.messages.first()) {
         progress::failed(args.progress, message.text());
     }

@@ -69,6 +69,24 @@ fn templates_and_scripts_are_the_stored_ones() {
     assert_eq!(left, [false, false]);
 }
 
+#[test]
+fn the_time_of_a_task_is_measured_and_its_cache_passed_on() {
+    let scene = Scene::new(SCENE);
+    let all = ["job", "a.json", "--engine", "slurm", "--chunk", "2", "--measure", "--cache", "kept"];
+    let run = scene.run(&[&all[..], &["--tiles", "2x2", "-o", "farm"]].concat()).code(0);
+    run.says(&["and at most 3 minutes each", "a task takes 0.", " s here: its first frame 0.", "% of it is done anew"]);
+    let script = text(&scene, "farm/job.sh");
+    assert!(script.contains("#SBATCH --time=3\n"), "{script}");
+    assert!(script.contains(&format!("--cache={}", scene.path("kept").display())), "{script}");
+    let given = scene.run(&[&all[..], &["--minutes", "7", "-o", "farm"]].concat()).code(0);
+    given.says(&["and at most 7 minutes each", "a task takes"]);
+    assert!(!scene.path("out").exists() && !scene.path("kept").exists(), "nothing is rendered");
+    // What cannot be written is not measured.
+    fs::write(scene.path("here"), "").unwrap();
+    let run = scene.run(&[&all[..], &["-o", "here"]].concat()).code(2);
+    assert!(!run.out.contains("takes"), "{}", run.out);
+}
+
 /// Runs the script of a Slurm job as its array does, with the program under test in place of an installed one.
 fn run_array(scene: &Scene, folder: &str) {
     let script = text(scene, &format!("{folder}/job.sh"));

@@ -4,6 +4,7 @@
 
 mod access;
 mod bad_images;
+mod cache;
 mod certify;
 mod commands;
 #[cfg(unix)]

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 use trochoid_graph::{
-    ContentKey, FileState, Handle, Key, NodeError, NodeId, Pool, Prepare, Prepared, Settled, file_states,
+    ContentKey, FileState, Handle, Key, NodeError, NodeId, Pool, Prepare, Prepared, Settled, Store, file_states,
 };
 use trochoid_memory::Heap;
 
@@ -27,6 +27,7 @@ pub struct Cache {
     /// Value of the clock at the last call of `forget_unused`.
     mark: u64,
     pool: Pool,
+    store: Option<Arc<dyn Store>>,
 }
 
 struct CacheEntry {
@@ -69,7 +70,13 @@ impl Cache {
 
     /// Returns an empty cache of at most `bytes` bytes.
     pub fn with_limit(bytes: usize) -> Self {
-        Self { kept: HashMap::new(), limit: bytes, room: bytes, clock: 0, mark: 0, pool: Pool::new() }
+        Self { kept: HashMap::new(), limit: bytes, room: bytes, clock: 0, mark: 0, pool: Pool::new(), store: None }
+    }
+
+    /// Returns the cache with a store, in which stages leave what took them long for other processes.
+    #[must_use]
+    pub fn with_store(self, store: Arc<dyn Store>) -> Self {
+        Self { store: Some(store), ..self }
     }
 
     /// Returns the memory held, in bytes.
@@ -204,7 +211,8 @@ pub(crate) fn prepare(
                 let handles = |id: NodeId| -> Option<Handle> { ready.get(&id)?.prepared.handle() };
                 let cancelled = || monitor.cancelled();
                 let prepare = Prepare::new(&plan.context, &node.kinds, wanted, &handles, &cancelled, &cache.pool)
-                    .with_purpose(plan.settings.purpose);
+                    .with_purpose(plan.settings.purpose)
+                    .with_store(cache.store.as_ref());
                 let prepared = stage.prepare(&prepare).map_err(|error| node_error(plan, *id, error, monitor))?;
                 let prepared: Arc<dyn Prepared> = prepared.into();
                 // If the estimate was too low, count the real size.

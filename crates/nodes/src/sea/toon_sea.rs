@@ -435,8 +435,9 @@ impl Stage for ToonSea {
     }
 
     fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
-        // Heights and the fields of the simulation, including trails in case a view requests them.
-        const CELL: u64 = 64;
+        // Heights and the fields of the simulation, including trails in case a view requests them, and a state's copy
+        // for a store.
+        const CELL: u64 = 84;
         // Their f64 runs, and the fields of the surface taken from them.
         const EXACT: u64 = 200;
         let cells = (self.columns * self.rows).max(0) as u64;

@@ -44,6 +44,7 @@ mod motion;
 mod probe;
 mod propagator;
 pub mod reference;
+mod saved;
 mod sea;
 mod shape;
 mod simulation;

@@ -17,15 +17,15 @@ const WORTH_A_JUMP: u64 = 64;
 /// A frame therefore does not depend on the frames shown before it. Going back in time starts over.
 #[derive(Clone)]
 pub struct Simulation {
-    sea: ToonSea,
+    pub(super) sea: ToonSea,
     wanted: TrailFields,
     /// Whether heights are kept; trails do not need them.
     heights: bool,
     /// Spans of steps with bursts.
     forced: Vec<[u64; 2]>,
     /// Step of `state`: one with bursts, or 0. For a literal sea, any step.
-    step: u64,
-    state: State,
+    pub(super) step: u64,
+    pub(super) state: State,
     shown: State,
     modes: Option<Modes>,
     /// Coefficients of the recurrence, if a step is a literal one: that costs one pass over the cells, while a step
@@ -40,16 +40,16 @@ pub struct Simulation {
 
 /// State of a sea.
 #[derive(Clone, Debug, Default)]
-struct State {
+pub(super) struct State {
     /// h and v by cell if steps use the recurrence itself, or the two numbers of each mode.
-    a: Vec<f32>,
-    b: Vec<f32>,
-    rift: Vec<f32>,
-    drift: [Vec<f32>; DRIFTS],
+    pub(super) a: Vec<f32>,
+    pub(super) b: Vec<f32>,
+    pub(super) rift: Vec<f32>,
+    pub(super) drift: [Vec<f32>; DRIFTS],
 }
 
 impl State {
-    fn fields(&self) -> impl Iterator<Item = &Vec<f32>> {
+    pub(super) fn fields(&self) -> impl Iterator<Item = &Vec<f32>> {
         [&self.a, &self.b, &self.rift].into_iter().chain(&self.drift)
     }
 }

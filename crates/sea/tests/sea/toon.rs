@@ -150,6 +150,56 @@ fn a_frame_alone_is_the_frame_of_a_run() {
     }
 }
 
+/// A process that is killed between two steps leaves a state from which another one goes on.
+#[test]
+fn a_saved_state_goes_on_as_the_run_that_saved_it() {
+    let mut random = Random(23);
+    for (index, motion) in motions().into_iter().enumerate() {
+        let basin = Basin { columns: 33, rows: 41, spacing: 0.3, boundary: Boundary::Replicate };
+        let mut bursts = bursts(&mut random, &basin, 8);
+        // Includes intervals without bursts, short and long ones.
+        let spans = [[0.2, 0.5], [1.1, 1.3], [6.0, 6.2]];
+        bursts.iter_mut().enumerate().for_each(|(at, burst)| burst.active = spans[at % 3]);
+        let behavior = Behavior { preroll: 3, ..Behavior::default() };
+        let sea = ToonSea::new(basin, motion, behavior, bursts).expect("valid");
+        for begin in [|sea: &ToonSea| sea.simulate(ALL), |sea: &ToonSea| sea.simulate_trails(ALL)] {
+            let expected = bits(&mut begin(&sea), 6.4);
+            let mut run = begin(&sea);
+            for stops in [1, 4, 30, 61, 66, 90] {
+                // Stops after some steps, wherever that is.
+                let left = std::cell::Cell::new(stops);
+                run.reach(6.4, &|| left.replace(left.get() - 1) <= 0);
+                let saved = run.save();
+                assert_eq!(saved.len() as u64, run.saved_bytes());
+                assert!(run.step() <= run.last_step(6.4));
+                let mut other = begin(&sea);
+                assert!(other.restore(run.step(), &saved));
+                assert!(bits(&mut other, 6.4) == expected, "{index}: {motion:?} from step {}", run.step());
+                // Going back starts over.
+                assert!(bits(&mut other, 0.3) == bits(&mut begin(&sea), 0.3), "{motion:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_no_state_is_refused_and_changes_nothing() {
+    let basin = Basin { columns: 20, rows: 10, spacing: 0.3, boundary: Boundary::Replicate };
+    let sea = ToonSea::new(basin, Motion::default(), Behavior::default(), bursts(&mut Random(5), &basin, 4));
+    let sea = sea.expect("valid");
+    let mut run = sea.simulate(ALL);
+    run.reach(0.5, &|| false);
+    let (step, saved) = (run.step(), run.save());
+    let mut other = sea.simulate(ALL);
+    let start = other.save();
+    assert!(start != saved);
+    let nan = [&f32::NAN.to_le_bytes()[..], &saved[4..]].concat();
+    for bad in [&saved[1..], &[], &nan, &[&saved[..], &[0; 4]].concat()] {
+        assert!(!other.restore(step, bad), "{} bytes", bad.len());
+        assert_eq!((other.step(), other.save() == start), (0, true));
+    }
+}
+
 #[test]
 fn what_is_not_asked_for_changes_nothing() {
     let basin = Basin { columns: 70, rows: 40, spacing: 0.3, boundary: Boundary::Replicate };

@@ -4,4 +4,5 @@ set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")"
 mkdir -p logs
 render=$(sbatch --parsable "$@" job.sh)
+echo "Submitted batch job ${render%%;*}"
 sbatch --dependency="afterok:${render%%;*}" --kill-on-invalid-dep=yes "$@" join.sh

@@ -2,6 +2,7 @@
 
 mod bursts;
 mod exact;
+mod kept;
 mod prepared;
 
 pub(crate) use bursts::{Burst, FloatingBody, Guide, TimedPath};

@@ -1,11 +1,13 @@
 //! A toon sea at a frame, and the simulations shared by frames.
 
 use super::exact::ExactSea;
+use super::kept::KeptRun;
+use crate::sea::toon_sea;
 use crate::view::SurfaceHandle;
 use std::sync::{Arc, Mutex, PoisonError};
-use trochoid_graph::{Handle, NodeError, Prepare, Prepared, Reference, References};
+use trochoid_graph::{ContentKey, Declare, Handle, Key, NodeError, Prepare, Prepared, Reference, References, Store};
 use trochoid_scene::{GridSurface, Number};
-use trochoid_sea::toon::{DriftPhases, Simulation, ToonFrame, ToonSea, TrailFields};
+use trochoid_sea::toon::{DriftPhases, ToonFrame, ToonSea, TrailFields};
 
 pub(super) const RIFT: TrailFields = TrailFields { rift: true, drift: false };
 pub(super) const DRIFT: TrailFields = TrailFields { rift: false, drift: true };
@@ -16,14 +18,22 @@ struct Trails {
     wanted: TrailFields,
     time: f64,
     /// The simulation shared by all frames, once any frame has requested it.
-    shared: Arc<Mutex<Option<Simulation>>>,
+    shared: Arc<Mutex<Option<KeptRun>>>,
+    store: Option<Arc<dyn Store>>,
 }
 
 impl Trails {
     fn at<T>(self, take: impl FnOnce(&ToonFrame<'_>) -> T) -> T {
         let begin = || self.sea.simulate_trails(self.wanted);
+        let run = || KeptRun::new(begin(), series(Some(self.wanted), &self.sea), self.store.clone());
         match self.shared.lock() {
-            Ok(mut simulation) => take(&simulation.get_or_insert_with(begin).at(self.time)),
+            Ok(mut simulation) => {
+                let run = simulation.get_or_insert_with(run);
+                match run.at(self.time, &|| false) {
+                    Some(frame) => take(&frame),
+                    None => take(&begin().at(self.time)),
+                }
+            }
             // A panic may have interrupted a step: start again.
             Err(_) => take(&begin().at(self.time)),
         }
@@ -43,6 +53,12 @@ impl Trails {
     }
 }
 
+/// Returns the key of the states of a simulation: of these trails, or of the heights.
+fn series(trails: Option<TrailFields>, sea: &ToonSea) -> Key {
+    let made_by = (env!("CARGO_PKG_VERSION"), toon_sea::ToonSea::DECLARATION.revision);
+    ("ToonSea", made_by, (trails.is_some(), trails.unwrap_or_default()), sea).key()
+}
+
 /// Position of the grid.
 #[derive(Clone, Copy)]
 pub(crate) struct GridLayout {
@@ -60,9 +76,9 @@ impl GridLayout {
 
 /// The simulations shared by all frames, kept for the next frame.
 struct Simulations {
-    heights: Arc<Mutex<Simulation>>,
+    heights: Arc<Mutex<KeptRun>>,
     /// Simulations of the rift and of the drift, begun when first requested.
-    trails: [Arc<Mutex<Option<Simulation>>>; 2],
+    trails: [Arc<Mutex<Option<KeptRun>>>; 2],
 }
 
 impl Simulations {
@@ -72,13 +88,13 @@ impl Simulations {
             bytes(&held.lock().unwrap_or_else(PoisonError::into_inner)).div_ceil(Arc::strong_count(held))
         }
         let trail = |(held, fields): (_, usize)| {
-            share(held, |trail: &Option<Simulation>| {
-                trail
-                    .as_ref()
-                    .map_or(0, |trail| trail.bytes() + fields * trail.sea().basin().cells() * size_of::<f32>())
+            share(held, |trail: &Option<KeptRun>| {
+                let trail = trail.as_ref().map(KeptRun::simulation);
+                trail.map_or(0, |trail| trail.bytes() + fields * trail.sea().basin().cells() * size_of::<f32>())
             })
         };
-        share(&self.heights, Simulation::bytes) + self.trails.iter().zip([1, 5]).map(trail).sum::<usize>()
+        share(&self.heights, |heights| heights.simulation().bytes())
+            + self.trails.iter().zip([1, 5]).map(trail).sum::<usize>()
     }
 }
 
@@ -98,19 +114,18 @@ impl PreparedToonSea {
     pub(crate) fn new(sea: ToonSea, layout: GridLayout, prepare: &Prepare<'_>) -> Result<Self, NodeError> {
         // Frames of one sea share its simulations, so that each takes only the steps since the previous frame. Trails
         // have separate simulations, which begin only when a view requests them.
-        let simulation = prepare.shared(&sea, || Ok(Mutex::new(sea.simulate(TrailFields::default()))))?;
+        let begin = || KeptRun::new(sea.simulate(TrailFields::default()), series(None, &sea), prepare.store());
+        let simulation = prepare.shared(&sea, || Ok(Mutex::new(begin())))?;
         let time = prepare.frame.time;
         let trails = |wanted: TrailFields| {
             let shared = prepare.shared(&(wanted, &sea), || Ok(Mutex::new(None)))?;
-            Ok::<_, NodeError>(Trails { sea: sea.clone(), wanted, time, shared })
+            Ok::<_, NodeError>(Trails { sea: sea.clone(), wanted, time, shared, store: prepare.store() })
         };
         let (rift, drift) = (trails(RIFT)?, trails(DRIFT)?);
         let heights = match simulation.lock() {
             Ok(mut simulation) => {
-                if !simulation.reach(time, prepare.cancellation()) {
-                    return Err(NodeError::Cancelled);
-                }
-                simulation.at(time).height.to_vec()
+                let frame = simulation.at(time, prepare.cancellation()).ok_or(NodeError::Cancelled)?;
+                frame.height.to_vec()
             }
             // A panic may have interrupted a step: start again.
             Err(_) => sea.simulate(TrailFields::default()).at(time).height.to_vec(),
