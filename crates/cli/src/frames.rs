@@ -83,6 +83,22 @@ pub(crate) fn all(graph: &CheckedGraph, given: bool, faults: &mut Vec<Failure>) 
     (first..=last).collect()
 }
 
+/// Returns a note on frames beyond those of a document that moves.
+pub(crate) fn beyond(graph: &CheckedGraph, frames: &[i64]) -> Option<String> {
+    let (first, last) = graph.frames();
+    let beyond: Vec<i64> = frames.iter().copied().filter(|frame| !(first..=last).contains(frame)).collect();
+    let found = match beyond[..] {
+        _ if first == last => return None,
+        [] => return None,
+        [frame] => format!("frame {frame} is"),
+        _ => format!("{} frames, {} and others, are", beyond.len(), beyond[0]),
+    };
+    Some(format!(
+        "note: --frames: {found} outside of the document's frames, {first} to {last}; keyed values stay as at its ends\n  \
+         remedy: if they are meant, change the document's \"frames\""
+    ))
+}
+
 /// Returns the first frame, the last frame and the step of a piece; the error says what was expected.
 fn range(piece: &str) -> Result<(i64, i64, usize), PieceFault> {
     let (first, rest) = number(piece).ok_or(PieceFault::Form)?;

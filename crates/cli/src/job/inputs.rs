@@ -81,8 +81,8 @@ fn place(path: &Path, folder: &Path, reader: &str, faults: &mut Vec<Failure>) ->
             "{}: found a file outside of the document's folder, and {reader}; expected one that can be copied with the document",
             path.display()
         );
-        let remedy = "move it beneath the document's folder and name it by a path within; or leave all files in their \
-                      places: --shared";
+        let remedy = "leave all files in their places: --shared, with --allow and the folder of the file; or move it beneath \
+                      the document's folder and name it by a path within";
         faults.push(Failure::usage(message, remedy));
         return None;
     };

@@ -47,15 +47,15 @@ impl Measured {
         (self.seconds() * MARGIN / 60.0 + BESIDE).ceil().min(100_000.0) as u32
     }
 
-    /// Tells the times, as lines.
-    pub(super) fn told(&self) -> String {
+    /// Tells the times, as lines, in a job of so many frames.
+    pub(super) fn told(&self, of: usize) -> String {
         let mut told = format!("a task takes {} here", in_words(self.seconds()));
         if self.frames > 1 {
             let (first, further) = (in_words(self.first), in_words(self.further));
             told += &format!(": its first frame {first}, each further one {further}");
         }
         told += &format!("; {:.0} % of it is done anew by each task\n", 100.0 * self.overhead());
-        if self.overhead() > SHARE && self.frames_that_pay() > self.frames as u64 {
+        if self.overhead() > SHARE && (self.frames as u64 + 1..=of as u64).contains(&self.frames_that_pay()) {
             told += &format!("with --chunk {} that would be {:.0} %\n", self.frames_that_pay(), 100.0 * SHARE);
         }
         told
@@ -129,10 +129,15 @@ mod tests {
         let sea = Measured { first: 30.0, further: 1.0, frames: 10 };
         assert!((sea.seconds() - 39.1).abs() < 1e-9 && (sea.overhead() - 29.1 / 39.1).abs() < 1e-9);
         assert_eq!((sea.minutes(), sea.frames_that_pay()), (5, 262));
-        assert!(sea.told().contains("39 s here: its first frame 30 s, each further one 1.0 s; 74 %"), "{}", sea.told());
-        assert!(sea.told().contains("--chunk 262"), "{}", sea.told());
+        assert!(
+            sea.told(500).contains("39 s here: its first frame 30 s, each further one 1.0 s; 74 %"),
+            "{}",
+            sea.told(500)
+        );
+        assert!(sea.told(500).contains("--chunk 262"), "{}", sea.told(500));
+        assert!(!sea.told(96).contains("--chunk"), "there are not so many frames");
         let still = Measured { first: 7200.0, further: 7200.0, frames: 1 };
         assert_eq!(still.minutes(), 483);
-        assert_eq!(still.told(), "a task takes 2.0 hours here; 0 % of it is done anew by each task\n");
+        assert_eq!(still.told(1), "a task takes 2.0 hours here; 0 % of it is done anew by each task\n");
     }
 }

@@ -40,7 +40,7 @@ of a wedge; the tiles from which they are joined stay in a folder named tiles.
 Examples:
   trochoid job storm.json --engine openjd -o farm
   trochoid job storm.json --engine slurm --frames 1-96 --chunk 8 --threads 16 -o farm && bash farm/submit.sh
-  trochoid job storm.json --engine openjd --wedge storm.height=3,4,5 --measure -o heights
+  trochoid job storm.json --engine openjd --wedge sea.height=3,4,5 --measure -o heights
   trochoid job storm.json --engine slurm --frames 36 --tiles 4x2 --output beauty --minutes 600 -o poster")]
 pub(crate) struct Args {
     /// The document
@@ -58,7 +58,7 @@ pub(crate) struct Args {
     /// Render each picture as C columns and R rows of tiles, such as 4x2, which a second step joins
     #[arg(long, value_name = "CxR", value_parser = tiles::grid)]
     tiles: Option<Grid>,
-    /// Render all frames once for each of these values of a knob or port, such as storm.height=3,4,5
+    /// Render all frames once for each of these values of a knob or port, such as sea.height=3,4,5
     #[arg(long, value_name = "NODE.KNOB=VALUES")]
     wedge: Option<String>,
     /// Render this output; may be repeated [default: all outputs]
@@ -69,7 +69,7 @@ pub(crate) struct Args {
     out: String,
     #[command(flatten)]
     changes: Changes,
-    /// Threads, and cores that a task asks for
+    /// Threads, and cores that a task asks for; an engine never starts a task that asks for more than a machine has
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
     /// Most time of a task in minutes, after which the engine ends it; make it generous [default: 60, or as measured]
@@ -133,7 +133,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     for assignment in wedge.iter().flat_map(Wedge::assignments) {
         match load(&[&args.changes.assignments()[..], &[assignment]].concat()) {
             Ok(loaded) => variants.push(loaded.graph),
-            Err(error) => faults.push(wedge::refused(error)),
+            // The other values would most often be refused for the same reason.
+            Err(error) => {
+                faults.push(wedge::refused(error));
+                break;
+            }
         }
     }
     let variants: Vec<&CheckedGraph> = if wedge.is_some() { variants.iter().collect() } else { vec![graph] };
@@ -159,8 +163,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     }
     let folder = folder(&work)?;
     folder.write()?;
-    shell::tell(&work.notes(args.engine));
-    let times = measured.map_or(String::new(), |measured| measured.told());
+    shell::tell(&work.notes(args.engine, graph));
+    let times = measured.map_or(String::new(), |measured| measured.told(work.frames.len()));
     if args.quiet { Ok(()) } else { shell::print(&(told(args, &work) + &times)) }
 }
 

@@ -3,7 +3,7 @@
 use super::Files;
 use super::folder::Content;
 use super::join;
-use super::work::{OUT, Work};
+use super::work::{MINUTES, OUT, Work};
 use std::fmt::Write as _;
 use trochoid::quoted;
 
@@ -23,12 +23,19 @@ const RUN: &str = r#"run() {
 }
 "#;
 
-/// Ends a task. Only what may succeed elsewhere is tried again: an invalid document (2) and a missed guarantee (3) stay
-/// so, and an interrupted task (130) is for Slurm to requeue.
-const END: &str = r#"if [ "$code" = 1 ] && [ "${SLURM_RESTART_COUNT:-0}" -lt 3 ]; then
-    echo "input, output or memory failed: trying again" >&2
-    scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID"
-fi
+/// Ends a task. Only what may succeed elsewhere is tried again: failed input, output or memory (1), and the end by a
+/// signal, which also ends what takes more memory than the machine has (129 and more, except for the interruption that
+/// Slurm itself asks for, 130 and 143). An invalid document (2) and a missed guarantee (3) stay so.
+const END: &str = r#"case $code in
+    0) exit 0 ;;
+    126 | 127) echo "$trochoid cannot be run on $(hostname): export TROCHOID=/PATH/OF/trochoid and submit again" >&2 ;;
+    1 | 129 | 13[1-9] | 14[0-24-9] | 1[5-9]?)
+        if [ "${SLURM_RESTART_COUNT:-0}" -lt 3 ]; then
+            echo "ended with code $code: trying again" >&2
+            scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID"
+        fi
+        ;;
+esac
 exit "$code"
 "#;
 
@@ -43,8 +50,8 @@ pub(super) fn files(work: &Work) -> Files {
 }
 
 /// Returns the beginning of a script: the options of `sbatch`.
-fn head(work: &Work, name: &str, tasks: usize, threads: u16) -> String {
-    let (job, last, memory, minutes) = (&work.name, tasks - 1, work.memory(), work.minutes);
+fn head(work: &Work, name: &str, tasks: usize, threads: u16, minutes: u32) -> String {
+    let (job, last, memory) = (&work.name, tasks - 1, work.memory());
     format!(
         "#!/bin/bash\n\
          #SBATCH --job-name={name}.{job}\n\
@@ -81,7 +88,7 @@ fn folder(work: &Work, at: &str) -> String {
 fn render(work: &Work) -> String {
     let (chunks, tiles) = (work.chunks(), work.tiles.len().max(1));
     let count = chunks.len();
-    let mut text = head(work, "trochoid", work.tasks(), work.threads);
+    let mut text = head(work, "trochoid", work.tasks(), work.threads, work.minutes);
     text += &array("chunks", chunks);
     let _ = writeln!(text, "frames=${{chunks[task % {count}]}}");
     if !work.tiles.is_empty() {
@@ -105,13 +112,13 @@ fn render(work: &Work) -> String {
     if !work.tiles.is_empty() {
         words.push("--region \"$region\"".into());
     }
-    words.push(format!("--threads {} --memory {}MiB --resume --json", work.threads, work.bound));
+    words.push(format!("--threads {} --memory {}MiB --resume", work.threads, work.bound));
     let _ = write!(text, "\n{RUN}run {}\n{END}", words.join(" \\\n    "));
     text
 }
 
 fn join(work: &Work) -> String {
-    let mut text = head(work, "join", work.joins(), 1);
+    let mut text = head(work, "join", work.joins(), 1, work.minutes.max(MINUTES));
     let count = work.frames.len();
     text += &array("frames", work.frames.iter().map(ToString::to_string));
     let _ = writeln!(text, "frame=${{frames[task % {count}]}}");

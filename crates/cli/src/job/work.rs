@@ -4,6 +4,7 @@ use super::tiles::{self, Grid};
 use super::wedge::Wedge;
 use super::{Args, Engine, inputs, ranges};
 use crate::failure::{FAILED, Failure};
+use crate::frames;
 use std::path::Path;
 use trochoid::{CheckedGraph, LoadError, Pictures, Plan, Settings, output_files, quoted};
 
@@ -19,7 +20,7 @@ const MOST: usize = 100_000;
 /// Most tasks of an array in Slurm, unless its settings say otherwise.
 const USUAL: usize = 1000;
 /// Most minutes of a task, if neither given nor measured.
-const MINUTES: u32 = 60;
+pub(super) const MINUTES: u32 = 60;
 /// Memory of a task beside what `--memory` bounds, in MiB: the program and its threads.
 const BESIDE: u64 = 256;
 
@@ -163,8 +164,8 @@ impl Work {
         }
     }
 
-    /// Returns notes on what the engine may not take.
-    pub(super) fn notes(&self, engine: Engine) -> Vec<String> {
+    /// Returns notes on frames beyond those of the document, and on what the engine may not take.
+    pub(super) fn notes(&self, engine: Engine, graph: &CheckedGraph) -> Vec<String> {
         let most = self.tasks().max(self.joins());
         let is_long = engine == Engine::Slurm && most > USUAL;
         let note = || {
@@ -173,7 +174,7 @@ impl Work {
                  remedy: give more frames a task: --chunk"
             )
         };
-        is_long.then(note).into_iter().collect()
+        frames::beyond(graph, &self.frames).into_iter().chain(is_long.then(note)).collect()
     }
 }
 

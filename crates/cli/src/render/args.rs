@@ -18,7 +18,7 @@ Examples:
   trochoid render storm.json --frames 1-10,20-40x2 --resume
   trochoid render storm.json --output beauty --out 'out/{output}.####.exr'
   trochoid render storm.json --frames 36 --recipe storm.recipe.####.exr
-  trochoid render storm.json --set storm.height=6 --require hull --report report.json
+  trochoid render storm.json --set sea.height=6 --require hull --report report.json
   trochoid render storm.json --frames 1-96 --certificate 'out/storm.####.json' --sign mine.pem")]
 pub(crate) struct Args {
     /// The document

@@ -114,18 +114,10 @@ impl<'a> Job<'a> {
     /// Returns notes on frames beyond those of the document, and on file names of a still in which `#` may not have
     /// been meant as the frame.
     pub(super) fn notes(&self) -> Vec<String> {
-        let (first, last) = self.graph.frames();
-        let beyond: Vec<i64> = self.frames.iter().copied().filter(|frame| !(first..=last).contains(frame)).collect();
-        if first != last && !beyond.is_empty() {
-            let found = match beyond[..] {
-                [frame] => format!("frame {frame} is"),
-                _ => format!("{} frames, {} and others, are", beyond.len(), beyond[0]),
-            };
-            return vec![format!(
-                "note: --frames: {found} outside of the document's frames, {first} to {last}; keyed values stay as at its \
-                 ends\n  remedy: if they are meant, change the document's \"frames\""
-            )];
+        if let Some(note) = frames::beyond(self.graph, &self.frames) {
+            return vec![note];
         }
+        let (first, last) = self.graph.frames();
         let [frame] = self.frames[..] else { return Vec::new() };
         let Args { out, recipe, certificate, error, .. } = self.args;
         let named = [("--out", out), ("--recipe", recipe), ("--certificate", certificate), ("--error", error)];

@@ -75,7 +75,8 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
     let store = args.store.open()?;
     let mut report = RunReport::new(&chosen.graph);
     let outcome = job.run(evaluate, store::cache(store.as_ref()), &mut report);
-    shell::tell(&store.map_or_else(Vec::new, |store| store::warnings(&store)));
+    let notes = store.map_or_else(Vec::new, |store| store::notes(&store));
+    shell::tell(notes.iter().filter(|note| !args.quiet || !note.starts_with("note:")));
     if let Some(message) = outcome.as_ref().err().and_then(|failure| failure.messages.first()) {
         progress::failed(args.progress, message.text());
     }

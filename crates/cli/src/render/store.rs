@@ -43,9 +43,12 @@ pub(super) fn cache(store: Option<&Arc<FolderStore>>) -> Cache {
     }
 }
 
-/// Returns warnings of what did not work with the folder.
-pub(super) fn warnings(store: &FolderStore) -> Vec<String> {
+/// Returns a note on what was done with the folder, and warnings of what did not work.
+pub(super) fn notes(store: &FolderStore) -> Vec<String> {
     let uses = store.uses();
+    let states = |count: u64| if count == 1 { "1 state".into() } else { format!("{count} states") };
+    let used = (uses.read + uses.kept > 0)
+        .then(|| format!("note: --cache: went on from {}, kept {}", states(uses.read), states(uses.kept)));
     let damaged = (uses.damaged > 0).then(|| {
         format!(
             "warning: --cache: found {} damaged, and simulated anew; expected files as they were written\n  remedy: look \
@@ -59,5 +62,5 @@ pub(super) fn warnings(store: &FolderStore) -> Vec<String> {
              pictures are right"
         )
     });
-    damaged.into_iter().chain(refused).collect()
+    used.into_iter().chain(damaged).chain(refused).collect()
 }

@@ -22,15 +22,21 @@ fn entries(scene: &Scene) -> Vec<String> {
 #[test]
 fn a_run_goes_on_from_what_another_one_kept() {
     let scene = Scene::new(SEA);
-    let render = |more: &[&str]| scene.run(&[&["render", "a.json", "--quiet"], more].concat()).code(0);
+    let render = |more: &[&str]| scene.run(&[&["render", "a.json"], more].concat()).code(0);
     let picture = |name: &str| fs::read(scene.path(name)).unwrap();
     render(&["--frames", "1-3", "--out", "alone.####.exr"]);
-    assert_eq!(render(&["--frames", "1", "--cache", "kept"]).err, "");
+    assert_eq!(
+        render(&["--frames", "1", "--cache", "kept"]).err,
+        "note: --cache: went on from 0 states, kept 1 state\n"
+    );
     let kept = entries(&scene);
     assert_eq!(kept.len(), 1, "{kept:?}");
     let changed = || fs::metadata(scene.path(&kept[0])).unwrap().modified().unwrap();
     let before = changed();
-    assert_eq!(render(&["--frames", "3", "--cache", "kept"]).err, "");
+    assert_eq!(
+        render(&["--frames", "3", "--cache", "kept"]).err,
+        "note: --cache: went on from 1 state, kept 0 states\n"
+    );
     assert!(changed() > before, "it was read, which counts as use");
     for frame in ["0001", "0003"] {
         let [found, alone] = [format!("out/b.{frame}.exr"), format!("alone.{frame}.exr")].map(|name| picture(&name));

@@ -183,6 +183,11 @@ fn a_task_is_tried_again_only_if_another_try_may_succeed() {
         (2, "", false),
         (3, "1", false),
         (130, "", false),
+        (137, "", true),
+        (137, "3", false),
+        (139, "1", true),
+        (143, "", false),
+        (127, "", false),
     ] {
         program("trochoid", &format!("exit {code}"));
         let mut bash = Command::new("bash");
@@ -190,6 +195,7 @@ fn a_task_is_tried_again_only_if_another_try_may_succeed() {
         bash.env("SLURM_ARRAY_JOB_ID", "7").env("SLURM_RESTART_COUNT", restarts).env_remove("TROCHOID");
         let run = crate::scene::Run::of(&mut bash);
         assert_eq!((run.code, run.out.as_str()), (code, if requeues { "requeue 7_0\n" } else { "" }), "{}", run.err);
+        assert_eq!(run.err.contains("export TROCHOID="), code == 127, "{}", run.err);
     }
 }
 
