@@ -20,6 +20,7 @@ mod explain;
 mod faults;
 mod filters;
 mod frames;
+mod groups;
 mod hoisting;
 mod keeping;
 mod library;

@@ -78,6 +78,9 @@ pub struct Settings {
     pub memory_limit: u64,
     /// Part of the picture to evaluate; the whole picture if `None`.
     pub region: Option<Window>,
+    /// Whether stages may prepare for the region alone, which saves time and memory where one region is evaluated. Leave
+    /// it off where one cache serves several regions.
+    pub local: bool,
     /// Whether the cache keeps the planes that stages fill, so that an edit refills only what depends on it: for the
     /// previews of an editor. Applies only where the whole picture is evaluated with one sample per pixel and without
     /// buffers of the caller. Takes 4 bytes per pixel for every channel filled, within the limit of the cache.
@@ -110,6 +113,7 @@ impl Default for Settings {
                 allowed => allowed as u64,
             },
             region: None,
+            local: false,
             keep: false,
             purpose: Purpose::Pictures,
             exact: None,

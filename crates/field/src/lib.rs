@@ -25,5 +25,7 @@ mod formula;
 mod noise;
 pub mod random;
 
-pub use formula::{Expected, Expression, Fault, Found, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH, Program, Remedy, parse};
+pub use formula::{
+    Expected, Expression, Fault, Found, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH, Program, Remedy, parse, parse_named,
+};
 pub use noise::{Noise, NoiseKind, NoiseParameters, Octave};

@@ -24,8 +24,10 @@ mod declare;
 mod derive_tests;
 mod diagnostic;
 mod document;
+mod expand;
 mod faults;
 mod fields;
+mod formulas;
 mod frame;
 mod kind;
 mod literal;
@@ -73,6 +75,7 @@ pub use fields::{
 };
 #[doc(hidden)]
 pub use fields::{count_items, join_items};
+pub use formulas::{FormulaFault, FormulaValue, Formulas};
 pub use frame::{FrameContext, escape_frame, escape_remedy, expand_frame, one_frame_pattern, split_frame};
 pub use kind::{Accepts, Kind};
 pub use literal::{LITERAL_SUM_TOLERANCE, literal, literal_error};

@@ -1,18 +1,30 @@
 //! The node types that a document may use.
 
-use crate::{Item, NodeType, Role};
+use crate::{Formulas, Item, NodeType, Role};
 use std::collections::BTreeMap;
 
 /// Node types by name. The facade makes one registry and passes it to everything that needs it.
 #[derive(Clone, Default)]
 pub struct Registry {
     types: BTreeMap<&'static str, &'static NodeType>,
+    formulas: Option<&'static dyn Formulas>,
 }
 
 impl Registry {
     /// Makes a registry of node types; of two types with the same name, the later one counts.
     pub fn new(types: impl IntoIterator<Item = &'static NodeType>) -> Self {
-        Self { types: types.into_iter().map(|ty| (ty.declaration().name, ty)).collect() }
+        Self { types: types.into_iter().map(|ty| (ty.declaration().name, ty)).collect(), formulas: None }
+    }
+
+    /// Returns the registry with a parser of formulas, without which links take only values as they are.
+    #[must_use]
+    pub fn with_formulas(self, formulas: &'static dyn Formulas) -> Self {
+        Self { formulas: Some(formulas), ..self }
+    }
+
+    /// Returns the parser of formulas.
+    pub fn formulas(&self) -> Option<&'static dyn Formulas> {
+        self.formulas
     }
 
     /// Returns the type with a name.

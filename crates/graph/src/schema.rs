@@ -1,12 +1,12 @@
 //! The JSON Schema of documents, generated from the declarations.
 
-use crate::{Accepts, Arity, Item, Knob, KnobDefault, KnobType, Precision, Registry};
+use crate::{Accepts, Arity, Item, Knob, KnobDefault, KnobType, Precision, Registry, expand};
 use serde_json::{Map, Value, json};
 use trochoid_image::{MAX_SIDE, Shading, WorkingSpace};
 
 /// Returns the JSON Schema (draft 2020-12) of documents that use the node types of a registry.
 pub fn schema(registry: &Registry) -> Value {
-    let types: Vec<Value> = registry
+    let mut types: Vec<Value> = registry
         .iter()
         .map(|ty| {
             let declaration = ty.declaration();
@@ -22,12 +22,22 @@ pub fn schema(registry: &Registry) -> Value {
             object
         })
         .collect();
+    let names: Vec<&str> = registry.names().collect();
+    types.push(json!({
+        "description": "A use of a group, with its inputs and knobs.",
+        "type": "object",
+        "required": ["type"],
+        "properties": { "type": { "type": "string", "not": { "enum": names } } }
+    }));
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Trochoid document",
         "type": "object",
         "required": ["trochoid", "format", "nodes", "outputs"],
         "additionalProperties": false,
+        // Without groups, every type is one of the registry.
+        "if": { "not": { "required": ["groups"] } },
+        "then": { "properties": { "nodes": { "additionalProperties": { "properties": { "type": { "enum": names } } } } } },
         "properties": {
             "trochoid": { "const": 1, "description": "Version of the document format." },
             "format": {
@@ -82,11 +92,19 @@ pub fn schema(registry: &Registry) -> Value {
                     }
                 ]
             },
-            "nodes": {
+            "knobs": {
+                "description": "Knobs of the document by name, which links name as \"= knobs.NAME\": a value, or \"value\" with min, max, unit and help.",
                 "type": "object",
                 "propertyNames": { "pattern": "^[A-Za-z_][A-Za-z0-9_]*$" },
-                "additionalProperties": { "oneOf": types }
+                "additionalProperties": knob_of("value")
             },
+            "groups": {
+                "description": "Groups of nodes by name, each of which is used like a node type.",
+                "type": "object",
+                "propertyNames": { "pattern": "^[A-Za-z_][A-Za-z0-9_]*$" },
+                "additionalProperties": { "$ref": "#/$defs/group" }
+            },
+            "nodes": { "$ref": "#/$defs/nodes" },
             "outputs": {
                 "type": "object",
                 "minProperties": 1,
@@ -97,6 +115,58 @@ pub fn schema(registry: &Registry) -> Value {
             "notes": { "description": "Comments for people; evaluation ignores them." }
         },
         "$defs": {
+            "nodes": {
+                "type": "object",
+                "propertyNames": { "pattern": "^[A-Za-z_][A-Za-z0-9_]*$" },
+                "additionalProperties": { "oneOf": types }
+            },
+            "group": {
+                "type": "object",
+                "required": ["nodes", "outputs"],
+                "additionalProperties": false,
+                "properties": {
+                    "inputs": {
+                        "description": "Sockets by name: their kind, or an object with \"kind\" and \"default\" or \"optional\".",
+                        "type": "object",
+                        "additionalProperties": {
+                            "anyOf": [
+                                { "enum": expand::input_kinds() },
+                                {
+                                    "type": "object",
+                                    "required": ["kind"],
+                                    "additionalProperties": false,
+                                    "properties": {
+                                        "kind": { "enum": expand::input_kinds() },
+                                        "default": true,
+                                        "optional": { "type": "boolean", "default": false },
+                                        "help": { "type": "string" },
+                                        "notes": true
+                                    }
+                                }
+                            ]
+                        }
+                    },
+                    "knobs": {
+                        "description": "Knobs by name, which links within name as \"= knobs.NAME\".",
+                        "type": "object",
+                        "additionalProperties": knob_of("default")
+                    },
+                    "nodes": { "$ref": "#/$defs/nodes" },
+                    "outputs": {
+                        "description": "References within the group by name; the first is meant where none is named.",
+                        "type": "object",
+                        "minProperties": 1,
+                        "additionalProperties": { "$ref": "#/$defs/reference" }
+                    },
+                    "ui": true,
+                    "notes": true
+                }
+            },
+            "link": {
+                "description": "Value of another knob, \"= knobs.NAME\" or \"= NODE.KNOB\"; or a formula of such numbers, frame, time, width and height.",
+                "type": "string",
+                "pattern": "^="
+            },
             "reference": { "description": "\"node\" for the first output of a node, or \"node.output\".", "type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*(\\.[A-Za-z0-9_]+)?$" },
             "color": {
                 "oneOf": [
@@ -167,8 +237,20 @@ fn described(mut schema: Value, help: &str, unit: &str) -> Value {
     schema
 }
 
+/// Returns the schema of a knob of a group or of the document, whose value is under this key.
+fn knob_of(value: &str) -> Value {
+    let number = json!({ "type": "number" });
+    let mut described = json!({
+        "type": "object",
+        "additionalProperties": false,
+        "properties": { "min": number, "max": number, "unit": { "type": "string" }, "help": { "type": "string" }, "ui": true, "notes": true }
+    });
+    described["properties"][value] = json!(true);
+    json!({ "anyOf": [{ "type": ["number", "string", "boolean", "array"] }, keyed(json!(true)), described] })
+}
+
 fn connection(accepts: Accepts) -> Value {
-    let reference = json!({ "$ref": "#/$defs/reference" });
+    let reference = json!({ "anyOf": [{ "$ref": "#/$defs/reference" }, { "$ref": "#/$defs/link" }] });
     match accepts {
         Accepts::Color => {
             let color = json!({ "$ref": "#/$defs/color" });
@@ -225,14 +307,15 @@ fn knob_schema(knob: &Knob) -> Value {
             json!({ "type": "array", "items": { "type": "string" }, "minItems": 1, "maxItems": max })
         }
     };
+    let link = json!({ "$ref": "#/$defs/link" });
     let mut schema = if knob.animated {
         let mut keyed = keyed(plain.clone());
         if knob.hold_keys {
             keyed["properties"]["interpolation"] = json!({ "const": "hold", "default": "hold" });
         }
-        json!({ "anyOf": [plain, keyed] })
+        json!({ "anyOf": [plain, keyed, link] })
     } else {
-        plain
+        json!({ "anyOf": [plain, link] })
     };
     match knob.default {
         Some(KnobDefault::Number(number)) => schema["default"] = json!(number),

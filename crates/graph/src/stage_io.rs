@@ -83,6 +83,7 @@ pub struct Prepare<'a> {
     cancelled: &'a (dyn Fn() -> bool + Sync),
     pool: &'a Pool,
     store: Option<&'a Arc<dyn Store>>,
+    part: Option<Window>,
     purpose: Purpose,
 }
 
@@ -96,7 +97,7 @@ impl<'a> Prepare<'a> {
         cancelled: &'a (dyn Fn() -> bool + Sync),
         pool: &'a Pool,
     ) -> Self {
-        Self { frame, kinds, wanted, handles, cancelled, pool, store: None, purpose: Purpose::Pictures }
+        Self { frame, kinds, wanted, handles, cancelled, pool, store: None, part: None, purpose: Purpose::Pictures }
     }
 
     /// Sets what the stage is prepared for; pictures by default.
@@ -114,6 +115,18 @@ impl<'a> Prepare<'a> {
     /// Returns the store in which the stage may leave what it prepares for other processes.
     pub fn store(&self) -> Option<Arc<dyn Store>> {
         self.store.cloned()
+    }
+
+    /// Sets the part of the picture for which a stage may prepare; all of it by default.
+    #[must_use]
+    pub fn with_part(self, part: Option<Window>) -> Self {
+        Self { part, ..self }
+    }
+
+    /// Returns the part of the picture where most pixels are filled, if it is not all of it. Other pixels may be filled,
+    /// too.
+    pub fn part(&self) -> Option<Window> {
+        self.part
     }
 
     /// Whether [`Prepared::bound`](crate::Prepared::bound) will be called, so that data for it alone must be prepared.

@@ -12,6 +12,7 @@ mod field;
 #[cfg(feature = "io")]
 mod files;
 mod filter;
+mod formulas;
 #[cfg(feature = "scene")]
 mod geometry;
 #[doc(hidden)]
@@ -24,6 +25,7 @@ mod sea;
 #[cfg(feature = "scene")]
 mod view;
 
+pub use formulas::LinkFormulas;
 use trochoid_graph::NodeType;
 
 /// Returns all node types.

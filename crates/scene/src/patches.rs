@@ -106,7 +106,7 @@ fn column_differences(column: usize, columns: usize, closed: bool) -> [(usize, f
 /// Number of rays that are solved side by side, in vectors.
 const WIDE: usize = 16;
 /// Further cells that a ray may try after its first one.
-const MORE_CELLS: u32 = 7;
+pub(crate) const MORE_CELLS: u32 = 7;
 /// How far beyond a cell its own patch is used, in cells: patches continue each other up to second derivatives.
 const BEYOND: f32 = 0.05;
 /// Distance between ray and point, in pixels, below which one more linear step suffices.

@@ -1,6 +1,8 @@
 //! Turns meshes into triangles on the picture: fixed-point projection, clipping and binning.
 
+use glam::DVec3;
 use rayon::prelude::*;
+use trochoid_image::Window;
 
 use crate::Projector;
 use crate::surface::{Mesh, Topology};
@@ -245,6 +247,71 @@ struct ClippedTriangle {
     /// Its primitive, and its index there.
     from: (u32, u32),
     corners: Vec<ClippedVertex>,
+}
+
+/// A part of a picture, and what of a grid may be seen in it.
+pub(crate) struct PictureOfPart<'a> {
+    stage: MeshProjector<'a>,
+    /// First and last coordinates in fixed point.
+    low: [i64; 2],
+    high: [i64; 2],
+    /// Functions n·p + d that are negative beyond each side, for a point p relative to the camera that is not behind it.
+    sides: [(DVec3, f64); 4],
+}
+
+impl<'a> PictureOfPart<'a> {
+    pub(crate) fn new(projector: &'a Projector, part: Window) -> Self {
+        let stage = MeshProjector { projector, raster: Raster::new(projector), bins: [0, 0] };
+        let raster = stage.raster;
+        let fix = |pixels: i64| raster.fix(pixels as f64);
+        // Primitives are found by bins, of which some reach into the part.
+        let (low, high) = ([part.x0 - BIN[0], part.y0 - BIN[1]], [part.x1 + BIN[0], part.y1 + BIN[1]]);
+        let Projector { right, up, forward, scale, size, .. } = *projector;
+        // Position on the picture, from its center: scale · across/depth.
+        let side = |across: DVec3, at: f64| match projector.orthographic {
+            true => (across * scale, -at),
+            false => (across * scale - forward * at, 0.0),
+        };
+        let [left, bottom] = [low[0] as f64 - size[0] / 2.0, size[1] / 2.0 - high[1] as f64];
+        let [last, top] = [high[0] as f64 - size[0] / 2.0, size[1] / 2.0 - low[1] as f64];
+        let sides = [side(right, left), side(-right, -last), side(up, bottom), side(-up, -top)];
+        Self { stage, low: low.map(fix), high: high.map(fix), sides }
+    }
+
+    /// Returns beyond which sides, as bits, all points lie that are within `spread` of a line between two points relative
+    /// to the camera.
+    pub(crate) fn beyond(&self, ends: [DVec3; 2], spread: DVec3) -> u8 {
+        let is_beyond = |(normal, at): &(DVec3, f64)| {
+            let most = normal.dot(ends[0]).max(normal.dot(ends[1])) + normal.abs().dot(spread) + at;
+            most < 0.0
+        };
+        self.sides.iter().enumerate().fold(0, |bits, (side, plane)| bits | (u8::from(is_beyond(plane)) << side))
+    }
+
+    /// Projects a row of vertices.
+    pub(crate) fn row(&self, positions: &[[f32; 3]]) -> Vec<(ScreenVertex, u8)> {
+        positions.iter().map(|&position| self.stage.vertex(self.stage.view(position))).collect()
+    }
+
+    /// Returns whether a cell between two rows may be seen in the part.
+    pub(crate) fn sees(&self, above: &[(ScreenVertex, u8)], below: &[(ScreenVertex, u8)]) -> bool {
+        above.windows(2).zip(below.windows(2)).any(|(above, below)| {
+            let corners = [above[0], above[1], below[0], below[1]];
+            let all = corners.iter().fold(u8::MAX, |all, (_, code)| all & code);
+            let any = corners.iter().fold(0, |any, (_, code)| any | code);
+            if all & !outside::LIMIT != 0 {
+                return false;
+            }
+            let range = |of: fn(&ScreenVertex) -> i32| {
+                let values = corners.iter().map(|(vertex, _)| i64::from(of(vertex)));
+                (values.clone().min().unwrap_or(0), values.max().unwrap_or(0))
+            };
+            let ((x0, x1), (y0, y1)) = (range(|vertex| vertex.x), range(|vertex| vertex.y));
+            let touches = x1 >= self.low[0] && x0 <= self.high[0] && y1 >= self.low[1] && y0 <= self.high[1];
+            // What is clipped may be seen anywhere.
+            touches || any & (outside::NEAR | outside::LIMIT) != 0
+        })
+    }
 }
 
 impl MeshProjector<'_> {

@@ -1,6 +1,7 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::DVec3;
+use trochoid_image::Window;
 use trochoid_sea::{PreciseSea, Sea, SeaFrame};
 
 use crate::extent::{Bounds, Sector, Strip};
@@ -207,12 +208,22 @@ impl Surface for SeaSurface {
         wanted: ChannelSet,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Mesh> {
+        self.tessellate_part(projector, wanted, None, stop)
+    }
+
+    fn tessellate_part(
+        &self,
+        projector: &Projector,
+        wanted: ChannelSet,
+        part: Option<Window>,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Mesh> {
         let mesh = if projector.orthographic {
             Strip::new(projector, self.level, self.bounds, tessellate::strip_depth(self, &self.spacing, projector))
-                .map(|strip| tessellate::strip(self, &self.spacing, projector, &strip, wanted, stop))
+                .map(|strip| tessellate::strip(self, &self.spacing, projector, &strip, wanted, part, stop))
         } else {
             Sector::new(projector, self.level, self.bounds)
-                .map(|sector| tessellate::sector(self, &self.spacing, projector, &sector, wanted, stop))
+                .map(|sector| tessellate::sector(self, &self.spacing, projector, &sector, wanted, part, stop))
         };
         mesh.unwrap_or_else(|| Some(Mesh::empty(self.level)))
     }

@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
+use trochoid_image::Window;
 
 use crate::on_heights::HeightField;
 use crate::patches::Patches;
@@ -26,6 +27,18 @@ pub trait Surface: Send + Sync {
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Mesh> {
         (!stop()).then(|| self.tessellate(projector, wanted))
+    }
+
+    /// Does the same for a part of the picture, given in pixels: the mesh may lack what is not seen there. What is seen
+    /// there has the same bits, and primitives the same order.
+    fn tessellate_part(
+        &self,
+        projector: &Projector,
+        wanted: ChannelSet,
+        _part: Option<Window>,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Mesh> {
+        self.tessellate_unless(projector, wanted, stop)
     }
 
     /// Returns the first point of the continuous surface along a ray from the camera, if it is nearer than `end`, in f64.

@@ -1,14 +1,17 @@
 //! Meshes of a displaced sea, adapted to one camera.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use glam::DVec3;
 use rayon::prelude::*;
+use trochoid_image::Window;
 use trochoid_sea::{FieldSet, Fields, Line, LineScratch, Lines, Points};
 
 use crate::channel::{CURVED, RESTS};
 use crate::extent::{Sector, Strip};
-use crate::patches::Patches;
+use crate::patches::{MORE_CELLS, Patches};
+use crate::project::PictureOfPart;
 use crate::spacing::{Facets, Spacing};
 use crate::surface::{Between, Mesh, Topology};
 use crate::{Channel, ChannelSet, Projector, SeaSurface};
@@ -39,6 +42,11 @@ fn spaced(spacing: &Spacing, facets: Facets, projector: &Projector, footprint: f
 const MIN_COLUMNS: f64 = 8.0;
 /// Largest step of radius, relative to the distance from the camera.
 const GROWTH: f64 = 0.25;
+/// Number of pairs of rows that one task looks at.
+const PAIRS: usize = 32;
+/// Number of rows that are made beyond those that are seen: a ray goes on by some cells from the one that its triangle
+/// names, and mixed derivatives take one more.
+const BEYOND: usize = MORE_CELLS as usize + 3;
 /// Most rows of an orthographic view.
 const MAX_ROWS: f64 = 8192.0;
 
@@ -49,6 +57,8 @@ struct Rows<'a, L> {
     columns: usize,
     rows: usize,
     layout: L,
+    /// Part of the picture that is wanted; all of it for `None`.
+    part: Option<Window>,
 }
 
 /// Rest positions of the vertices of a row, and the state of the sea there.
@@ -64,6 +74,11 @@ trait Layout: Sync {
 
     /// Returns the value of t in a row.
     fn place(&self, row: usize) -> f64;
+
+    /// Returns the ends of a row at rest, if it is straight.
+    fn ends(&self, _row: usize) -> Option<[[f64; 2]; 2]> {
+        None
+    }
 }
 
 /// Returns a grid over the sector, to the horizon; `None` soon after `stop` says so.
@@ -73,6 +88,7 @@ pub(crate) fn sector(
     projector: &Projector,
     sector: &Sector,
     wanted: ChannelSet,
+    part: Option<Window>,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Mesh> {
     let (radii, columns) = limited_rings(sea, spacing, Facets::of(wanted), projector, sector);
@@ -81,7 +97,7 @@ pub(crate) fn sector(
         let turn = |column: usize| TAU * if column == columns { 0.0 } else { column as f64 / columns as f64 };
         let directions = (0..=columns).map(|column| libm::sincos(turn(column))).collect();
         let layout = Disc { sea, projector, center: sector.apex, radii, directions };
-        Rows { sea, projector, columns: columns + 1, rows, layout }.mesh(wanted, stop)
+        Rows { sea, projector, columns: columns + 1, rows, layout, part }.mesh(wanted, stop)
     } else {
         let [x, z] = sector.heading;
         let slope = libm::tan(sector.width / 2.0);
@@ -96,7 +112,7 @@ pub(crate) fn sector(
         };
         let (lines, heading, place) = (Lines::new(&sea.frame, columns + 1), sector.heading, |row: usize| radii[row]);
         let layout = StraightRows { lines, columns: columns + 1, heading, slope, line, place };
-        Rows { sea, projector, columns: columns + 1, rows, layout }.mesh(wanted, stop)
+        Rows { sea, projector, columns: columns + 1, rows, layout, part }.mesh(wanted, stop)
     }
 }
 
@@ -189,6 +205,7 @@ pub(crate) fn strip(
     projector: &Projector,
     strip: &Strip,
     wanted: ChannelSet,
+    part: Option<Window>,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Mesh> {
     let print = sea.footprint(projector, DVec3::new(0.0, sea.level, 0.0));
@@ -213,7 +230,7 @@ pub(crate) fn strip(
     let (lines, heading) = (Lines::new(&sea.frame, columns), strip.along);
     let place = |row: usize| strip.v[0] + depth * row as f64 / rows;
     let layout = StraightRows { lines, columns, heading, slope: 0.0, line, place };
-    Rows { sea, projector, columns, rows: rows as usize + 1, layout }.mesh(wanted, stop)
+    Rows { sea, projector, columns, rows: rows as usize + 1, layout, part }.mesh(wanted, stop)
 }
 
 /// Scratch buffers of one thread.
@@ -267,6 +284,12 @@ where
     fn place(&self, row: usize) -> f64 {
         (self.place)(row)
     }
+
+    fn ends(&self, row: usize) -> Option<[[f64; 2]; 2]> {
+        let Line { origin, step, .. } = (self.line)(row);
+        let last = (self.columns - 1) as f64;
+        Some([origin, [origin[0] + last * step[0], origin[1] + last * step[1]]])
+    }
 }
 
 /// Rings around the camera's foot.
@@ -311,7 +334,14 @@ impl Layout for Disc<'_> {
 
 impl<L: Layout> Rows<'_, L> {
     fn mesh(&self, wanted: ChannelSet, stop: &(dyn Fn() -> bool + Sync)) -> Option<Mesh> {
-        let len = self.columns * self.rows;
+        let rows = match self.part {
+            Some(part) => self.rows_in(part, stop)?,
+            None => 0..self.rows,
+        };
+        if rows.is_empty() {
+            return Some(Mesh { inside: self.sea.submerges(self.projector), ..Mesh::empty(self.sea.level) });
+        }
+        let len = self.columns * rows.len();
         let size = |wanted: bool| if wanted { len } else { 0 };
         let curved = wanted.intersects(CURVED);
         // The area of a cell at rest, by which the Jacobian is measured, follows from rest points.
@@ -321,37 +351,99 @@ impl<L: Layout> Rows<'_, L> {
             rests: vec![[0.0; 2]; size(wanted.intersects(rests))],
             slope_variances: vec![0.0; size(wanted.contains(Channel::SlopeVariance))],
             inside: self.sea.submerges(self.projector),
-            topology: Topology::Grid { columns: self.columns, rows: self.rows },
+            topology: Topology::Grid { columns: self.columns, rows: rows.len() },
             ..Mesh::empty(self.sea.level)
         };
         let mut tangents = vec![[[0.0; 3]; 2]; size(curved)];
         // One row per task; channels that are not wanted have empty rows.
-        let mut rows: Vec<Row<'_>> = Vec::with_capacity(self.rows);
+        let mut targets: Vec<Row<'_>> = Vec::with_capacity(rows.len());
         let mut tangent_rows = tangents.chunks_mut(self.columns);
         let mut rests = mesh.rests.chunks_mut(self.columns);
         let mut slope_variances = mesh.slope_variances.chunks_mut(self.columns);
         for positions in mesh.positions.chunks_mut(self.columns) {
-            rows.push(Row {
+            targets.push(Row {
                 positions,
                 tangents: tangent_rows.next().unwrap_or_default(),
                 rests: rests.next().unwrap_or_default(),
                 slope_variances: slope_variances.next().unwrap_or_default(),
             });
         }
-        let filled = rows.into_par_iter().enumerate().try_for_each_init(Scratch::default, |scratch, (index, row)| {
-            if stop() {
-                return None;
-            }
-            self.row(index, row, scratch);
-            Some(())
-        });
+        let filled =
+            targets.into_par_iter().enumerate().try_for_each_init(Scratch::default, |scratch, (index, row)| {
+                if stop() {
+                    return None;
+                }
+                self.row(rows.start + index, row, scratch);
+                Some(())
+            });
         filled?;
         if curved {
             let place = |row: usize| self.layout.place(row);
-            let steps = (1..self.rows).map(|row| (place(row) - place(row - 1)) as f32).collect();
+            let steps = (rows.start + 1..rows.end).map(|row| (place(row) - place(row - 1)) as f32).collect();
             mesh.between = Between::Patches(Patches::new(self.columns, &mesh.positions, tangents, steps, L::CLOSED));
         }
         Some(mesh)
+    }
+
+    /// Returns the rows that a part of the picture needs: those between which it sees a cell, and some beyond; none if it
+    /// sees nothing. `None` soon after `stop` says so.
+    fn rows_in(&self, part: Window, stop: &(dyn Fn() -> bool + Sync)) -> Option<Range<usize>> {
+        let picture = PictureOfPart::new(self.projector, part);
+        let spread = DVec3::new(self.sea.drift, self.sea.summit, self.sea.drift);
+        let eye = self.projector.position;
+        let beyond = |row: usize| {
+            let ends = self.layout.ends(row)?;
+            Some(picture.beyond(ends.map(|[x, z]| DVec3::new(x, self.sea.level, z) - eye), spread))
+        };
+        let beyond: Vec<u8> = (0..self.rows).map(|row| beyond(row).unwrap_or(0)).collect();
+        let tasks = (self.rows - 1).div_ceil(PAIRS);
+        // The rows between the first and the last ones that are seen need no look.
+        let first = (0..tasks).into_par_iter().find_map_first(|task| match stop() {
+            true => Some(None),
+            false => self.seen(task, &picture, &beyond).next().map(Some),
+        });
+        let Some(first) = first else { return Some(0..0) };
+        let last = (0..tasks).into_par_iter().find_map_last(|task| match stop() {
+            true => Some(None),
+            false => self.seen(task, &picture, &beyond).last().map(Some),
+        });
+        let (first, last) = (first?, last??);
+        Some(first.saturating_sub(BEYOND)..(last + 2 + BEYOND).min(self.rows))
+    }
+
+    /// Returns the rows of a task between which and the next ones a part of the picture sees a cell.
+    fn seen(&self, task: usize, picture: &PictureOfPart<'_>, beyond: &[u8]) -> impl Iterator<Item = usize> {
+        let mut scratch = Scratch::default();
+        let mut known = None;
+        (task * PAIRS..((task + 1) * PAIRS).min(self.rows - 1)).filter(move |&row| {
+            // No wave is so high or so wide that it would be seen.
+            if beyond[row] & beyond[row + 1] != 0 {
+                known = None;
+                return false;
+            }
+            let above = known.take().unwrap_or_else(|| picture.row(&self.positions(row, &mut scratch)));
+            let below = picture.row(&self.positions(row + 1, &mut scratch));
+            let sees = picture.sees(&above, &below);
+            known = Some(below);
+            sees
+        })
+    }
+
+    /// Returns the positions of a row.
+    fn positions(&self, row: usize, scratch: &mut Scratch) -> Vec<[f32; 3]> {
+        self.layout.row(row, FieldSet { displacement: true, ..FieldSet::default() }, scratch);
+        (0..self.columns).map(|column| self.position(column, scratch)).collect()
+    }
+
+    /// Returns the position of a vertex of the row that was computed last.
+    fn position(&self, column: usize, scratch: &Scratch) -> [f32; 3] {
+        let Scratch { x, z, fields, .. } = scratch;
+        let (eye, [dx, dy, dz]) = (self.projector.position, &fields.displacement);
+        [
+            (x[column] - eye.x + f64::from(dx[column])) as f32,
+            (self.sea.level - eye.y + f64::from(dy[column])) as f32,
+            (z[column] - eye.z + f64::from(dz[column])) as f32,
+        ]
     }
 
     fn row(&self, index: usize, row: Row<'_>, scratch: &mut Scratch) {
@@ -363,14 +455,9 @@ impl<L: Layout> Rows<'_, L> {
             ..FieldSet::default()
         };
         self.layout.row(index, wanted, scratch);
-        let Scratch { x, z, fields, .. } = scratch;
-        let [dx, dy, dz] = &fields.displacement;
+        let Scratch { x, z, fields, .. } = &*scratch;
         for (column, position) in row.positions.iter_mut().enumerate() {
-            *position = [
-                (x[column] - eye.x + f64::from(dx[column])) as f32,
-                (self.sea.level - eye.y + f64::from(dy[column])) as f32,
-                (z[column] - eye.z + f64::from(dz[column])) as f32,
-            ];
+            *position = self.position(column, scratch);
         }
         let ([yx, yz], [xx, xz, zz]) = (&fields.slope, &fields.strain);
         let ways = self.layout.ways(index);

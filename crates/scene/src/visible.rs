@@ -46,6 +46,8 @@ pub struct Visible {
     /// Unique number of this view within the process.
     pub(crate) number: u64,
     wanted: ChannelSet,
+    /// Part of the picture that it covers; all of it for `None`.
+    part: Option<Window>,
 }
 
 /// Number of views made so far.
@@ -85,10 +87,32 @@ impl Visible {
         wanted: ChannelSet,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
+        Self::prepare_part(camera, surfaces, format, fineness, wanted, None, stop)
+    }
+
+    /// Does the same for a part of the picture, if one is given. What is filled there has the same bits.
+    ///
+    /// # Panics
+    /// Same as [`Visible::prepare`].
+    pub fn prepare_part(
+        camera: &Camera,
+        surfaces: &[&dyn Surface],
+        format: Format,
+        fineness: f64,
+        wanted: ChannelSet,
+        part: Option<Window>,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
         let projector = Projector { fineness, ..camera.projector(format) };
-        Self::of_meshes(projector, surfaces, format, wanted, |surface, projector| {
-            surface.tessellate_unless(projector, wanted, stop)
-        })
+        let mesh =
+            |surface: &dyn Surface, projector: &Projector| surface.tessellate_part(projector, wanted, part, stop);
+        let visible = Self::of_meshes(projector, surfaces, format, wanted, mesh)?;
+        Some(Self { part, ..visible })
+    }
+
+    /// Returns whether a window of the picture can be filled.
+    pub fn covers(&self, window: Window) -> bool {
+        self.part.is_none_or(|part| part.intersect(window) == window)
     }
 
     /// Does the same from meshes made by the caller; `None` if one of them is `None`.
@@ -116,7 +140,7 @@ impl Visible {
         let raster = Raster::new(&projector);
         let offsets = (0..format.samples()).map(|sample| format.sample_offset(sample)).collect();
         let number = VIEWS.fetch_add(1, Ordering::Relaxed);
-        Some(Self { projector, raster, layers, firsts, bins, starts, binned, offsets, number, wanted })
+        Some(Self { projector, raster, layers, firsts, bins, starts, binned, offsets, number, wanted, part: None })
     }
 
     /// Returns the camera's projection.
@@ -124,8 +148,12 @@ impl Visible {
         &self.projector
     }
 
-    /// Returns the indices of the surfaces of which nothing is in the picture.
+    /// Returns the indices of the surfaces of which nothing is in the picture; none if that is not known, because only a
+    /// part is covered.
     pub fn unseen(&self) -> Vec<usize> {
+        if self.part.is_some() {
+            return Vec::new();
+        }
         let mut seen = vec![false; self.layers.len()];
         self.binned.iter().for_each(|primitive| seen[self.layer(*primitive)] = true);
         (0..seen.len()).filter(|surface| !seen[*surface]).collect()
@@ -162,9 +190,10 @@ impl Visible {
     /// Windows of 16 rows or more are fastest; all windows give the same bits.
     ///
     /// # Panics
-    /// A wanted channel was not prepared.
+    /// A wanted channel was not prepared, or the window is not [covered](Self::covers).
     pub fn fill(&self, window: Window, offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
         assert!(self.wanted.includes(wanted), "a view is asked only for the channels it was prepared for");
+        assert!(self.covers(window), "a view is asked only for the part it was prepared for");
         out.shape(window, wanted);
         if window.is_empty() || wanted == ChannelSet::EMPTY {
             return;
@@ -184,9 +213,15 @@ impl Visible {
         if pixels.is_empty() || wanted == ChannelSet::EMPTY {
             return;
         }
-        let around = pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)));
+        let around = around(pixels);
+        assert!(self.covers(around), "a view is asked only for the part it was prepared for");
         self.look(around, offset, |seen| self.resolve(seen.at(pixels), offset, wanted, out));
     }
+}
+
+/// Returns the smallest window that has some pixels.
+pub(crate) fn around(pixels: &[[i64; 2]]) -> Window {
+    pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)))
 }
 
 /// Sorts pairs of (bin, primitive) by counting: returns the start of each bin, and the primitives bin by bin.

@@ -12,7 +12,7 @@ use trochoid_image::WorkingSpace;
 /// Returns the registry of all node types in this build.
 pub fn registry() -> &'static Registry {
     static REGISTRY: OnceLock<Registry> = OnceLock::new();
-    REGISTRY.get_or_init(|| Registry::new(trochoid_nodes::all()))
+    REGISTRY.get_or_init(|| Registry::new(trochoid_nodes::all()).with_formulas(&trochoid_nodes::LinkFormulas))
 }
 
 /// Checked graph with the warnings of its validation.

@@ -259,6 +259,7 @@ fn seconds(header: &[u8; HEADER]) -> Option<f64> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may panic")]
 mod tests {
     use super::*;
     use crate::{Buffers, Cache, Plan, Settings, Silent, parse};

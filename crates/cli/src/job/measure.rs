@@ -89,6 +89,7 @@ pub(super) fn measure(work: &Work, graph: &CheckedGraph, outputs: &[usize]) -> R
         let [x, y, width, height] = [x, y, width, height].map(|size| i64::from(*size));
         Window::new(x, y, x + width, y + height)
     });
+    settings.local = settings.region.is_some();
     let whole = work.frames.chunks_exact(work.chunk.min(work.frames.len())).next_back().unwrap_or(&work.frames);
     let mut cache = Cache::new();
     let mut times = Vec::new();

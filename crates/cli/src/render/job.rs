@@ -66,7 +66,7 @@ impl<'a> Job<'a> {
         let frames = frames.unwrap_or_else(|| frames::all(graph, args.frames.is_some(), faults));
         let mut settings = Settings::default();
         settings.threads = usize::from(args.threads);
-        settings.region = args.region;
+        (settings.region, settings.local) = (args.region, args.region.is_some());
         let picture = graph.format().window();
         if let Some(region) = args.region.filter(|region| region.intersect(picture) != *region) {
             let message = format!("--region: found pixels {region}; expected some of the picture's, {picture}");

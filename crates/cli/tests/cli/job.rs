@@ -342,7 +342,7 @@ fn wrong_options_are_told_with_what_to_do() {
     job(&["--out", "../{output}.####.exr"]).fails(2, &["may lead out of the output folder"]);
     job(&["--out", "b.####.exr"]).fails(2, &["--out", "one name", "{output}"]);
     job(&["--wedge", "mix"]).fails(2, &["--wedge mix", "NODE.KNOB"]);
-    job(&["--wedge", "mix.c=1,2"]).fails(2, &["error: --wedge mix.c=1", "error: --wedge mix.c=2"]);
+    job(&["--wedge", "mix.c=1,2"]).fails(2, &["error: --wedge mix.c=1: node \"mix\""]);
     job(&["--set", "palette=a.gpl"]).fails(2, &["give the palette as --palette a.gpl"]);
     job(&["--chunk", "0"]).fails(2, &["--chunk"]);
     job(&["--frames", "1-200000", "--chunk", "1"])

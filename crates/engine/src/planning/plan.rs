@@ -5,7 +5,9 @@ use super::shading::ViewsByNode;
 use crate::judge::Judge;
 use crate::{Account, LeftOut, Settings};
 use std::sync::{Arc, OnceLock};
-use trochoid_graph::{CheckedGraph, FrameContext, Key, Kind, NodeId, PortId, Program, Settled, Slot, Variance};
+use trochoid_graph::{
+    CheckedGraph, FrameContext, Key, Kind, NodeId, PortId, Program, Purpose, Settled, Slot, Variance,
+};
 use trochoid_image::Window;
 use trochoid_kernel::CompiledProgram;
 
@@ -250,6 +252,19 @@ impl<'g> Plan<'g> {
     /// of filters.
     pub fn halo(&self) -> (usize, usize) {
         self.passes.iter().fold((0, 0), |halo, pass| (halo.0.max(pass.halo.0), halo.1.max(pass.halo.1)))
+    }
+
+    /// Returns the part of the picture for which stages prepare, with what filters need around the region; `None` for all
+    /// of it.
+    pub(crate) fn part(&self) -> Option<Window> {
+        let (across, down) = self.halo();
+        let (across, down) = (across as i64, down as i64);
+        let Window { x0, y0, x1, y1 } = self.window;
+        let around = Window::new(x0 - across, y0 - down, x1 + across, y1 + down);
+        // Bounds and references look at single pixels.
+        let is_local =
+            self.settings.local && self.settings.region.is_some() && self.settings.purpose == Purpose::Pictures;
+        is_local.then(|| around.intersect(self.graph.format().window()))
     }
 
     /// Returns why each node of the graph is left out; `None` where it is evaluated.

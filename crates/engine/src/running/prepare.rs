@@ -212,7 +212,8 @@ pub(crate) fn prepare(
                 let cancelled = || monitor.cancelled();
                 let prepare = Prepare::new(&plan.context, &node.kinds, wanted, &handles, &cancelled, &cache.pool)
                     .with_purpose(plan.settings.purpose)
-                    .with_store(cache.store.as_ref());
+                    .with_store(cache.store.as_ref())
+                    .with_part(plan.part());
                 let prepared = stage.prepare(&prepare).map_err(|error| node_error(plan, *id, error, monitor))?;
                 let prepared: Arc<dyn Prepared> = prepared.into();
                 // If the estimate was too low, count the real size.
@@ -250,7 +251,9 @@ fn keys(plan: &Plan<'_>) -> Vec<(Key, Key)> {
         let read = read.key();
         files.insert(*id, read);
         // Stages prepared for bounds or references are cached separately.
-        keys.push((("prepared", plan.keys[id.0], wanted, (plan.settings.purpose, read)).key(), read));
+        let key = ("prepared", plan.keys[id.0], wanted, (plan.settings.purpose, read)).key();
+        let key = plan.part().map_or(key, |part| (key, part).key());
+        keys.push((key, read));
     }
     keys
 }

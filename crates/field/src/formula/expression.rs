@@ -29,7 +29,7 @@ pub(super) enum Tree {
 
 impl Expression {
     /// Returns the components of the value at one sample, from the components of the inputs.
-    pub fn value(&self, inputs: &[Vec<f64>; 4]) -> Vec<f64> {
+    pub fn value(&self, inputs: &[Vec<f64>]) -> Vec<f64> {
         match &self.tree {
             Tree::Number(number) => vec![*number],
             Tree::Input(index) => inputs[*index].clone(),

@@ -19,12 +19,25 @@ use super::{Expected, Expression, Fault, Found, Function, MAX_DEPTH, MAX_LENGTH,
 /// # Errors
 /// The text is not a formula, or combines values whose numbers of components do not fit.
 pub fn parse(text: &str, inputs: [Option<usize>; 4]) -> Result<Expression, Fault> {
+    parse_names(text, Names::Letters(inputs))
+}
+
+/// Parses a formula of named values, such as `hull.x + 2*sin(time)`. `names` are the names, which may have dots, and the
+/// numbers of components of their values; their indices are those of the inputs of [`Expression::value`].
+///
+/// # Errors
+/// Same as [`parse`].
+pub fn parse_named(text: &str, names: &[(String, usize)]) -> Result<Expression, Fault> {
+    parse_names(text, Names::Named(names))
+}
+
+fn parse_names(text: &str, names: Names<'_>) -> Result<Expression, Fault> {
     let characters: Vec<char> = text.chars().collect();
     if characters.len() > MAX_LENGTH {
         let (found, expected) = (Found::Length(characters.len()), Expected::Length);
         return Err(Fault { column: MAX_LENGTH + 1, found, expected, remedy: None });
     }
-    let mut parser = Parser { text: characters, at: 0, depth: 0, inputs };
+    let mut parser = Parser { text: characters, at: 0, depth: 0, names };
     let expression = parser.comparison()?;
     parser.space();
     match parser.text.get(parser.at) {
@@ -33,16 +46,24 @@ pub fn parse(text: &str, inputs: [Option<usize>; 4]) -> Result<Expression, Fault
     }
 }
 
-pub(super) struct Parser {
+/// Names of the values that a formula has.
+pub(super) enum Names<'n> {
+    /// Inputs a, b, c and d, with their numbers of components; `None` if unconnected.
+    Letters([Option<usize>; 4]),
+    /// Names with their numbers of components.
+    Named(&'n [(String, usize)]),
+}
+
+pub(super) struct Parser<'n> {
     text: Vec<char>,
     pub(super) at: usize,
     depth: usize,
-    pub(super) inputs: [Option<usize>; 4],
+    pub(super) names: Names<'n>,
 }
 
 pub(super) type Parsed = Result<Expression, Fault>;
 
-impl Parser {
+impl Parser<'_> {
     fn space(&mut self) {
         while self.text.get(self.at).is_some_and(|c| c.is_whitespace()) {
             self.at += 1;
@@ -165,6 +186,24 @@ impl Parser {
         self.text[start..self.at].iter().collect()
     }
 
+    /// Reads on to the end of the longest known name that begins with a word.
+    fn with_parts(&mut self, word: String) -> String {
+        let Names::Named(known) = self.names else { return word };
+        let rest = |name: &str| -> Option<usize> {
+            let rest: Vec<char> = name.strip_prefix(&word)?.chars().collect();
+            let follows = self.text[self.at..].starts_with(&rest);
+            let ends = |next: Option<&char>| !next.is_some_and(|c| c.is_ascii_alphanumeric() || *c == '_');
+            (follows && ends(self.text.get(self.at + rest.len()))).then_some(rest.len())
+        };
+        let Some((name, length)) =
+            known.iter().filter_map(|(name, _)| Some((name, rest(name)?))).max_by_key(|(_, length)| *length)
+        else {
+            return word;
+        };
+        self.at += length;
+        name.clone()
+    }
+
     fn atom(&mut self) -> Parsed {
         self.space();
         let at = self.at;
@@ -179,9 +218,13 @@ impl Parser {
         }
         match self.text.get(at) {
             Some(c) if c.is_ascii_digit() || *c == '.' => self.number(),
-            Some(c) if c.is_ascii_alphabetic() => {
+            Some(c) if c.is_ascii_alphabetic() || *c == '_' => {
                 let name = self.word();
-                if self.take("(") { self.call(at, &name) } else { self.name(at, &name) }
+                if self.take("(") {
+                    return self.call(at, &name);
+                }
+                let name = self.with_parts(name);
+                self.name(at, &name)
             }
             _ => Err(self.fault(Expected::Value)),
         }

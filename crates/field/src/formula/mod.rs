@@ -14,5 +14,5 @@ pub use expression::Expression;
 use expression::Tree;
 pub use fault::{Expected, Fault, Found, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH, Remedy};
 use function::Function;
-pub use grammar::parse;
+pub use grammar::{parse, parse_named};
 pub use program::Program;

@@ -1,6 +1,6 @@
 //! Names in formulas, and checks of the numbers of components that are combined.
 
-use super::grammar::{Parsed, Parser, fault_at};
+use super::grammar::{Names, Parsed, Parser, fault_at};
 use super::{Expected, Expression, Fault, Found, Function, MAX_WIDTH, Remedy, Tree};
 use trochoid_graph::nearest;
 
@@ -12,14 +12,22 @@ impl Fault {
     }
 }
 
-impl Parser {
+impl Parser<'_> {
     /// Resolves a name without arguments: a constant or an input.
     pub(super) fn name(&mut self, at: usize, name: &str) -> Parsed {
         if name == "pi" {
             return Ok(Expression { tree: Tree::Number(std::f64::consts::PI), width: 1 });
         }
-        match INPUTS.iter().position(|input| *input == name) {
-            Some(index) => match self.inputs[index] {
+        let inputs = match self.names {
+            Names::Letters(inputs) => inputs,
+            Names::Named(known) => match known.iter().position(|(known, _)| known == name) {
+                Some(index) => return Ok(Expression { tree: Tree::Input(index), width: known[index].1 }),
+                None => [None; 4],
+            },
+        };
+        let is_letters = matches!(self.names, Names::Letters(_));
+        match INPUTS.iter().position(|input| *input == name && is_letters) {
+            Some(index) => match inputs[index] {
                 Some(width) => Ok(Expression { tree: Tree::Input(index), width }),
                 None => {
                     let fault = fault_at(at, Found::Unconnected(INPUTS[index]), Expected::ConnectedInput);
@@ -32,7 +40,7 @@ impl Parser {
             }
             None => {
                 let fault = fault_at(at, Found::Name(name.into()), Expected::KnownName);
-                Err(fault.with_remedy(Remedy::NameInput))
+                Err(if is_letters { fault.with_remedy(Remedy::NameInput) } else { fault })
             }
         }
     }

@@ -12,6 +12,7 @@ mod values;
 mod wiring;
 
 use crate::document::Origin;
+use crate::expand::{Expanded, ExpansionFault, expand};
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{
     Access, Check, CheckedGraph, CheckedNode, Diagnostic, Document, Fault, Item, Kind, Knob, KnobType, NodeId,
@@ -32,8 +33,10 @@ pub use values::expected;
 /// `folder` is the folder to which paths in the document are relative. The result contains the graph if no diagnostic
 /// is an error, and all diagnostics in the order of the text.
 pub fn check(document: &Document, registry: &Registry, folder: &Path) -> (Option<CheckedGraph>, Vec<Diagnostic>) {
+    let expanded = expand(document, registry);
     let mut checker = Checker {
         document,
+        expanded: &expanded,
         registry,
         diagnostics: Vec::new(),
         space: Default::default(),
@@ -54,6 +57,7 @@ pub fn check(document: &Document, registry: &Registry, folder: &Path) -> (Option
 /// Walks a document and collects diagnostics.
 struct Checker<'a> {
     document: &'a Document,
+    expanded: &'a Expanded<'a>,
     registry: &'a Registry,
     diagnostics: Vec<Diagnostic>,
     space: trochoid_image::WorkingSpace,
@@ -132,6 +136,10 @@ impl<'a> Checker<'a> {
             return;
         }
         let origin = self.document.origin(place.offset);
+        let found = match place.node.map(|node| self.use_of(node)) {
+            Some(Some(used)) => format!("{found}, in {used}"),
+            _ => found,
+        };
         self.diagnostics.push(Diagnostic {
             severity,
             is_assigned: origin.is_assigned,
@@ -145,6 +153,33 @@ impl<'a> Checker<'a> {
             remedy,
             means: None,
         });
+    }
+
+    /// Returns which use of which group a node belongs to, if it belongs to one.
+    fn use_of(&self, node: &str) -> Option<String> {
+        let (path, _) = node.rsplit_once('/')?;
+        let used = self.expanded.uses.iter().find(|used| used.path == path)?;
+        let Origin { line, column, file, .. } = self.document.origin(used.offset);
+        let file = if file == self.document.name() { String::new() } else { format!("{file}:") };
+        Some(format!("the group {} as used at {file}{line}:{column}", used.group))
+    }
+
+    /// Reports inputs of groups that are connected to nodes of another kind.
+    fn inputs_of_groups(&mut self, drafts: &[Draft<'_>], names: &Names<'a>) {
+        for used in &self.expanded.uses {
+            for input in &used.inputs {
+                let (name, output) =
+                    input.reference.split_once('.').map_or((&*input.reference, None), |(n, o)| (n, Some(o)));
+                let Some(&(node, Some(declaration))) = names.get(name) else { continue };
+                let index = output.and_then(|output| declaration.outputs.iter().position(|known| known.name == output));
+                let Some(kind) = drafts[node].kinds.get(index.unwrap_or(0)) else { continue };
+                if !input.accepts.takes(*kind) {
+                    let place = FaultLocation { offset: input.offset, node: Some(&used.path), port: Some(&input.name) };
+                    let found = format!("\"{}\", a {kind}", shorten(&input.reference));
+                    self.error(place, found, format!("a {}", input.accepts), "connect another node");
+                }
+            }
+        }
     }
 
     /// Whether no more diagnostics are accepted, so that expensive work for them can be skipped.
@@ -204,7 +239,7 @@ impl<'a> Checker<'a> {
     fn graph(&mut self, folder: &Path) -> Option<CheckedGraph> {
         let document = self.document;
         let root = self.object(
-            &document.root,
+            &self.expanded.root,
             FaultLocation::top(0, "document"),
             "an object with \"trochoid\", \"format\", \"nodes\" and \"outputs\"",
         )?;
@@ -215,6 +250,13 @@ impl<'a> Checker<'a> {
         }
         let top = self.top(&root);
         self.palette(&root);
+        for ExpansionFault { offset, node, item, found, expected, remedy } in self.expanded.faults.clone() {
+            let place = FaultLocation { offset, node: node.as_deref(), port: item.as_deref() };
+            self.error(place, found, expected, remedy);
+        }
+        if !self.expanded.is_whole {
+            return None;
+        }
         let entries = match root.iter().find(|entry| entry.key == "nodes") {
             Some(entry) => {
                 self.object(&entry.value, FaultLocation::top(entry.value.offset, "nodes"), "an object of nodes by name")
@@ -252,6 +294,7 @@ impl<'a> Checker<'a> {
             // If a disabled node made a list of connections shorter, the number of weights may have changed.
             name_kinds(&mut drafts, top.first);
         }
+        self.inputs_of_groups(&drafts, &names);
         self.connections(&drafts);
         self.loops(&drafts)?;
         self.node_rules(&drafts, &top);
@@ -327,8 +370,13 @@ impl<'a> Checker<'a> {
                 "rename the node: these are the document's colors",
             );
         }
-        if !is_legal_name(name) {
-            let found = format!("the name \"{}\"", shorten(name));
+        // The names of uses stand before those of a group's nodes.
+        let own = match name.rsplit_once('/') {
+            Some((path, own)) if self.expanded.uses.iter().any(|used| used.path == path) => own,
+            _ => name,
+        };
+        if !is_legal_name(own) {
+            let found = format!("the name \"{}\"", shorten(own));
             self.error(place, found, "a–z, A–Z, 0–9 and _, not starting with a digit", "rename the node");
         }
         let mut draft = Draft {
@@ -380,7 +428,9 @@ impl<'a> Checker<'a> {
         if let Some(refusal) = refusal(ty) {
             return self.refused(place, ty, refusal);
         }
-        let near = nearest(ty, self.registry.names());
+        let groups = &self.expanded.groups;
+        let near =
+            nearest(ty, self.registry.names().map(|name| -> &str { name }).chain(groups.iter().map(String::as_str)));
         let term = Term::of(ty, self.registry);
         let remedy = match (term, near) {
             (Some(term), Some(near)) if term.node() != Some(near) => {
@@ -440,7 +490,7 @@ impl<'a> Checker<'a> {
 }
 
 /// Whether a text may be the name of a node or of a color.
-fn is_legal_name(name: &str) -> bool {
+pub(crate) fn is_legal_name(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }

@@ -17,8 +17,20 @@ pub(super) struct Top {
 /// Version of the document format; the only one so far.
 pub const FORMAT_VERSION: u32 = 1;
 
-pub(super) const KEYS: [&str; 10] =
-    ["trochoid", "format", "working_space", "frames", "tolerance", "palette", "nodes", "outputs", "ui", "notes"];
+pub(super) const KEYS: [&str; 12] = [
+    "trochoid",
+    "format",
+    "working_space",
+    "frames",
+    "tolerance",
+    "palette",
+    "knobs",
+    "groups",
+    "nodes",
+    "outputs",
+    "ui",
+    "notes",
+];
 /// Largest absolute frame number, so that times stay exact.
 const MAX_FRAME: f64 = 1e7;
 

@@ -153,6 +153,17 @@ impl Document {
                 }
             };
         }
+        if *node == "knobs" {
+            return match self.set_knob(path, value) {
+                Ok(()) => {
+                    self.assignments.push(assignment.into());
+                    Ok(())
+                }
+                Err(Astray { found, expected, remedy }) => {
+                    Err(Box::new(Diagnostic { found, expected, remedy, ..fault }))
+                }
+            };
+        }
         let at_top = matches!(&self.root.json, Json::Object(entries) if entries.iter().any(|entry| entry.key == *node));
         let mut names = Vec::new();
         if let Some(Json::Object(nodes)) = self.top("nodes").map(|nodes| &mut nodes.json) {
@@ -206,6 +217,34 @@ impl Document {
             return Err(Astray { found, expected: "a color of the document's palette".into(), remedy });
         }
         put(palette, path, "palette", value)
+    }
+
+    /// Sets a knob of the document, or a part of its value. Its range and help stay.
+    fn set_knob(&mut self, path: &[Step<'_>], value: Spanned) -> Result<(), Astray> {
+        let Some(Json::Object(knobs)) = self.top("knobs").map(|knobs| &mut knobs.json) else {
+            return Err(Astray {
+                found: "no \"knobs\"".into(),
+                expected: "a document with knobs".into(),
+                remedy: "add \"knobs\": { … } to the document, or set a knob of a node: NODE.KNOB=VALUE".into(),
+            });
+        };
+        let [Step::Key(name), rest @ ..] = path else { unreachable!("a path of a knob begins with its name") };
+        let names: Vec<String> = knobs.iter().map(|knob| knob.key.clone()).collect();
+        let Some(knob) = knobs.iter_mut().find(|knob| knob.key == *name) else {
+            let remedy = match nearest(name, names.iter().map(String::as_str)) {
+                Some(near) => format!("did you mean \"{near}\"?"),
+                None => format!("knobs of the document: {}", names.join(", ")),
+            };
+            let found = format!("the knob \"{}\"", shorten(name));
+            return Err(Astray { found, expected: "a knob of the document".into(), remedy });
+        };
+        let target = match &mut knob.value.json {
+            Json::Object(items) if items.iter().any(|item| item.key == "value") => {
+                items.iter_mut().find(|item| item.key == "value").map(|item| &mut item.value)
+            }
+            _ => Some(&mut knob.value),
+        };
+        target.map_or(Ok(()), |target| put(target, rest, &format!("knobs.{name}"), value))
     }
 
     /// Returns the value of a key at the top.

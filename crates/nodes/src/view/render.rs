@@ -3,8 +3,9 @@
 use super::{MOST_DOUBT, NO_RUN, RenderHandle, SurfaceHandle, exact, too_rough};
 use crate::geometry::memory;
 use std::cell::RefCell;
+use std::sync::OnceLock;
 use trochoid_graph::*;
-use trochoid_image::Format;
+use trochoid_image::{Format, Window};
 use trochoid_scene as scene;
 
 /// A view of surfaces from a camera, sample by sample, to the horizon.
@@ -117,8 +118,10 @@ impl Stage for Render {
                 prepared = prepared.union(ChannelSet::REST);
             }
             let stop = prepare.cancellation();
-            let found = scene::Visible::prepare_unless(&camera, &surfaces, format, fineness, prepared, stop);
-            visible = Some(found.ok_or(NodeError::Cancelled)?);
+            let part = prepare.part();
+            let found = scene::Visible::prepare_part(&camera, &surfaces, format, fineness, prepared, part, stop);
+            let part = found.ok_or(NodeError::Cancelled)?;
+            visible = Some(Seen { part, fineness, prepared, whole: OnceLock::new() });
             if prepare.bounded() {
                 let found = scene::Certain::new(&camera, &borrowed(&exact), format, stop);
                 certain = Some(found.ok_or(NodeError::Cancelled)?);
@@ -140,9 +143,47 @@ struct PreparedRender {
     /// Precision with which each sample is moved to the surface itself; `None` for the mesh.
     follows: Option<scene::Sums>,
     /// `None` if no channel is wanted.
-    visible: Option<scene::Visible>,
+    visible: Option<Seen>,
     /// Certainty of what is seen; prepared only if bounds are requested.
     certain: Option<scene::Certain>,
+}
+
+/// What is seen of the surfaces.
+struct Seen {
+    /// In the part of the picture where most pixels are filled.
+    part: scene::Visible,
+    fineness: f64,
+    prepared: ChannelSet,
+    /// In all of it, made when a pixel elsewhere is filled.
+    whole: OnceLock<Option<scene::Visible>>,
+}
+
+impl Seen {
+    fn bytes(&self) -> usize {
+        let whole = self.whole.get().and_then(Option::as_ref);
+        self.part.stats().bytes + whole.map_or(0, |whole| whole.stats().bytes)
+    }
+}
+
+impl PreparedRender {
+    /// Returns what is seen in some pixels; `None` if no channel is wanted.
+    fn visible_in(&self, block: &Block<'_>) -> Option<&scene::Visible> {
+        let seen = self.visible.as_ref()?;
+        let around = match block.scattered {
+            None => block.window,
+            Some(pixels) => {
+                pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)))
+            }
+        };
+        if seen.part.covers(around) {
+            return Some(&seen.part);
+        }
+        let Seen { fineness, prepared, .. } = *seen;
+        let surfaces = borrowed(&self.surfaces);
+        let make =
+            || scene::Visible::prepare_unless(&self.camera, &surfaces, self.format, fineness, prepared, &|| false);
+        seen.whole.get_or_init(make).as_ref()
+    }
 }
 
 fn borrowed(surfaces: &[SurfaceHandle]) -> Vec<&dyn scene::Surface> {
@@ -170,7 +211,7 @@ impl Prepared for PreparedRender {
     }
 
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
-        let Some(visible) = &self.visible else { return Ok(()) };
+        let Some(visible) = self.visible_in(block) else { return Ok(()) };
         let mut planes: Vec<_> =
             Channel::ALL.into_iter().enumerate().filter_map(|(i, c)| Some((c, outputs.take(Out::View, i)?))).collect();
         let coverage = outputs.take(Out::Coverage, 0);
@@ -224,7 +265,7 @@ impl Prepared for PreparedRender {
             (true, Some(_)) => scene::Asked::Values,
         };
         let sights = certain.sights(&surfaces, &pixels, offset, asked);
-        let same = match &self.visible {
+        let same = match self.visible_in(bounding.block) {
             Some(visible) => visible.same_sheets(&surfaces, &pixels, offset, &sights),
             None => vec![true; sights.len()],
         };
@@ -269,12 +310,12 @@ impl Prepared for PreparedRender {
     }
 
     fn unseen(&self) -> Vec<(PortId, usize)> {
-        let unseen = self.visible.as_ref().map_or_else(Vec::new, scene::Visible::unseen);
+        let unseen = self.visible.as_ref().map_or_else(Vec::new, |seen| seen.part.unseen());
         unseen.into_iter().map(|surface| (self.port, surface)).collect()
     }
 
     fn left_out(&self) -> Vec<Omission> {
-        let Some(projector) = self.visible.as_ref().map(scene::Visible::projector) else { return Vec::new() };
+        let Some(projector) = self.visible.as_ref().map(|seen| seen.part.projector()) else { return Vec::new() };
         let unseen = self.unseen().into_iter().map(|port| Omission {
             port: Some(port),
             what: "surfaces",
@@ -302,6 +343,6 @@ impl Prepared for PreparedRender {
     }
 
     fn bytes(&self) -> usize {
-        self.visible.as_ref().map_or(0, |visible| visible.stats().bytes)
+        self.visible.as_ref().map_or(0, Seen::bytes)
     }
 }

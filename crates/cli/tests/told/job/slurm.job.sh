@@ -61,9 +61,15 @@ run "$trochoid" render \
     --set="$value" \
     --out "$out"/'tiles/{output}.####.t'"$number".exr \
     --region "$region" \
-    --threads 4 --memory 256MiB --resume --json
-if [ "$code" = 1 ] && [ "${SLURM_RESTART_COUNT:-0}" -lt 3 ]; then
-    echo "input, output or memory failed: trying again" >&2
-    scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID"
-fi
+    --threads 4 --memory 256MiB --resume
+case $code in
+    0) exit 0 ;;
+    126 | 127) echo "$trochoid cannot be run on $(hostname): export TROCHOID=/PATH/OF/trochoid and submit again" >&2 ;;
+    1 | 129 | 13[1-9] | 14[0-24-9] | 1[5-9]?)
+        if [ "${SLURM_RESTART_COUNT:-0}" -lt 3 ]; then
+            echo "ended with code $code: trying again" >&2
+            scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID"
+        fi
+        ;;
+esac
 exit "$code"

@@ -53,8 +53,14 @@ join() {
 
 join beauty."$sign$(printf %04d "$digits")" &&
 join mask."$sign$(printf %04d "$digits")"
-if [ "$code" = 1 ] && [ "${SLURM_RESTART_COUNT:-0}" -lt 3 ]; then
-    echo "input, output or memory failed: trying again" >&2
-    scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID"
-fi
+case $code in
+    0) exit 0 ;;
+    126 | 127) echo "$trochoid cannot be run on $(hostname): export TROCHOID=/PATH/OF/trochoid and submit again" >&2 ;;
+    1 | 129 | 13[1-9] | 14[0-24-9] | 1[5-9]?)
+        if [ "${SLURM_RESTART_COUNT:-0}" -lt 3 ]; then
+            echo "ended with code $code: trying again" >&2
+            scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID"
+        fi
+        ;;
+esac
 exit "$code"

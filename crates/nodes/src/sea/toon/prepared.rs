@@ -56,7 +56,7 @@ impl Trails {
 /// Returns the key of the states of a simulation: of these trails, or of the heights.
 fn series(trails: Option<TrailFields>, sea: &ToonSea) -> Key {
     let made_by = (env!("CARGO_PKG_VERSION"), toon_sea::ToonSea::DECLARATION.revision);
-    ("ToonSea", made_by, (trails.is_some(), trails.unwrap_or_default()), sea).key()
+    (toon_sea::ToonSea::DECLARATION.name, made_by, (trails.is_some(), trails.unwrap_or_default()), sea).key()
 }
 
 /// Position of the grid.

@@ -1,0 +1,214 @@
+//! Groups and links: pictures are those of the document written by hand, and faults lead into the group and to its use.
+
+use crate::support::{all_bits, evaluate, graph_in};
+use std::path::Path;
+use trochoid::{Buffers, LoadError, Settings, parse};
+
+/// Returns a document with more at its top.
+fn document(more: &str, nodes: &str, outputs: &str) -> String {
+    format!(
+        r#"{{ "trochoid": 1, "format": {{ "width": 24, "height": 16 }}, "frames": {{ "first": 1, "last": 12, "fps": 24 }},
+            {more} "nodes": {{ {nodes} }}, "outputs": {{ {outputs} }} }}"#
+    )
+}
+
+/// Asserts that two documents have the same pictures.
+#[track_caller]
+fn same(a: &str, b: &str) {
+    let (a, b) = (graph_in(Path::new("."), a), graph_in(Path::new("."), b));
+    for frame in [1, 5, 12] {
+        let picture = |graph| all_bits(&evaluate(graph, frame, &Buffers::new(), &Settings::default()));
+        assert_eq!(picture(&a), picture(&b), "frame {frame}");
+    }
+}
+
+/// Returns the messages of an invalid document.
+#[track_caller]
+fn faults(text: &str) -> String {
+    match parse("a.json", text, Path::new("."), &[]) {
+        Err(LoadError::Invalid(faults)) => faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"),
+        other => panic!("{other:?}"),
+    }
+}
+
+const BAND: &str = r##""groups": { "Band": {
+    "inputs": { "under": "Color", "where": { "kind": "Field", "optional": true, "help": "Field of the band." },
+                "mask": { "kind": "Mask", "default": 1 } },
+    "knobs": { "at": { "default": 0.3, "min": 0, "max": 1 }, "width": 0.1, "paint": { "default": "#c08040" }, "word": "smoothstep" },
+    "nodes": {
+        "x": { "type": "ScreenX" },
+        "edge": { "type": "Clamp", "field": "x", "min": "= knobs.at", "max": "= knobs.at + knobs.width" },
+        "cut": { "type": "Mix", "a": "under", "b": "= knobs.paint", "weight": "edge" },
+        "over": { "type": "Mix", "a": "under", "b": "cut", "weight": "mask" } },
+    "outputs": { "color": "over", "edge": "edge", "under": "under" } } },"##;
+
+#[test]
+fn uses_are_their_nodes() {
+    let nodes = r##""y": { "type": "ScreenY" },
+        "ground": { "type": "Mix", "a": "#102030", "b": "#8090a0", "weight": "y" },
+        "one": { "type": "Band", "under": "ground", "at": { "keys": [[1, 0.2], [12, 0.6]] } },
+        "two": { "type": "Band", "under": "one", "mask": "y", "paint": "#fff", "width": 0.25, "at": 0.5 },
+        "all": { "type": "Mix", "a": "two.color", "b": "#f00", "weight": "one.edge" }"##;
+    let by_hand = r##""y": { "type": "ScreenY" },
+        "ground": { "type": "Mix", "a": "#102030", "b": "#8090a0", "weight": "y" },
+        "x": { "type": "ScreenX" },
+        "edge": { "type": "Clamp", "field": "x", "min": { "keys": [[1, 0.2], [12, 0.6]] },
+                  "max": { "keys": KEYS } },
+        "cut": { "type": "Mix", "a": "ground", "b": "#c08040", "weight": "edge" },
+        "one": { "type": "Mix", "a": "ground", "b": "cut", "weight": 1 },
+        "edge2": { "type": "Clamp", "field": "x", "min": 0.5, "max": 0.75 },
+        "cut2": { "type": "Mix", "a": "one", "b": "#fff", "weight": "edge2" },
+        "two": { "type": "Mix", "a": "one", "b": "cut2", "weight": "y" },
+        "all": { "type": "Mix", "a": "two", "b": "#f00", "weight": "edge" }"##;
+    let at = |frame: f64| {
+        let t = (frame - 1.0) / 11.0;
+        (1.0 - t) * 0.2 + t * 0.6
+    };
+    let keys: Vec<String> = (1..=12).map(|frame| format!("[{frame}, {}]", at(f64::from(frame)) + 0.1)).collect();
+    let by_hand = by_hand.replace("KEYS", &format!("[{}]", keys.join(", ")));
+    let outputs = r#""all": { "color": "all" }, "edge": { "weights": "two.edge" }, "under": { "color": "one.under" }"#;
+    let by_hand_outputs =
+        r#""all": { "color": "all" }, "edge": { "weights": "edge2" }, "under": { "color": "ground" }"#;
+    same(&document(BAND, nodes, outputs), &document("", &by_hand, by_hand_outputs));
+}
+
+/// A group in a group, inputs that are passed on, lists of connections, links to nodes and to the document, and formulas.
+#[test]
+fn groups_nest_and_links_lead_anywhere() {
+    let more = r##""knobs": { "warm": { "value": "#ff8040", "help": "Color of light." }, "speed": { "value": 2, "min": 0, "max": 5 } },
+        "groups": {
+            "Pair": {
+                "inputs": { "masks": "Mask", "base": "Color" },
+                "knobs": { "share": 0.5 },
+                "nodes": {
+                    "a": { "type": "Tint", "under": "base", "how": "= knobs.share" },
+                    "b": { "type": "Tint", "under": "a", "how": "= knobs.share * knobs.share" },
+                    "mean": { "type": "Blend", "colors": ["a", "b", "base"], "weights": [0.5, 0.25, 0.25] },
+                    "out": { "type": "Mix", "a": "mean", "b": "b.color", "weight": "masks" } },
+                "outputs": { "color": "out" } },
+            "Tint": {
+                "inputs": { "under": "Color" }, "knobs": { "how": { "default": 0.1 } },
+                "nodes": { "mix": { "type": "Mix", "a": "under", "b": "#204060", "weight": "= knobs.how" } },
+                "outputs": { "color": "mix" } } },"##;
+    let nodes = r##""x": { "type": "ScreenX" }, "y": { "type": "ScreenY" },
+        "base": { "type": "Mix", "a": "#000", "b": "= knobs.warm", "weight": "x" },
+        "soft": { "type": "Clamp", "field": "y", "min": "= 0.1 * knobs.speed", "max": "= min(soft.min + 0.5, 1)" },
+        "pair": { "type": "Pair", "masks": "soft", "base": "base", "share": "= 0.5 + 0.25*(time * knobs.speed)" },
+        "off": { "type": "Pair", "disabled": true, "masks": "x", "base": "base" },
+        "all": { "type": "Blend", "colors": ["pair", "base"], "weights": [0.75, 0.25] },
+        "gone": { "type": "Mix", "a": "#fff", "b": "#000", "weight": "off" }"##;
+    let outputs = r#""all": { "color": "all" }, "inner": { "color": "pair" }, "gone": { "color": "gone" }"#;
+    let share = |frame: i64| 0.5 + 0.25 * ((frame - 1) as f64 / 24.0 * 2.0);
+    let keys = |of: &dyn Fn(i64) -> f64| {
+        let keys: Vec<String> = (1..=12).map(|frame| format!("[{frame}, {}]", of(frame))).collect();
+        format!("{{ \"keys\": [{}] }}", keys.join(", "))
+    };
+    let by_hand = r##""x": { "type": "ScreenX" }, "y": { "type": "ScreenY" },
+        "base": { "type": "Mix", "a": "#000", "b": "#ff8040", "weight": "x" },
+        "soft": { "type": "Clamp", "field": "y", "min": 0.2, "max": 0.7 },
+        "a": { "type": "Mix", "a": "base", "b": "#204060", "weight": SHARE },
+        "b": { "type": "Mix", "a": "a", "b": "#204060", "weight": SQUARE },
+        "mean": { "type": "Blend", "colors": ["a", "b", "base"], "weights": [0.5, 0.25, 0.25] },
+        "pair": { "type": "Mix", "a": "mean", "b": "b", "weight": "soft" },
+        "all": { "type": "Blend", "colors": ["pair", "base"], "weights": [0.75, 0.25] },
+        "gone": { "type": "Mix", "a": "#fff", "b": "#000", "weight": "x" }"##;
+    let by_hand =
+        by_hand.replace("SHARE", &keys(&share)).replace("SQUARE", &keys(&|frame| share(frame) * share(frame)));
+    let hand_outputs = r#""all": { "color": "all" }, "inner": { "color": "pair" }, "gone": { "color": "gone" }"#;
+    same(&document(more, nodes, outputs), &document("", &by_hand, hand_outputs));
+}
+
+/// The document's knobs are set from outside, as nodes' are.
+#[test]
+fn knobs_of_the_document_are_set() {
+    let more = r##""knobs": { "share": { "value": 0.25, "min": 0, "max": 1 }, "paint": "#fff" },"##;
+    let nodes = r##""mix": { "type": "Mix", "a": "#000", "b": "= knobs.paint", "weight": "= knobs.share" }"##;
+    let text = document(more, nodes, r#""mix": { "color": "mix" }"#);
+    let set = |set: &[&str]| {
+        let set: Vec<String> = set.iter().map(ToString::to_string).collect();
+        parse("a.json", &text, Path::new("."), &set)
+            .map(|loaded| all_bits(&evaluate(&loaded.graph, 1, &Buffers::new(), &Settings::default())))
+    };
+    let plain = |share: f64, paint: &str| {
+        let nodes = format!(r##""mix": {{ "type": "Mix", "a": "#000", "b": "{paint}", "weight": {share} }}"##);
+        let graph = graph_in(Path::new("."), &document("", &nodes, r#""mix": { "color": "mix" }"#));
+        all_bits(&evaluate(&graph, 1, &Buffers::new(), &Settings::default()))
+    };
+    assert_eq!(set(&[]).unwrap(), plain(0.25, "#fff"));
+    assert_eq!(set(&["knobs.share=0.75", "knobs.paint=#f80"]).unwrap(), plain(0.75, "#f80"));
+    for (bad, said) in [
+        ("knobs.shore=1", "did you mean \"share\"?"),
+        ("knobs.share=2", "share: 2; expected a number from 0 to 1"),
+        ("knobs.share=red", "a reference to \"red\", which is not a node"),
+    ] {
+        let error = set(&[bad]).unwrap_err().to_string();
+        assert!(error.contains(said), "{bad}: {error}");
+    }
+}
+
+/// Each fault has a message of its own, which leads to its place, and from within a group to its use.
+#[test]
+fn faults_are_told_with_their_places() {
+    let group = |inside: &str| {
+        format!(
+            r#""groups": {{ "G": {{ "inputs": {{ "in": "Color" }}, "knobs": {{ "k": {{ "default": 0.5, "min": 0, "max": 1 }}, "must": {{ "min": 0 }} }},
+            {inside} }} }},"#
+        )
+    };
+    let good = group(
+        r##""nodes": { "m": { "type": "Mix", "a": "in", "b": "#fff", "weight": "= knobs.k" } }, "outputs": { "o": "m" }"##,
+    );
+    let bad_weight = group(
+        r##""nodes": { "m": { "type": "Mix", "a": "in", "b": "#fff", "weight": "= knobs.k + 1" } }, "outputs": { "o": "m" }"##,
+    );
+    let used = |more: &str| format!(r##""g": {{ "type": "G", "in": "#000", "must": 1 {more} }}"##);
+    let x = r#""x": { "type": "ScreenX" },"#;
+    let cases: Vec<(String, String, &[&str])> = vec![
+        // Groups.
+        (group(r#""outputs": { "o": "m" }"#), used(""), &["the group \"G\" without nodes"]),
+        (group(r#""nodes": { "m": { "type": "ScreenX" } }"#), used(""), &["the group \"G\" without outputs"]),
+        (group(r#""nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": 3 }"#), used(""), &["a reference to a node of the group"]),
+        (group(r#""nodes": { "in": { "type": "ScreenX" } }, "outputs": { "o": "in" }"#), used(""), &["the name \"in\" for an input and for a node"]),
+        (group(r#""nodez": {}, "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "m" }"#), used(""), &["unknown key \"nodez\"", "did you mean \"nodes\"?"]),
+        (r#""groups": { "Mix": { "nodes": {}, "outputs": {} } },"#.into(), used(""), &["\"Mix\", which is a node type"]),
+        (r#""groups": { "a b": { "nodes": {}, "outputs": {} } },"#.into(), used(""), &["the group name \"a b\""]),
+        (r#""groups": 7,"#.into(), used(""), &["groups: 7; expected an object of groups by name"]),
+        (r#""groups": { "A": { "inputs": { "i": "Colour" }, "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "m" } } },"#.into(), used(""), &["\"Colour\"", "did you mean \"Color\"?"]),
+        (r#""groups": { "A": { "nodes": { "b": { "type": "B" } }, "outputs": { "o": "b" } }, "B": { "nodes": { "a": { "type": "A" } }, "outputs": { "o": "a" } } },"#.into(), used(""), &["a group that uses itself: A → B → A"]),
+        (r#""groups": { "A": { "nodes": { "a": { "type": "A" } }, "outputs": { "o": "a" } } },"#.into(), used(""), &["a group that uses itself: A → A"]),
+        (r#""groups": { "A": { "knobs": { "k": { "min": 2, "max": 1 } }, "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "m" } } },"#.into(), used(""), &["expected min ≤ max"]),
+        // Uses.
+        (good.clone(), r#""g": { "type": "G", "must": 1 }"#.into(), &["node \"g\"", "no \"in\"; expected a Color"]),
+        (good.clone(), r##""g": { "type": "G", "in": "#000" }"##.into(), &["no \"must\"; expected a value"]),
+        (good.clone(), used(r#", "kk": 1"#), &["unknown key \"kk\"", "did you mean \"k\"?"]),
+        (good.clone(), used(r#", "k": 1.5"#), &["k: 1.5; expected a number from 0 to 1"]),
+        (good.clone(), used(r#", "k": { "keys": [[1, 0.5], [3, 7]] }"#), &["k: 7; expected a number from 0 to 1"]),
+        (good.clone(), used(r#", "k": "= 3""#), &["k: 3; expected a number from 0 to 1"]),
+        (good.clone(), format!(r##"{x} "g": {{ "type": "G", "in": "x", "must": 1 }}"##), &["node \"g\", in: found \"x\", a mask; expected a Color"]),
+        (good.clone(), used(r#"}, "h": { "type": "Mix", "a": "g.p", "b": "g", "weight": 0.5"#), &["output \"p\" of the group G", "outputs of G: o"]),
+        (good.clone(), r#""g": { "type": "H", "in": 1 }"#.into(), &["unknown node type \"H\""]),
+        (good.clone(), r#""g": { "type": "G", "in": "nothing", "must": 1 }"#.into(), &["a reference to \"nothing\", which is not a node"]),
+        (good.clone(), used(r#", "disabled": 1"#), &["expected true or false"]),
+        // Within a group, with the way back.
+        (bad_weight, used(""), &["node \"g/m\"", "1.5, in the group G as used at 3:", "a mask"]),
+        // Links.
+        (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= g.weight" }"##.into(), &["more than 64 references or links", "remove the loop"]),
+        (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= x.at" }"##.into(), &["a link to \"x\", which is not a node"]),
+        (String::new(), format!(r##"{x} "g": {{ "type": "Mix", "a": "#000", "b": "#fff", "weight": "= x.at" }}"##), &["a link to \"at\" of \"x\""]),
+        (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= knobs.k" }"##.into(), &["\"knobs.k\", which the document does not have"]),
+        (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= fram / 10" }"##.into(), &["\"fram\" in the formula", "did you mean \"frame\"?"]),
+        (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= 1 +" }"##.into(), &["of the formula \"1 +\"", "expected a number"]),
+        (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= log(frame - 1)" }"##.into(), &["-inf at frame 1", "change one of these: frame is 1"]),
+        (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= frame" }"##.into(), &["found 2; expected a number from 0 to 1"]),
+        (String::new(), r##""t": { "type": "Noise", "kind": "fbm" }, "g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= t.kind * 2" }"##.into(), &["\"t.kind\", which is \"fbm\"", "expected numbers"]),
+        (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "=" }"##.into(), &["of the formula \"\""]),
+        (r#""knobs": { "k": { "min": 1 } },"#.into(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 1 }"##.into(), &["the knob \"k\" without a value"]),
+    ];
+    for (more, nodes, words) in cases {
+        let text = document(&more, &nodes, r#""out": { "color": "g" }"#);
+        let said = faults(&text);
+        for word in words {
+            assert!(said.contains(word), "no {word:?} for {nodes}\n{more}\nin: {said}");
+        }
+    }
+}
