@@ -302,7 +302,7 @@ mod tests {
         let data: Vec<u8> = (0..=255).collect();
         kept.keep("a".key(), 5, 2.0, &data);
         let path = file(&kept.series("a".key()), 5);
-        let whole = fs::read(&path).unwrap();
+        let whole = trochoid_io::read_bytes(&path, 1 << 20).unwrap();
         let entry = kept.find("a".key(), 0, 5).unwrap();
         for at in [0, 16, 24, 40, HEADER, whole.len() - 1] {
             let mut bytes = whole.clone();
