@@ -41,6 +41,7 @@ mod scale;
 mod scenes;
 mod shading;
 mod spray;
+mod stores;
 mod streaming;
 mod sums;
 mod support;
