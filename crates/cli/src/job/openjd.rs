@@ -123,7 +123,7 @@ fn render(work: &Work) -> Value {
         "name": "Render",
         "parameterSpace": space(work, frame, true),
         "hostRequirements": requirements(work),
-        "script": { "actions": { "onRun": action(work, "{{Param.Trochoid}}", arguments) } },
+        "script": { "actions": { "onRun": action(work.minutes, "{{Param.Trochoid}}", arguments) } },
     })
 }
 
@@ -140,7 +140,7 @@ fn join(work: &Work) -> Value {
         "dependencies": [{ "dependsOn": "Render" }],
         "parameterSpace": space(work, frame, false),
         "script": {
-            "actions": { "onRun": action(work, "bash", arguments.into()) },
+            "actions": { "onRun": action(work.join_minutes, "bash", arguments.into()) },
             "embeddedFiles": [{ "name": "Join", "type": "TEXT", "filename": "join.sh", "data": script }],
         },
     })
@@ -151,11 +151,11 @@ fn out(work: &Work) -> String {
     format!("{{{{Param.Out}}}}{}", if work.wedge.is_some() { "/{{Task.Param.WedgeFolder}}" } else { "" })
 }
 
-fn action(work: &Work, command: &str, arguments: Vec<String>) -> Value {
+fn action(minutes: u32, command: &str, arguments: Vec<String>) -> Value {
     json!({
         "command": command,
         "args": arguments,
-        "timeout": u64::from(work.minutes) * 60,
+        "timeout": u64::from(minutes) * 60,
         "cancelation": { "mode": "NOTIFY_THEN_TERMINATE", "notifyPeriodInSeconds": NOTICE },
     })
 }

@@ -3,7 +3,7 @@
 use super::Files;
 use super::folder::Content;
 use super::join;
-use super::work::{MINUTES, OUT, Work};
+use super::work::{OUT, Work};
 use std::fmt::Write as _;
 use trochoid::quoted;
 
@@ -118,7 +118,7 @@ fn render(work: &Work) -> String {
 }
 
 fn join(work: &Work) -> String {
-    let mut text = head(work, "join", work.joins(), 1, work.minutes.max(MINUTES));
+    let mut text = head(work, "join", work.joins(), 1, work.join_minutes);
     let count = work.frames.len();
     text += &array("frames", work.frames.iter().map(ToString::to_string));
     let _ = writeln!(text, "frame=${{frames[task % {count}]}}");

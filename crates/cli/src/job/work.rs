@@ -20,7 +20,7 @@ const MOST: usize = 100_000;
 /// Most tasks of an array in Slurm, unless its settings say otherwise.
 const USUAL: usize = 1000;
 /// Most minutes of a task, if neither given nor measured.
-pub(super) const MINUTES: u32 = 60;
+const MINUTES: u32 = 60;
 /// Memory of a task beside what `--memory` bounds, in MiB: the program and its threads.
 const BESIDE: u64 = 256;
 
@@ -51,8 +51,10 @@ pub(super) struct Work {
     pub(super) threads: u16,
     /// Bound of the memory of a render, in MiB.
     pub(super) bound: u64,
-    /// Most time of a task.
+    /// Most time of a task that renders.
     pub(super) minutes: u32,
+    /// Most time of a task that joins, which is not measured.
+    pub(super) join_minutes: u32,
 }
 
 impl Work {
@@ -117,6 +119,7 @@ impl Work {
             threads: args.threads,
             bound: bound(variants, chosen, frames[0], args.threads, faults),
             minutes: args.minutes.unwrap_or(MINUTES),
+            join_minutes: args.minutes.unwrap_or(MINUTES),
             frames,
         };
         let (tasks, joins) = (work.tasks(), work.joins());
