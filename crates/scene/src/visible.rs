@@ -220,7 +220,7 @@ impl Visible {
 }
 
 /// Returns the smallest window that has some pixels.
-pub(crate) fn around(pixels: &[[i64; 2]]) -> Window {
+pub fn around(pixels: &[[i64; 2]]) -> Window {
     pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)))
 }
 

@@ -142,19 +142,13 @@ impl Document {
         };
         let place = ASSIGNED + self.assignments.len();
         relocate(&mut value, &|_| place);
-        if *node == "palette" {
-            return match self.set_color(path, value) {
-                Ok(()) => {
-                    self.assignments.push(assignment.into());
-                    Ok(())
-                }
-                Err(Astray { found, expected, remedy }) => {
-                    Err(Box::new(Diagnostic { found, expected, remedy, ..fault }))
-                }
-            };
-        }
-        if *node == "knobs" {
-            return match self.set_knob(path, value) {
+        let set = match *node {
+            "palette" => Some(self.set_color(path, value.clone())),
+            "knobs" => Some(self.set_knob(path, value.clone())),
+            _ => None,
+        };
+        if let Some(set) = set {
+            return match set {
                 Ok(()) => {
                     self.assignments.push(assignment.into());
                     Ok(())

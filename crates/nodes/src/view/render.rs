@@ -5,7 +5,7 @@ use crate::geometry::memory;
 use std::cell::RefCell;
 use std::sync::OnceLock;
 use trochoid_graph::*;
-use trochoid_image::{Format, Window};
+use trochoid_image::Format;
 use trochoid_scene as scene;
 
 /// A view of surfaces from a camera, sample by sample, to the horizon.
@@ -169,20 +169,19 @@ impl PreparedRender {
     /// Returns what is seen in some pixels; `None` if no channel is wanted.
     fn visible_in(&self, block: &Block<'_>) -> Option<&scene::Visible> {
         let seen = self.visible.as_ref()?;
-        let around = match block.scattered {
-            None => block.window,
-            Some(pixels) => {
-                pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)))
-            }
-        };
-        if seen.part.covers(around) {
+        if seen.part.covers(block.scattered.map_or(block.window, scene::around)) {
             return Some(&seen.part);
         }
         let Seen { fineness, prepared, .. } = *seen;
-        let surfaces = borrowed(&self.surfaces);
-        let make =
-            || scene::Visible::prepare_unless(&self.camera, &surfaces, self.format, fineness, prepared, &|| false);
-        seen.whole.get_or_init(make).as_ref()
+        if seen.whole.get().is_none() {
+            let surfaces = borrowed(&self.surfaces);
+            let (camera, format) = (&self.camera, self.format);
+            // Not within the lock: a thread that waits for others may take up work that asks for it.
+            let made = scene::Visible::prepare_unless(camera, &surfaces, format, fineness, prepared, &|| false);
+            // Another thread may have been faster; both results are the same.
+            let _ = seen.whole.set(made);
+        }
+        seen.whole.get()?.as_ref()
     }
 }
 

@@ -74,5 +74,6 @@ mod view {
     mod flow_field;
     mod in_front;
     mod object_mask;
+    mod render;
     mod thickness;
 }

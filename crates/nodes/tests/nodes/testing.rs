@@ -29,18 +29,24 @@ pub(crate) struct Frame {
 impl Frame {
     /// Prepares every stage, with all channels requested.
     pub(crate) fn new(graph: CheckedGraph) -> Result<Self, NodeError> {
-        Self::prepared(graph, |stage, _, prepare| stage.prepare(prepare))
+        Self::near(graph, None)
+    }
+
+    /// Prepares every stage likewise, for a part of the picture if one is given.
+    pub(crate) fn near(graph: CheckedGraph, part: Option<Window>) -> Result<Self, NodeError> {
+        Self::prepared(graph, part, |stage, _, prepare| stage.prepare(prepare))
     }
 
     /// Prepares every stage likewise, with pictures held so.
     pub(crate) fn held(graph: CheckedGraph, holding: Holding) -> Result<Self, NodeError> {
-        Self::prepared(graph, |stage, settled, prepare| {
+        Self::prepared(graph, None, |stage, settled, prepare| {
             prepare_read(settled, prepare, holding).unwrap_or_else(|| stage.prepare(prepare))
         })
     }
 
     fn prepared(
         graph: CheckedGraph,
+        part: Option<Window>,
         of: impl Fn(&dyn Stage, &Settled, &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError>,
     ) -> Result<Self, NodeError> {
         let context = graph.frame_context(graph.frames().0, 1 << 30);
@@ -52,7 +58,8 @@ impl Frame {
             let wanted: Vec<Vec<bool>> = node.kinds.iter().map(|kind| vec![true; kind.channels()]).collect();
             let handles = |id: NodeId| prepared[id.0].as_ref().and_then(|prepared| prepared.handle());
             let prepare = Prepare::new(&context, &node.kinds, &wanted, &handles, &|| false, &pool)
-                .with_purpose(Purpose::References);
+                .with_purpose(Purpose::References)
+                .with_part(part);
             let made = of(stage, &settled, &prepare)?;
             prepared[id.0] = Some(made);
         }
