@@ -249,6 +249,9 @@ struct ClippedTriangle {
     corners: Vec<ClippedVertex>,
 }
 
+/// Number of sides of a picture.
+pub(crate) const SIDES: usize = 4;
+
 /// A part of a picture, and what of a grid may be seen in it.
 pub(crate) struct PictureOfPart<'a> {
     stage: MeshProjector<'a>,
@@ -256,7 +259,7 @@ pub(crate) struct PictureOfPart<'a> {
     low: [i64; 2],
     high: [i64; 2],
     /// Functions n·p + d that are negative beyond each side, for a point p relative to the camera that is not behind it.
-    sides: [(DVec3, f64); 4],
+    sides: [(DVec3, f64); SIDES],
 }
 
 impl<'a> PictureOfPart<'a> {
@@ -278,14 +281,20 @@ impl<'a> PictureOfPart<'a> {
         Self { stage, low: low.map(fix), high: high.map(fix), sides }
     }
 
-    /// Returns beyond which sides, as bits, all points lie that are within `spread` of a line between two points relative
-    /// to the camera.
-    pub(crate) fn beyond(&self, ends: [DVec3; 2], spread: DVec3) -> u8 {
-        let is_beyond = |(normal, at): &(DVec3, f64)| {
-            let most = normal.dot(ends[0]).max(normal.dot(ends[1])) + normal.abs().dot(spread) + at;
-            most < 0.0
-        };
-        self.sides.iter().enumerate().fold(0, |bits, (side, plane)| bits | (u8::from(is_beyond(plane)) << side))
+    /// Returns, by side, the part of a line between two points relative to the camera that has points within `spread` of it
+    /// that are not beyond the side, from 0 at the first end to 1 at the second; `None` if there is none.
+    pub(crate) fn parts(&self, ends: [DVec3; 2], spread: DVec3) -> [Option<[f64; 2]>; SIDES] {
+        self.sides.map(|(normal, at)| {
+            let more = normal.abs().dot(spread) + at;
+            let [first, last] = ends.map(|end| normal.dot(end) + more);
+            let change = first / (first - last);
+            match (first >= 0.0, last >= 0.0) {
+                (true, true) => Some([0.0, 1.0]),
+                (true, false) => Some([0.0, change]),
+                (false, true) => Some([change, 1.0]),
+                (false, false) => None,
+            }
+        })
     }
 
     /// Projects a row of vertices.

@@ -1,5 +1,7 @@
 //! Meshes of a displaced sea, adapted to one camera.
 
+mod part;
+
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -10,8 +12,7 @@ use trochoid_sea::{FieldSet, Fields, Line, LineScratch, Lines, Points};
 
 use crate::channel::{CURVED, RESTS};
 use crate::extent::{Sector, Strip};
-use crate::patches::{MORE_CELLS, Patches};
-use crate::project::PictureOfPart;
+use crate::patches::Patches;
 use crate::spacing::{Facets, Spacing};
 use crate::surface::{Between, Mesh, Topology};
 use crate::{Channel, ChannelSet, Projector, SeaSurface};
@@ -42,11 +43,6 @@ fn spaced(spacing: &Spacing, facets: Facets, projector: &Projector, footprint: f
 const MIN_COLUMNS: f64 = 8.0;
 /// Largest step of radius, relative to the distance from the camera.
 const GROWTH: f64 = 0.25;
-/// Number of pairs of rows that one task looks at.
-const PAIRS: usize = 32;
-/// Number of rows that are made beyond those that are seen: a ray goes on by some cells from the one that its triangle
-/// names, and mixed derivatives take one more.
-const BEYOND: usize = MORE_CELLS as usize + 3;
 /// Most rows of an orthographic view.
 const MAX_ROWS: f64 = 8192.0;
 
@@ -334,14 +330,15 @@ impl Layout for Disc<'_> {
 
 impl<L: Layout> Rows<'_, L> {
     fn mesh(&self, wanted: ChannelSet, stop: &(dyn Fn() -> bool + Sync)) -> Option<Mesh> {
-        let rows = match self.part {
-            Some(part) => self.rows_in(part, stop)?,
-            None => 0..self.rows,
+        let [rows, columns] = match self.part {
+            Some(part) => self.seen_in(part, stop)?,
+            None => [0..self.rows, 0..self.columns],
         };
-        if rows.is_empty() {
+        if rows.is_empty() || columns.is_empty() {
             return Some(Mesh { inside: self.sea.submerges(self.projector), ..Mesh::empty(self.sea.level) });
         }
-        let len = self.columns * rows.len();
+        let width = columns.len();
+        let len = width * rows.len();
         let size = |wanted: bool| if wanted { len } else { 0 };
         let curved = wanted.intersects(CURVED);
         // The area of a cell at rest, by which the Jacobian is measured, follows from rest points.
@@ -351,16 +348,16 @@ impl<L: Layout> Rows<'_, L> {
             rests: vec![[0.0; 2]; size(wanted.intersects(rests))],
             slope_variances: vec![0.0; size(wanted.contains(Channel::SlopeVariance))],
             inside: self.sea.submerges(self.projector),
-            topology: Topology::Grid { columns: self.columns, rows: rows.len() },
+            topology: Topology::Grid { columns: width, rows: rows.len() },
             ..Mesh::empty(self.sea.level)
         };
         let mut tangents = vec![[[0.0; 3]; 2]; size(curved)];
         // One row per task; channels that are not wanted have empty rows.
         let mut targets: Vec<Row<'_>> = Vec::with_capacity(rows.len());
-        let mut tangent_rows = tangents.chunks_mut(self.columns);
-        let mut rests = mesh.rests.chunks_mut(self.columns);
-        let mut slope_variances = mesh.slope_variances.chunks_mut(self.columns);
-        for positions in mesh.positions.chunks_mut(self.columns) {
+        let mut tangent_rows = tangents.chunks_mut(width);
+        let mut rests = mesh.rests.chunks_mut(width);
+        let mut slope_variances = mesh.slope_variances.chunks_mut(width);
+        for positions in mesh.positions.chunks_mut(width) {
             targets.push(Row {
                 positions,
                 tangents: tangent_rows.next().unwrap_or_default(),
@@ -373,60 +370,16 @@ impl<L: Layout> Rows<'_, L> {
                 if stop() {
                     return None;
                 }
-                self.row(rows.start + index, row, scratch);
+                self.row(rows.start + index, columns.clone(), row, scratch);
                 Some(())
             });
         filled?;
         if curved {
             let place = |row: usize| self.layout.place(row);
             let steps = (rows.start + 1..rows.end).map(|row| (place(row) - place(row - 1)) as f32).collect();
-            mesh.between = Between::Patches(Patches::new(self.columns, &mesh.positions, tangents, steps, L::CLOSED));
+            mesh.between = Between::Patches(Patches::new(width, &mesh.positions, tangents, steps, L::CLOSED));
         }
         Some(mesh)
-    }
-
-    /// Returns the rows that a part of the picture needs: those between which it sees a cell, and some beyond; none if it
-    /// sees nothing. `None` soon after `stop` says so.
-    fn rows_in(&self, part: Window, stop: &(dyn Fn() -> bool + Sync)) -> Option<Range<usize>> {
-        let picture = PictureOfPart::new(self.projector, part);
-        let spread = DVec3::new(self.sea.drift, self.sea.summit, self.sea.drift);
-        let eye = self.projector.position;
-        let beyond = |row: usize| {
-            let ends = self.layout.ends(row)?;
-            Some(picture.beyond(ends.map(|[x, z]| DVec3::new(x, self.sea.level, z) - eye), spread))
-        };
-        let beyond: Vec<u8> = (0..self.rows).map(|row| beyond(row).unwrap_or(0)).collect();
-        let tasks = (self.rows - 1).div_ceil(PAIRS);
-        // The rows between the first and the last ones that are seen need no look.
-        let first = (0..tasks).into_par_iter().find_map_first(|task| match stop() {
-            true => Some(None),
-            false => self.seen(task, &picture, &beyond).next().map(Some),
-        });
-        let Some(first) = first else { return Some(0..0) };
-        let last = (0..tasks).into_par_iter().find_map_last(|task| match stop() {
-            true => Some(None),
-            false => self.seen(task, &picture, &beyond).last().map(Some),
-        });
-        let (first, last) = (first?, last??);
-        Some(first.saturating_sub(BEYOND)..(last + 2 + BEYOND).min(self.rows))
-    }
-
-    /// Returns the rows of a task between which and the next ones a part of the picture sees a cell.
-    fn seen(&self, task: usize, picture: &PictureOfPart<'_>, beyond: &[u8]) -> impl Iterator<Item = usize> {
-        let mut scratch = Scratch::default();
-        let mut known = None;
-        (task * PAIRS..((task + 1) * PAIRS).min(self.rows - 1)).filter(move |&row| {
-            // No wave is so high or so wide that it would be seen.
-            if beyond[row] & beyond[row + 1] != 0 {
-                known = None;
-                return false;
-            }
-            let above = known.take().unwrap_or_else(|| picture.row(&self.positions(row, &mut scratch)));
-            let below = picture.row(&self.positions(row + 1, &mut scratch));
-            let sees = picture.sees(&above, &below);
-            known = Some(below);
-            sees
-        })
     }
 
     /// Returns the positions of a row.
@@ -446,7 +399,8 @@ impl<L: Layout> Rows<'_, L> {
         ]
     }
 
-    fn row(&self, index: usize, row: Row<'_>, scratch: &mut Scratch) {
+    /// Fills some columns of a row.
+    fn row(&self, index: usize, columns: Range<usize>, row: Row<'_>, scratch: &mut Scratch) {
         let eye = self.projector.position;
         let wanted = FieldSet {
             displacement: true,
@@ -456,20 +410,22 @@ impl<L: Layout> Rows<'_, L> {
         };
         self.layout.row(index, wanted, scratch);
         let Scratch { x, z, fields, .. } = &*scratch;
-        for (column, position) in row.positions.iter_mut().enumerate() {
+        for (column, position) in columns.clone().zip(row.positions.iter_mut()) {
             *position = self.position(column, scratch);
         }
         let ([yx, yz], [xx, xz, zz]) = (&fields.slope, &fields.strain);
         let ways = self.layout.ways(index);
-        for (c, tangents) in row.tangents.iter_mut().enumerate() {
+        for (c, tangents) in columns.clone().zip(row.tangents.iter_mut()) {
             let by = [[1.0 + xx[c], yx[c], xz[c]], [xz[c], yz[c], 1.0 + zz[c]]].map(|way| way.map(f64::from));
             let along = |[x, z]: [f64; 2]| std::array::from_fn(|axis| (x * by[0][axis] + z * by[1][axis]) as f32);
             *tangents = ways(c).map(along);
         }
-        for (c, rest) in row.rests.iter_mut().enumerate() {
+        for (c, rest) in columns.clone().zip(row.rests.iter_mut()) {
             *rest = [(x[c] - eye.x) as f32, (z[c] - eye.z) as f32];
         }
-        row.slope_variances.copy_from_slice(&fields.slope_variance);
+        if !row.slope_variances.is_empty() {
+            row.slope_variances.copy_from_slice(&fields.slope_variance[columns]);
+        }
         if L::CLOSED {
             close(row.positions);
             close(row.tangents);
