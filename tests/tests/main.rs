@@ -22,6 +22,7 @@ mod filters;
 mod frames;
 mod groups;
 mod hoisting;
+mod include;
 mod keeping;
 mod library;
 mod light_paths;

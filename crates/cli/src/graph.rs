@@ -7,7 +7,8 @@ use crate::outputs;
 use crate::remedies;
 use crate::shell::{self, printable};
 use std::path::PathBuf;
-use trochoid::{Form, GENERATOR, Plan, Settings, VERSION};
+use trochoid::{CheckedGraph, Form, GENERATOR, Plan, Settings, VERSION, nearest};
+use trochoid_diagram::Groups;
 
 /// Options of `trochoid graph`.
 #[derive(Debug, clap::Args)]
@@ -21,6 +22,12 @@ pub(crate) struct Args {
     /// Show only the nodes that this output needs; may be repeated [default: all nodes of the document]
     #[arg(long, value_name = "NAME")]
     output: Vec<String>,
+    /// Draw all nodes of groups, instead of one box for each use of a group
+    #[arg(long)]
+    open: bool,
+    /// Draw only the inside of this use of a group, such as front or front/rowers, with what leads into it
+    #[arg(long, value_name = "USE", conflicts_with_all = ["open", "output"])]
+    inside: Option<String>,
     /// SVG file to write; - means stdout
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
@@ -40,6 +47,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let graph = &loaded.graph;
     let mut faults = Vec::new();
     let chosen = outputs::choose(graph, &args.output, &mut faults);
+    let groups = match &args.inside {
+        Some(path) => {
+            faults.extend(no_use(graph, path));
+            Groups::Inside(path)
+        }
+        None if args.open => Groups::Open,
+        None => Groups::Closed,
+    };
     let is_stdout = args.out.as_os_str() == "-";
     if !is_stdout {
         faults.extend(files::ending("--out", &args.out, "svg"));
@@ -57,7 +72,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         Ok(plan) => plan.left_out().iter().map(|why| why.as_ref().map(ToString::to_string)).collect(),
         Err(_) => vec![None; graph.nodes().len()],
     };
-    let picture = trochoid_diagram::tree(graph, shown, &left_out);
+    let picture = trochoid_diagram::tree(graph, shown, &left_out, groups);
     // A comment at the end is legal, and does not disturb programs that look at the start of the file.
     let picture = format!("{}\n<!-- {GENERATOR}{VERSION} -->\n", picture.trim_end());
     if is_stdout {
@@ -65,4 +80,19 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     }
     trochoid::write_guarded(&args.out, picture.as_bytes(), Form::Svg, args.over.overwrite)?;
     shell::print(&format!("graph of {} → {}\n", printable(graph.name()), printable(&args.out.display().to_string())))
+}
+
+/// Returns the failure if a document has no use of a group with a path.
+fn no_use(graph: &CheckedGraph, path: &str) -> Option<Failure> {
+    let known: Vec<&str> = graph.groups().iter().map(|used| used.path.as_str()).collect();
+    if known.contains(&path) {
+        return None;
+    }
+    let message = format!("--inside {path}: found no such use of a group; expected one of the document's");
+    let remedy = match nearest(path, known.iter().copied()) {
+        Some(near) => format!("did you mean {near}?"),
+        None if known.is_empty() => "leave the option out: the document uses no groups".into(),
+        None => format!("uses: {}", known.join(", ")),
+    };
+    Some(Failure::usage(message, remedy))
 }

@@ -4,10 +4,12 @@
 //! Boxes are laid out in layers ([`layers`]) and drawn as SVG ([`tree`]) with selectable text and with tooltips for
 //! boxes and wires.
 
+mod boxes;
 mod layers;
 mod palette;
 mod tree;
 
+pub use boxes::Groups;
 pub use layers::{Layout, Net, Point, layers};
 pub use palette::{Swatch, color_name, controls, palette};
 pub use tree::tree;

@@ -1,11 +1,12 @@
 //! Draws a graph as SVG.
 
+use crate::boxes::{Groups, Members, boxes};
 use crate::layers::{Net, Point, layers};
 use crate::palette::{Swatch, color_name, controls, palette};
 use svg::node::element::path::Data;
 use svg::node::element::{Circle, Group, Path, Rectangle, Text, Title};
 use svg::{Document, Node as _};
-use trochoid_graph::{CheckedGraph, End, Kind, NodeId, OutputSpec, Source};
+use trochoid_graph::{CheckedGraph, End, GroupUse, Kind, NodeId, OutputSpec, Source};
 
 const MARGIN: f64 = 28.0;
 const PADDING: f64 = 12.0;
@@ -38,6 +39,8 @@ struct Card {
     swatches: Vec<Swatch>,
     title: String,
     dim: bool,
+    /// Whether it stands for several nodes, so that it is drawn with an edge of another one behind it.
+    stacked: bool,
     size: [f64; 2],
 }
 
@@ -48,7 +51,7 @@ impl Card {
         let rows = swatches.len().div_ceil(IN_A_ROW) as f64;
         let text = (width(&name) * NAME).max(width(&kind) * TYPE).max(columns * SWATCH);
         let below = if rows > 0.0 { rows * SWATCH + 6.0 } else { 0.0 };
-        Self { kind, stripe, swatches, title, dim, size: [text + 2.0 * PADDING, 42.0 + below], name }
+        Self { kind, stripe, swatches, title, dim, stacked: false, size: [text + 2.0 * PADDING, 42.0 + below], name }
     }
 
     fn node(graph: &CheckedGraph, id: NodeId, left_out: Option<&str>) -> Self {
@@ -58,6 +61,28 @@ impl Card {
         let why = left_out.map_or(String::new(), |why| format!("\nLeft out: {why}"));
         let title = format!("{} ({}): {}{why}", node.name, declaration.name, declaration.summary);
         Self::new(&node.name, declaration.name.into(), stripe, controls(graph, id), title, left_out.is_some())
+    }
+
+    fn used(graph: &CheckedGraph, used: &GroupUse, nodes: &[NodeId], left_out: &[Option<String>]) -> Self {
+        let is_front = |node: &NodeId| graph.node(*node).ty.declaration().end == End::Front;
+        let stripe = if nodes.iter().all(is_front) { FRONT } else { BACK };
+        let mut swatches: Vec<Swatch> = Vec::new();
+        for swatch in nodes.iter().flat_map(|node| controls(graph, *node)) {
+            if !swatches.contains(&swatch) {
+                swatches.push(swatch);
+            }
+        }
+        let count = match nodes.len() {
+            1 => "1 node".into(),
+            count => format!("{count} nodes"),
+        };
+        let names: Vec<&str> = nodes.iter().map(|node| graph.node(*node).name.as_str()).collect();
+        let title = format!("{} (group {}): {}", used.path, used.group, names.join(", "));
+        let dim = nodes.iter().all(|node| left_out[node.0].is_some());
+        Self {
+            stacked: true,
+            ..Self::new(&used.path, format!("{} · {count}", used.group), stripe, swatches, title, dim)
+        }
     }
 
     fn output(spec: &OutputSpec) -> Self {
@@ -78,7 +103,12 @@ impl Card {
         if self.dim {
             group = group.set("opacity", 0.42);
         }
-        group = group.add(Title::new(printable(&self.title))).add(frame).add(stripe).add(name).add(kind);
+        group = group.add(Title::new(printable(&self.title)));
+        if self.stacked {
+            let behind = Rectangle::new().set("x", x + 4.0).set("y", y + 4.0).set("rx", 6).set("width", self.size[0]);
+            group = group.add(behind.set("height", self.size[1]).set("fill", CARD).set("stroke", LINE));
+        }
+        group = group.add(frame).add(stripe).add(name).add(kind);
         for (index, swatch) in self.swatches.iter().enumerate() {
             let at = [(index % IN_A_ROW) as f64, (index / IN_A_ROW) as f64];
             let square = Rectangle::new().set("x", x + PADDING + at[0] * SWATCH).set("y", y + 40.0 + at[1] * SWATCH);
@@ -92,31 +122,43 @@ impl Card {
 /// Draws a graph as SVG: sources at the top, outputs at the bottom, control colors below.
 ///
 /// `outputs` selects the outputs to show, by index, with everything connected to them; if empty, all nodes and outputs
-/// are shown. `left_out` gives, for each node, the reason why it is not evaluated, if any; such nodes are drawn pale.
+/// are shown, and of groups what `groups` says. `left_out` gives, for each node, the reason why it is not evaluated, if any; such nodes are drawn pale.
 /// Wires are colored by the kind of data on them.
 ///
 /// # Panics
 /// Panics if an output index is out of range or `left_out` has fewer entries than there are nodes.
-pub fn tree(graph: &CheckedGraph, outputs: &[usize], left_out: &[Option<String>]) -> String {
+pub fn tree(graph: &CheckedGraph, outputs: &[usize], left_out: &[Option<String>], groups: Groups<'_>) -> String {
     let all: Vec<usize> = (0..graph.outputs().len()).collect();
     let chosen = if outputs.is_empty() { &all } else { outputs };
     let roots = chosen.iter().map(|&index| graph.outputs()[index].node);
-    let shown = if outputs.is_empty() { vec![true; graph.nodes().len()] } else { graph.upstream(roots) };
+    let mut shown = if outputs.is_empty() { vec![true; graph.nodes().len()] } else { graph.upstream(roots) };
+    let inside = if let Groups::Inside(path) = groups { Some(path) } else { None };
+    if let Some(path) = inside {
+        shown = around(graph, path);
+    }
 
     let mut cards = Vec::new();
     let mut card_of = vec![None; graph.nodes().len()];
-    for index in (0..graph.nodes().len()).filter(|&index| shown[index]) {
-        card_of[index] = Some(cards.len());
-        cards.push(Card::node(graph, NodeId(index), left_out[index].as_deref()));
+    for members in boxes(graph, &shown, groups) {
+        members.nodes().iter().for_each(|node| card_of[node.0] = Some(cards.len()));
+        let mut card = match &members {
+            Members::One(node) => Card::node(graph, *node, left_out[node.0].as_deref()),
+            Members::Use(index, nodes) => Card::used(graph, &graph.groups()[*index], nodes, left_out),
+        };
+        card.dim |= inside.is_some_and(|path| !is_within(&graph.node(members.nodes()[0]).name, path));
+        cards.push(card);
     }
     let mut wires = Wires::default();
     for (index, card) in card_of.iter().enumerate() {
         for source in card.iter().flat_map(|_| graph.node(NodeId(index)).record.sources()) {
-            if let (Source::Output { node, output }, Some(to)) = (source, *card) {
+            if let (Source::Output { node, output }, Some(to)) = (source, *card)
+                && card_of[node.0] != *card
+            {
                 wires.join(&card_of, *node, *output, to);
             }
         }
     }
+    let chosen = if inside.is_some() { &[][..] } else { chosen };
     for spec in chosen.iter().map(|&index| &graph.outputs()[index]) {
         wires.join(&card_of, spec.node, spec.output, cards.len());
         cards.push(Card::output(spec));
@@ -156,6 +198,25 @@ pub fn tree(graph: &CheckedGraph, outputs: &[usize], left_out: &[Option<String>]
         document = document.add(card.draw(*corner));
     }
     format!("{}\n", document.add(pins).add(below))
+}
+
+/// Whether a node is within the use with a path.
+fn is_within(name: &str, path: &str) -> bool {
+    name.strip_prefix(path).is_some_and(|rest| rest.starts_with('/'))
+}
+
+/// Returns the nodes of a use, and those that lead into it.
+fn around(graph: &CheckedGraph, path: &str) -> Vec<bool> {
+    let within: Vec<bool> = graph.nodes().iter().map(|node| is_within(&node.name, path)).collect();
+    let mut shown = within.clone();
+    for (node, _) in graph.nodes().iter().zip(&within).filter(|(_, within)| **within) {
+        for source in node.record.sources() {
+            if let Source::Output { node, .. } = source {
+                shown[node.0] = true;
+            }
+        }
+    }
+    shown
 }
 
 /// Nets of a graph, with the node output at which each begins.

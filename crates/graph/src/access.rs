@@ -1,6 +1,8 @@
 //! Access control: the files that a document may make a program read and write.
 
-use crate::{CheckedGraph, Diagnostic, FrameContext, Item, KnobType, Means, NodeId, OutputSpec, Severity};
+use crate::{
+    CheckedGraph, Diagnostic, DocumentPlace, FrameContext, Item, KnobType, Means, NodeId, OutputSpec, Severity,
+};
 use std::path::{Component, Path, PathBuf};
 
 /// The files that a document may make a program read and write: whole folder trees, and single files.
@@ -339,9 +341,9 @@ impl CheckedGraph {
         let mut open = named.into_iter().filter(|(_, path)| !trusted.contains(path));
         open.find_map(|(item, path)| {
             let outside = self.access.check(&path).err()?;
-            let place = item.map_or(node.place, |item| node.place_of(item));
-            let (document, item) = (self.name.clone(), item.map(String::from));
-            Some(RefusedFile { document, node: Some(node.name.clone()), item, place, path, outside })
+            let DocumentPlace { document, line, column } = item.map_or(&node.place, |item| node.place_of(item)).clone();
+            let (node, item) = (Some(node.name.clone()), item.map(String::from));
+            Some(RefusedFile { document: document.to_string(), node, item, place: [line, column], path, outside })
         })
     }
 

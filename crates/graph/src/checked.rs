@@ -48,16 +48,16 @@ pub struct CheckedNode {
     pub kinds: Vec<Kind>,
     /// Whether the document disables the node; then nothing is connected to it.
     pub disabled: bool,
-    /// Line and column in the document.
-    pub place: [usize; 2],
-    /// Line and column of the value of each item that the document sets.
-    pub places: Vec<(&'static str, [usize; 2])>,
+    /// Place in the document, or in one that it includes.
+    pub place: DocumentPlace,
+    /// Place of the value of each item that the document sets.
+    pub places: Vec<(&'static str, DocumentPlace)>,
 }
 
 impl CheckedNode {
-    /// Returns line and column of an item's value in the document; those of the node if the document does not set it.
-    pub fn place_of(&self, item: &str) -> [usize; 2] {
-        self.places.iter().find(|known| known.0 == item).map_or(self.place, |known| known.1)
+    /// Returns the place of an item's value; that of the node if the document does not set it.
+    pub fn place_of(&self, item: &str) -> &DocumentPlace {
+        self.places.iter().find(|known| known.0 == item).map_or(&self.place, |known| &known.1)
     }
 
     /// Whether an assignment outside of the document, such as `--set`, sets an item.
@@ -167,6 +167,17 @@ pub struct OutputSpec {
 /// State of a file: path, length and time of the last change. Files with equal states count as equal.
 pub type FileState = (PathBuf, Option<(u64, Option<SystemTime>)>);
 
+/// A use of a group. Its nodes have names that begin with its path and a slash.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GroupUse {
+    /// Names from the outermost use to this one, with slashes between them.
+    pub path: String,
+    /// Name of the group.
+    pub group: String,
+    /// Place of the use.
+    pub place: DocumentPlace,
+}
+
 /// Returns the states of files, for example of those that a node reads.
 pub fn file_states(files: &[PathBuf]) -> Vec<FileState> {
     let state = |path: &PathBuf| {
@@ -187,12 +198,13 @@ pub struct CheckedGraph {
     pub(crate) format_place: [usize; 2],
     pub(crate) space: WorkingSpace,
     pub(crate) palette: Vec<PaletteColor>,
-    pub(crate) palette_files: Vec<PathBuf>,
+    pub(crate) document_files: Vec<PathBuf>,
     pub(crate) first: i64,
     pub(crate) last: i64,
     pub(crate) fps: f64,
     pub(crate) tolerance: Option<Tolerance>,
     pub(crate) nodes: Vec<CheckedNode>,
+    pub(crate) groups: Vec<GroupUse>,
     pub(crate) outputs: Vec<OutputSpec>,
     pub(crate) order: Vec<NodeId>,
     pub(crate) canonical: String,
@@ -232,9 +244,10 @@ impl CheckedGraph {
         &self.palette
     }
 
-    /// Returns the files that colors of the palette come from.
-    pub fn palette_files(&self) -> &[PathBuf] {
-        &self.palette_files
+    /// Returns the other files of which the document consists: those that colors of the palette come from, and included
+    /// documents.
+    pub fn document_files(&self) -> &[PathBuf] {
+        &self.document_files
     }
 
     /// Returns the first and the last frame.
@@ -257,6 +270,11 @@ impl CheckedGraph {
         &self.nodes
     }
 
+    /// Returns the uses of groups, whose nodes are among the graph's, each before those within it.
+    pub fn groups(&self) -> &[GroupUse] {
+        &self.groups
+    }
+
     /// Returns a node.
     pub fn node(&self, id: NodeId) -> &CheckedNode {
         &self.nodes[id.0]
@@ -265,14 +283,13 @@ impl CheckedGraph {
     /// Returns the place of a node, or of one of its items: document, line and column.
     pub fn place_of(&self, id: NodeId, item: Option<&str>) -> DocumentPlace {
         let node = self.node(id);
-        let [line, column] = item.map_or(node.place, |item| node.place_of(item));
-        DocumentPlace { document: self.name.clone(), line, column }
+        item.map_or(&node.place, |item| node.place_of(item)).clone()
     }
 
     /// Returns the place of the format: document, line and column.
     pub fn place_of_format(&self) -> DocumentPlace {
         let [line, column] = self.format_place;
-        DocumentPlace { document: self.name.clone(), line, column }
+        DocumentPlace { document: self.name.as_str().into(), line, column }
     }
 
     /// Returns the node with a name.

@@ -3,12 +3,13 @@
 
 use crate::AccessViolation;
 use std::fmt;
+use std::sync::Arc;
 
 /// Place in a document.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DocumentPlace {
-    /// Name of the document.
-    pub document: String,
+    /// Name of the document, or of one that it includes.
+    pub document: Arc<str>,
     /// Line, from 1.
     pub line: usize,
     /// Column in characters, from 1.

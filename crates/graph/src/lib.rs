@@ -63,11 +63,12 @@ pub use bounding::{Bounding, Spans};
 pub use build::{Builder, Mask, Value, Weights, load, load_color};
 pub use check::{FORMAT_VERSION, check, expected};
 pub use checked::{
-    CheckedGraph, CheckedNode, FileState, Guarantee, OutputSpec, PaletteColor, PaletteUse, Precision, file_states,
+    CheckedGraph, CheckedNode, FileState, GroupUse, Guarantee, OutputSpec, PaletteColor, PaletteUse, Precision,
+    file_states,
 };
 pub use declare::{Arity, Declaration, End, Files, Item, Knob, KnobDefault, KnobType, List, Offer, Output, Port, Role};
 pub use diagnostic::{Diagnostic, DocumentPlace, Means, Severity, Statement, nearest};
-pub use document::{Document, MAX_BYTES, MAX_NODES, MAX_PALETTE_BYTES};
+pub use document::{Document, MAX_BYTES, MAX_FILE_BYTES, MAX_NODES};
 pub use faults::{Check, Consumer, Fault, GraphContext, Upstream, one_of};
 pub use fields::{
     Accepted, Choice, Connected, ItemName, Items, Many, One, Optional, OutputSet, PortId, ReadPort, ReadSetting,

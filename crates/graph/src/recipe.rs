@@ -239,7 +239,7 @@ impl CheckedGraph {
                 let place = self.place_of(used.node, Some(item));
                 faults.push(Diagnostic {
                     severity: Severity::Error,
-                    file: place.document,
+                    file: place.document.to_string(),
                     is_assigned: false,
                     line: place.line,
                     column: place.column,

@@ -36,7 +36,7 @@ pub fn schema(registry: &Registry) -> Value {
         "required": ["trochoid", "format", "nodes", "outputs"],
         "additionalProperties": false,
         // Without groups, every type is one of the registry.
-        "if": { "not": { "required": ["groups"] } },
+        "if": { "not": { "anyOf": [{ "required": ["groups"] }, { "required": ["include"] }] } },
         "then": { "properties": { "nodes": { "additionalProperties": { "properties": { "type": { "enum": names } } } } } },
         "properties": {
             "trochoid": { "const": 1, "description": "Version of the document format." },
@@ -91,6 +91,11 @@ pub fn schema(registry: &Registry) -> Value {
                         "additionalProperties": { "anyOf": [{ "$ref": "#/$defs/color" }, keyed(json!({ "$ref": "#/$defs/color" }))] }
                     }
                 ]
+            },
+            "include": {
+                "description": "Documents whose groups this one uses, by paths relative to it.",
+                "type": "array",
+                "items": { "type": "string", "minLength": 1 }
             },
             "knobs": {
                 "description": "Knobs of the document by name, which links name as \"= knobs.NAME\": a value, or \"value\" with min, max, unit and help.",

@@ -111,7 +111,7 @@ impl InputFiles {
         let connected = graph.upstream(graph.outputs().iter().map(|output| output.node));
         let begin = graph.frame_context(first, u64::MAX);
         let (mut fixed, mut sequences) = (also.iter().map(|path| path.to_path_buf()).collect::<Vec<_>>(), Vec::new());
-        fixed.extend(graph.palette_files().iter().cloned());
+        fixed.extend(graph.document_files().iter().cloned());
         for id in (0..graph.nodes().len()).filter(|index| connected[*index]).map(NodeId) {
             let node = graph.node(id);
             if node.disabled {

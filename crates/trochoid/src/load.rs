@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use trochoid_graph::{
-    Access, CheckedGraph, Diagnostic, Document, MAX_BYTES, MAX_PALETTE_BYTES, NodeId, PaletteColor, Registry, Severity,
+    Access, CheckedGraph, Diagnostic, Document, MAX_BYTES, MAX_FILE_BYTES, NodeId, PaletteColor, Registry, Severity,
     check, escape_remedy,
 };
 use trochoid_image::WorkingSpace;
@@ -98,7 +98,7 @@ fn palette_of(path: &Path) -> Result<String, LoadError> {
         let remedy = "`trochoid palette` reads a palette off it";
         return Err(invalid(path.display().to_string(), (0, 0), "a picture".into(), "a palette".into(), remedy));
     }
-    text_of(path, MAX_PALETTE_BYTES, "a palette", "name a file that has the colors and little else")
+    text_of(path, MAX_FILE_BYTES, "a palette", "name a file that has the colors and little else")
 }
 
 fn invalid(file: String, place: (usize, usize), found: String, expected: String, remedy: &str) -> LoadError {
@@ -150,6 +150,19 @@ pub fn parse_within(
             invalid => invalid,
         })?;
         document.read_palette(&path, &text).map_err(invalid)?;
+    }
+    while let Some(file) = document.next_include() {
+        let path = folder.join(file);
+        access.check(&path).map_err(|outside| LoadError::Invalid(vec![document.refused_include(outside)]))?;
+        let text = text_of(&path, MAX_FILE_BYTES, "a document with groups", "split it into several documents");
+        let text = text.map_err(|error| match error {
+            LoadError::Io(_) if !path.exists() => {
+                LoadError::Invalid(vec![document.unread_include(format!("no file {}", path.display()))])
+            }
+            LoadError::Io(error) => LoadError::Invalid(vec![document.unread_include(error.to_string())]),
+            invalid => invalid,
+        })?;
+        document.include(&path, &text).map_err(invalid)?;
     }
     let mut faults: Vec<Diagnostic> = Vec::new();
     for assignment in set {
@@ -220,16 +233,16 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
         };
         let node = &graph.nodes()[index];
         let item = node.file_item();
+        let place = graph.place_of(NodeId(index), item);
         let settled = graph.settle(NodeId(index), frame);
         let context = graph.frame_context(frame, u64::MAX);
         let remedy = item.and_then(|item| escape_remedy(&context, settled.text(item)));
-        let [line, column] = item.map_or(node.place, |item| node.place_of(item));
         Diagnostic {
             severity: Severity::Warning,
-            file: graph.name().into(),
+            file: place.document.to_string(),
             is_assigned: false,
-            line,
-            column,
+            line: place.line,
+            column: place.column,
             node: Some(node.name.clone()),
             port: item.map(String::from),
             found: format!("no file {} at frame {frame}{more}", path.display()),

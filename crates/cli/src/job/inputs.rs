@@ -43,7 +43,7 @@ pub(super) fn files(
             }
         }
         // The palette of the command line has a place of its own.
-        let own = graph.palette_files().iter().filter(|path| Some(*path) != args.changes.palette.as_ref());
+        let own = graph.document_files().iter().filter(|path| Some(*path) != args.changes.palette.as_ref());
         own.for_each(|path| _ = read.entry(path.clone()).or_insert(frames[0]));
     }
     let mut copies: BTreeMap<String, PathBuf> = BTreeMap::new();

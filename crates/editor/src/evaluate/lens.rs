@@ -78,7 +78,7 @@ impl Lens {
         }
         let (_, path) = places.into_iter().find(|(place, _)| place == sought)?;
         let [line, column] = text::place(&sheet.text, &path)?;
-        Some(DocumentPlace { document: subject.name.clone(), line, column })
+        Some(DocumentPlace { document: subject.name.as_str().into(), line, column })
     }
 }
 

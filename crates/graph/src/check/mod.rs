@@ -2,6 +2,7 @@
 //! output, bad input data, memory or cancellation can make an evaluation fail.
 
 mod around;
+mod groups;
 mod items;
 mod kinds;
 mod order;
@@ -15,8 +16,8 @@ use crate::document::Origin;
 use crate::expand::{Expanded, ExpansionFault, expand};
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{
-    Access, Check, CheckedGraph, CheckedNode, Diagnostic, Document, Fault, Item, Kind, Knob, KnobType, NodeId,
-    NodeType, Record, Refusal, Registry, Setting, Settled, Severity, Term, Work, nearest, refusal,
+    Access, Check, CheckedGraph, CheckedNode, Diagnostic, Document, DocumentPlace, Fault, Item, Kind, Knob, KnobType,
+    NodeId, NodeType, Record, Refusal, Registry, Setting, Settled, Severity, Term, Work, nearest, refusal,
 };
 use around::{Surroundings, direct_consumers};
 use items::Names;
@@ -143,7 +144,7 @@ impl<'a> Checker<'a> {
         self.diagnostics.push(Diagnostic {
             severity,
             is_assigned: origin.is_assigned,
-            file: origin.file.into_owned(),
+            file: origin.file.to_string(),
             line: origin.line,
             column: origin.column,
             node: place.node.map(shorten),
@@ -153,33 +154,6 @@ impl<'a> Checker<'a> {
             remedy,
             means: None,
         });
-    }
-
-    /// Returns which use of which group a node belongs to, if it belongs to one.
-    fn use_of(&self, node: &str) -> Option<String> {
-        let (path, _) = node.rsplit_once('/')?;
-        let used = self.expanded.uses.iter().find(|used| used.path == path)?;
-        let Origin { line, column, file, .. } = self.document.origin(used.offset);
-        let file = if file == self.document.name() { String::new() } else { format!("{file}:") };
-        Some(format!("the group {} as used at {file}{line}:{column}", used.group))
-    }
-
-    /// Reports inputs of groups that are connected to nodes of another kind.
-    fn inputs_of_groups(&mut self, drafts: &[Draft<'_>], names: &Names<'a>) {
-        for used in &self.expanded.uses {
-            for input in &used.inputs {
-                let (name, output) =
-                    input.reference.split_once('.').map_or((&*input.reference, None), |(n, o)| (n, Some(o)));
-                let Some(&(node, Some(declaration))) = names.get(name) else { continue };
-                let index = output.and_then(|output| declaration.outputs.iter().position(|known| known.name == output));
-                let Some(kind) = drafts[node].kinds.get(index.unwrap_or(0)) else { continue };
-                if !input.accepts.takes(*kind) {
-                    let place = FaultLocation { offset: input.offset, node: Some(&used.path), port: Some(&input.name) };
-                    let found = format!("\"{}\", a {kind}", shorten(&input.reference));
-                    self.error(place, found, format!("a {}", input.accepts), "connect another node");
-                }
-            }
-        }
     }
 
     /// Whether no more diagnostics are accepted, so that expensive work for them can be skipped.
@@ -322,12 +296,12 @@ impl<'a> Checker<'a> {
                 let ty = draft.ty?;
                 let Draft { name, disabled, record, kinds, offset, offsets, .. } = draft;
                 let place = |offset: usize| {
-                    let origin = document.origin(offset);
-                    [origin.line, origin.column]
+                    let Origin { file, line, column, .. } = document.origin(offset);
+                    DocumentPlace { document: file, line, column }
                 };
                 let places = offsets.into_iter().map(|(item, offset)| (item, place(offset)));
                 // Values from `--set` have no place in the document.
-                let places = places.filter(|(_, [line, _])| *line > 0).collect();
+                let places = places.filter(|(_, place)| place.line > 0).collect();
                 Some(CheckedNode { name: name.into(), ty, record, kinds, disabled, place: place(offset), places })
             })
             .collect::<Option<Vec<_>>>()?;
@@ -339,15 +313,16 @@ impl<'a> Checker<'a> {
             format_place: format_place(document, &root),
             space: self.space,
             palette,
-            palette_files: document.palette_paths().map(Path::to_path_buf).collect(),
+            document_files: document.paths().map(Path::to_path_buf).collect(),
             first: top.first,
             last: top.last,
             fps: top.fps,
             tolerance: top.tolerance,
             order: order::order_of_use(&nodes, &outputs),
             nodes,
+            groups: self.group_uses(),
             outputs,
-            canonical: document.canonical(),
+            canonical: document.canonical_with(&self.expanded.moved),
             access: Access::usual(folder),
             recipes: None,
         };

@@ -131,7 +131,7 @@ impl<'a> Checker<'a> {
         for (index, named) in palette.colors.iter().enumerate().filter(|_| is_valid) {
             let place = FaultLocation::top(named.offset, "palette");
             // A file may have colors for several documents, and is often made by a program.
-            let is_own = self.document.origin(named.offset).file == self.document.name();
+            let is_own = *self.document.origin(named.offset).file == *self.document.name();
             if is_own && !palette.uses.iter().any(|used| used.color == index) {
                 let found = format!("the color \"{}\", which nothing uses", named.name);
                 let remedy = format!("write \"{PREFIX}{}\" where it belongs, or remove it", named.name);
@@ -146,7 +146,7 @@ impl<'a> Checker<'a> {
         }
         let color = |Named { name, offset, color }: Named<'_>| {
             let origin = self.document.origin(offset);
-            let place = DocumentPlace { document: origin.file.into_owned(), line: origin.line, column: origin.column };
+            let place = DocumentPlace { document: origin.file, line: origin.line, column: origin.column };
             PaletteColor { name: name.into(), color, place, uses: Vec::new() }
         };
         let mut colors: Vec<PaletteColor> = palette.colors.into_iter().map(color).collect();

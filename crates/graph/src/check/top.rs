@@ -1,7 +1,7 @@
 //! Reads everything outside of `palette`, `nodes` and `outputs`: version, format, working space, frames, tolerance.
 
 use super::{Checker, FaultLocation};
-use crate::spanned::{Entry, Json, Spanned};
+use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{Severity, Tolerance};
 use trochoid_image::{Format, FormatError, MAX_PIXELS, MAX_SIDE, Shading, WorkingSpace};
 
@@ -17,13 +17,14 @@ pub(super) struct Top {
 /// Version of the document format; the only one so far.
 pub const FORMAT_VERSION: u32 = 1;
 
-pub(super) const KEYS: [&str; 12] = [
+pub(super) const KEYS: [&str; 13] = [
     "trochoid",
     "format",
     "working_space",
     "frames",
     "tolerance",
     "palette",
+    "include",
     "knobs",
     "groups",
     "nodes",
@@ -49,6 +50,7 @@ impl<'a> Checker<'a> {
                 "working_space" => self.working_space(&entry.value),
                 "frames" => self.frames(&entry.value, &mut top),
                 "tolerance" => top.tolerance = self.tolerance(&entry.value),
+                "include" => self.include(&entry.value, place),
                 "palette" | "nodes" | "outputs" | "ui" | "notes" => {}
                 key => self.unknown_key(FaultLocation::top(entry.offset, key), key, &KEYS),
             }
@@ -62,6 +64,23 @@ impl<'a> Checker<'a> {
             self.error(FaultLocation::top(0, "format"), "no \"format\"", "the size of the pictures", remedy);
         }
         top
+    }
+
+    /// Checks the list of included documents, which are read by now.
+    fn include(&mut self, value: &'a Spanned, place: FaultLocation<'a>) {
+        let (expected, remedy) = ("a list of documents with groups", "write [\"lib/boats.json\"]");
+        match &value.json {
+            Json::Array(items) => {
+                for item in items.iter().filter(|item| !matches!(&item.json, Json::String(path) if !path.is_empty())) {
+                    self.error(place.at(item.offset), item.brief(), "the path of a document", remedy);
+                }
+            }
+            _ => self.error(place, value.brief(), expected, remedy),
+        }
+        if let Some(unread) = self.document.next_include() {
+            let found = format!("\"{}\", which was not read", shorten(unread));
+            self.error(place, found, "its groups", "read it before the document is checked");
+        }
     }
 
     fn version(&mut self, value: &'a Spanned, place: FaultLocation<'a>) {

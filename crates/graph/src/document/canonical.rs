@@ -1,27 +1,29 @@
 //! The canonical text of a document.
 
-use crate::spanned::{Entry, Json};
+use crate::spanned::{Entry, Json, Spanned};
+use std::collections::HashMap;
 
-/// Appends a value with sorted keys; at the top, notes are left out, too.
-pub(super) fn write(json: &Json, top: bool, out: &mut String) {
-    match json {
+/// Appends a value with sorted keys; at the top, notes and the names of included documents are left out, too. Texts at
+/// offsets that `moved` has are written as it says.
+pub(super) fn write(value: &Spanned, top: bool, moved: &HashMap<usize, String>, out: &mut String) {
+    match &value.json {
         Json::Null => out.push_str("null"),
         Json::Bool(value) => out.push_str(if *value { "true" } else { "false" }),
         Json::Number(number) => out.push_str(&serde_json::Value::from(*number).to_string()),
-        Json::String(text) => quoted(text, out),
+        Json::String(text) => quoted(moved.get(&value.offset).unwrap_or(text), out),
         Json::Array(items) => {
             out.push('[');
             for (index, item) in items.iter().enumerate() {
                 if index > 0 {
                     out.push(',');
                 }
-                write(&item.json, false, out);
+                write(item, false, moved, out);
             }
             out.push(']');
         }
         Json::Object(entries) => {
-            let mut sorted: Vec<&Entry> =
-                entries.iter().filter(|entry| entry.key != "ui" && !(top && entry.key == "notes")).collect();
+            let is_left_out = |key: &str| key == "ui" || (top && matches!(key, "notes" | "include"));
+            let mut sorted: Vec<&Entry> = entries.iter().filter(|entry| !is_left_out(&entry.key)).collect();
             sorted.sort_by(|a, b| a.key.cmp(&b.key));
             out.push('{');
             for (index, entry) in sorted.into_iter().enumerate() {
@@ -30,7 +32,7 @@ pub(super) fn write(json: &Json, top: bool, out: &mut String) {
                 }
                 quoted(&entry.key, out);
                 out.push(':');
-                write(&entry.value.json, false, out);
+                write(&entry.value, false, moved, out);
             }
             out.push('}');
         }

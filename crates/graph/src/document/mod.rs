@@ -2,54 +2,60 @@
 
 mod assign;
 mod canonical;
+mod include;
 mod palette;
 
 use crate::spanned::{Json, LineIndex, Spanned, line_and_column, parse, shorten};
 use crate::{Diagnostic, Severity};
-pub use palette::MAX_PALETTE_BYTES;
-use std::borrow::Cow;
+use include::Include;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Largest size of a document, in bytes.
 pub const MAX_BYTES: usize = 64 << 20;
 /// Largest number of nodes in a document.
 pub const MAX_NODES: usize = 100_000;
+/// Largest size of another file of a document, a palette or an included document, in bytes.
+pub const MAX_FILE_BYTES: usize = 1 << 20;
 
 /// A parsed document.
 #[derive(Clone, Debug)]
 pub struct Document {
-    name: String,
+    name: Arc<str>,
     text: String,
     /// Made when the place of the first fault is needed.
     lines: OnceLock<LineIndex>,
     pub(crate) root: Spanned,
     /// Assignments, in order; their values have offsets from [`ASSIGNED`] on.
     assignments: Vec<String>,
-    /// Palette files, in order; their values have offsets from [`FILED`] on.
-    files: Vec<PaletteFile>,
+    /// Other files of which it consists, in the order in which they were read; their values have offsets from [`FILED`] on.
+    files: Vec<ReadFile>,
+    includes: Vec<Include>,
 }
 
 /// First offset of assignments: offset − `ASSIGNED` is the index of one.
 const ASSIGNED: usize = usize::MAX / 2;
-/// First offset of palette files: the one with index i has the offsets from `FILED` + i · [`STRIDE`].
+/// First offset of other files: the one with index i has the offsets from `FILED` + i · [`STRIDE`].
 const FILED: usize = usize::MAX / 4;
 /// Distance between the first offsets of two files.
-const STRIDE: usize = 2 * MAX_PALETTE_BYTES;
+const STRIDE: usize = 2 * MAX_FILE_BYTES;
 
-/// A file that has colors of the palette.
+/// A palette or an included document.
 #[derive(Clone, Debug)]
-struct PaletteFile {
+struct ReadFile {
     path: PathBuf,
     /// The path, as diagnostics call it.
-    name: String,
+    name: Arc<str>,
     text: String,
+    /// Folder of an included document, relative to the one that is loaded.
+    folder: Option<String>,
 }
 
 /// Where a value comes from.
-pub(crate) struct Origin<'d> {
+pub(crate) struct Origin {
     /// Name of the document or file, or the assignment.
-    pub(crate) file: Cow<'d, str>,
+    pub(crate) file: Arc<str>,
     /// Whether it is an assignment.
     pub(crate) is_assigned: bool,
     /// Line, from 1; 0 in an assignment.
@@ -71,14 +77,18 @@ impl Document {
         }
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let root = json(name, text, "a document")?;
-        Ok(Self {
+        let mut document = Self {
             name: name.into(),
             text: text.into(),
             lines: OnceLock::new(),
-            root,
+            root: Spanned { offset: 0, json: Json::Null },
             assignments: Vec::new(),
             files: Vec::new(),
-        })
+            includes: Vec::new(),
+        };
+        document.find_includes(&root, "");
+        document.root = root;
+        Ok(document)
     }
 
     /// Returns the name of the document.
@@ -86,33 +96,41 @@ impl Document {
         &self.name
     }
 
-    /// Returns the paths of the palette files that were read.
-    pub(crate) fn palette_paths(&self) -> impl Iterator<Item = &Path> {
+    /// Returns the paths of the other files of which it consists.
+    pub(crate) fn paths(&self) -> impl Iterator<Item = &Path> {
         self.files.iter().map(|file| file.path.as_path())
     }
 
     /// Returns where a value comes from that has this offset.
-    pub(crate) fn origin(&self, offset: usize) -> Origin<'_> {
+    pub(crate) fn origin(&self, offset: usize) -> Origin {
         if let Some(index) = offset.checked_sub(ASSIGNED) {
             let assignment = self.assignments.get(index).map_or("", String::as_str);
             return Origin { file: shorten(assignment).into(), is_assigned: true, line: 0, column: 0 };
         }
-        if let Some(offset) = offset.checked_sub(FILED)
-            && let Some(file) = self.files.get(offset / STRIDE)
-        {
-            let (line, column) = line_and_column(&file.text, offset % STRIDE);
-            return Origin { file: file.name.as_str().into(), is_assigned: false, line, column };
+        if let Some(file) = self.file_at(offset) {
+            let (line, column) = line_and_column(&file.text, (offset - FILED) % STRIDE);
+            return Origin { file: file.name.clone(), is_assigned: false, line, column };
         }
         let (line, column) = self.lines.get_or_init(|| LineIndex::new(&self.text)).find(&self.text, offset);
-        Origin { file: self.name.as_str().into(), is_assigned: false, line, column }
+        Origin { file: self.name.clone(), is_assigned: false, line, column }
     }
 
-    /// Returns the document as canonical text: keys sorted, `ui` and notes left out, palette files and
+    /// Returns the other file in which a value is that has this offset.
+    fn file_at(&self, offset: usize) -> Option<&ReadFile> {
+        self.files.get(offset.checked_sub(FILED)? / STRIDE)
+    }
+
+    /// Returns the document as canonical text: keys sorted, `ui` and notes left out, other files and
     /// assignments applied. Documents with
     /// the same canonical text have the same results.
     pub fn canonical(&self) -> String {
+        self.canonical_with(&HashMap::new())
+    }
+
+    /// Does the same; texts at some offsets are written differently.
+    pub(crate) fn canonical_with(&self, moved: &HashMap<usize, String>) -> String {
         let mut text = String::with_capacity(self.text.len());
-        canonical::write(&self.root.json, true, &mut text);
+        canonical::write(&self.root, true, moved, &mut text);
         text
     }
 }

@@ -1,15 +1,12 @@
 //! Palettes in files: JSON of the form that documents have, and the palettes of GIMP, Krita and Inkscape.
 
-use super::{Document, FILED, PaletteFile, STRIDE, fault, json, relocate};
+use super::{Document, FILED, MAX_FILE_BYTES, ReadFile, STRIDE, fault, json, relocate};
 use crate::access::ALLOW;
 use crate::spanned::{Entry, Json, Spanned, line_and_column, shorten};
 use crate::{AccessViolation, Diagnostic, Means, nearest};
 use std::collections::HashSet;
 use std::path::Path;
 use trochoid_image::WorkingSpace;
-
-/// Largest size of a palette file, in bytes.
-pub const MAX_PALETTE_BYTES: usize = 1 << 20;
 
 /// First line of a `.gpl` file.
 const GIMP: &str = "GIMP Palette";
@@ -78,8 +75,8 @@ impl Document {
     fn colors(&mut self, path: &Path, text: &str) -> Result<Vec<Entry>, Box<Diagnostic>> {
         let name = &path.display().to_string();
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        if text.len() > MAX_PALETTE_BYTES {
-            let (found, expected) = (format!("{} bytes", text.len()), format!("at most {MAX_PALETTE_BYTES} bytes"));
+        if text.len() > MAX_FILE_BYTES {
+            let (found, expected) = (format!("{} bytes", text.len()), format!("at most {MAX_FILE_BYTES} bytes"));
             return Err(fault(name, (0, 0), found, expected, "name a file that has the colors and little else"));
         }
         let is_gimp = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gpl"));
@@ -108,7 +105,7 @@ impl Document {
             color.offset += first;
             relocate(&mut color.value, &|offset| first + offset);
         }
-        self.files.push(PaletteFile { path: path.into(), name: name.into(), text: text.into() });
+        self.files.push(ReadFile { path: path.into(), name: name.as_str().into(), text: text.into(), folder: None });
         Ok(colors)
     }
 
@@ -356,7 +353,7 @@ mod tests {
         }
         let empty = document(DOCUMENT).read_palette(Path::new("p.GPL"), "").expect_err("not of GIMP").to_string();
         assert!(empty.contains("expected \"GIMP Palette\", as .gpl begins"), "{empty}");
-        let long = format!("GIMP Palette\n{}", "#\n".repeat(MAX_PALETTE_BYTES / 2));
+        let long = format!("GIMP Palette\n{}", "#\n".repeat(MAX_FILE_BYTES / 2));
         assert!(document(DOCUMENT).read_palette(Path::new("p"), &long).is_err());
     }
 }

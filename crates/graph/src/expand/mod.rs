@@ -9,12 +9,13 @@ mod link;
 mod scope;
 
 use crate::spanned::{Entry, Json, Spanned, shorten};
-use crate::{Accepts, Document, Item, Registry, nearest};
+use crate::{Accepts, Document, Item, Knob, KnobType, Registry, nearest};
 use formula::Time;
 pub(crate) use group::input_kinds;
 use group::{Group, GroupKnob};
 use scope::Scope;
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::rc::Rc;
 
 /// Deepest nesting of uses, and longest chain of references and links.
@@ -31,6 +32,8 @@ pub(crate) struct Expanded<'d> {
     pub(crate) groups: Vec<String>,
     /// Whether nodes and outputs were expanded: not if a group is faulty.
     pub(crate) is_whole: bool,
+    /// Paths in included documents by their offsets, as they are relative to this document.
+    pub(crate) moved: HashMap<usize, String>,
 }
 
 /// Fault of a group, of its use, or of a link.
@@ -73,11 +76,13 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
         return unchanged(root);
     }
     let mut expander = Expander {
+        document,
         registry,
         groups: Rc::default(),
         knobs: Rc::default(),
         faults: Vec::new(),
         uses: Vec::new(),
+        moved: HashMap::new(),
         depth: 0,
         at: Vec::new(),
         time: Time::of(entries),
@@ -126,13 +131,14 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
                 .cloned(),
         );
     }
-    let Expander { faults, uses, .. } = expander;
+    let Expander { faults, uses, moved, .. } = expander;
     let root = Spanned { offset: root.offset, json: Json::Object(expanded) };
-    Expanded { root: Cow::Owned(root), faults, uses, groups, is_whole }
+    Expanded { root: Cow::Owned(root), faults, uses, groups, is_whole, moved }
 }
 
 fn unchanged(root: &Spanned) -> Expanded<'_> {
-    Expanded { root: Cow::Borrowed(root), faults: Vec::new(), uses: Vec::new(), groups: Vec::new(), is_whole: true }
+    let (faults, uses, groups, moved) = Default::default();
+    Expanded { root: Cow::Borrowed(root), faults, uses, groups, is_whole: true, moved }
 }
 
 /// Whether a value has a link somewhere.
@@ -152,12 +158,14 @@ fn is_remark(key: &str) -> bool {
 
 /// Expands a document, and collects faults.
 struct Expander<'d> {
+    document: &'d Document,
     registry: &'d Registry,
     groups: Rc<Vec<Group<'d>>>,
     /// Knobs of the document.
     knobs: Rc<Vec<GroupKnob<'d>>>,
     faults: Vec<ExpansionFault>,
     uses: Vec<Use>,
+    moved: HashMap<usize, String>,
     /// Number of references and links that are being followed.
     depth: usize,
     /// Path of the node that is being read, and its item.
@@ -374,7 +382,7 @@ impl<'d> Expander<'d> {
         self.at.truncate(1);
         self.at.push(key.to_owned());
         let found = declared.iter().find(|known| known.name() == key);
-        let value = match (found, &item.value.json) {
+        let mut value = match (found, &item.value.json) {
             (Some(Item::Port(_)), _) => self.connected(&item.value, scope)?,
             (Some(Item::List(list)), Json::Array(records)) => {
                 let record = |record: &'d Spanned, expander: &mut Self| match &record.json {
@@ -389,6 +397,12 @@ impl<'d> Expander<'d> {
             }
             _ => self.linked(&item.value, scope)?,
         };
+        if let (Some(Item::Knob(Knob { takes: KnobType::Path, .. })), Json::String(path)) = (found, &value.json)
+            && let Some(path) = self.document.relocated(path, value.offset)
+        {
+            self.moved.insert(value.offset, path.clone());
+            value.json = Json::String(path);
+        }
         Some(Entry { key: item.key.clone(), offset: item.offset, value })
     }
 

@@ -21,7 +21,7 @@ pub(crate) use extent::extents;
 use runner::Runner;
 use shared::{ReplacedValues, SharingView, UnsharedPixels, sharing_slot};
 use std::borrow::Cow;
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::time::Instant;
 use tapped::{Tapped, Taps};
@@ -54,6 +54,8 @@ pub(crate) struct Fills<'p> {
     keeper: Option<&'p PlaneKeeper>,
     /// Planes of the programs before stages, whose memory is used again and again.
     tapped: Tapped,
+    /// Copies of regions, whose memory is used again and again.
+    spare: RefCell<Vec<Vec<f32>>>,
 }
 
 struct FillState<'p> {
@@ -162,6 +164,7 @@ impl<'p> Fills<'p> {
             exact: if bounding { vec![0.0; picture.width()] } else { Vec::new() },
             keeper: None,
             tapped: Tapped::default(),
+            spare: RefCell::default(),
         }
     }
 
@@ -419,6 +422,13 @@ impl<'p> Fills<'p> {
         };
         let inputs = inputs.with_found(found.as_ref());
         ready.prepared.fill(&block, &inputs, &mut Outputs::new(outputs))?;
+        drop(ports);
+        self.spare.borrow_mut().extend(held.into_iter().flatten().flatten().flatten().filter_map(
+            |samples| match samples {
+                Cow::Owned(samples) => Some(samples),
+                Cow::Borrowed(_) => None,
+            },
+        ));
         if state.fill.variance == Variance::Row {
             let width = state.window.width();
             for plane in planes.iter_mut().flatten().filter(|plane| !plane.is_empty()) {
@@ -426,6 +436,19 @@ impl<'p> Fills<'p> {
             }
         }
         Ok(found)
+    }
+
+    /// Returns an empty vector with room for some samples.
+    fn spare(&self, room: usize) -> Vec<f32> {
+        let mut spare = self.spare.borrow_mut();
+        let large = spare.iter().position(|samples| samples.capacity() >= room);
+        let mut samples = match large {
+            Some(index) => spare.swap_remove(index),
+            None => spare.pop().unwrap_or_default(),
+        };
+        samples.clear();
+        samples.reserve_exact(room);
+        samples
     }
 
     /// Returns the samples of one channel over a region, row by row; borrowed if they are already contiguous.
@@ -452,7 +475,7 @@ impl<'p> Fills<'p> {
         Some(if plane.stride == width || height == 1 {
             plane.samples[plane.start..plane.start + region.area()].into()
         } else {
-            let mut samples = Vec::with_capacity(region.area());
+            let mut samples = self.spare(region.area());
             for y in 0..height {
                 samples.extend_from_slice(plane.row(y, width));
             }
