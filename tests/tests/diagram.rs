@@ -12,8 +12,7 @@ fn drawings() -> Vec<(String, trochoid::Loaded, String)> {
     paths.sort();
     let draw = |path: &std::path::PathBuf| {
         let loaded = trochoid::load(path, &[]).unwrap();
-        let picture =
-            trochoid_diagram::tree(&loaded.graph, &[], &vec![None; loaded.graph.nodes().len()], Groups::Open);
+        let picture = trochoid_diagram::tree(&loaded.graph, &[], &vec![None; loaded.graph.nodes().len()], Groups::Open);
         (path.display().to_string(), loaded, picture)
     };
     paths.iter().map(draw).collect()

@@ -6,6 +6,7 @@
 mod bound;
 mod certified;
 mod draw;
+mod groups;
 mod more;
 mod one_plan;
 mod pixels;

@@ -1,0 +1,612 @@
+//! Random documents with nested groups and links, each compared with the same document written out.
+//!
+//! The written-out form is made by the generator itself, from what it drew: names of its own, values as numbers and keys.
+//! It shares nothing with the expansion of documents.
+
+use super::count;
+use crate::support::{all_bits, evaluate, graph_in};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::fmt::Write as _;
+use std::path::Path;
+use trochoid::{Buffers, Settings};
+
+/// Number of documents by default.
+const DOCUMENTS: u64 = 1000;
+/// Frames of each document, and frames per second.
+const FRAMES: usize = 3;
+const FPS: f64 = 8.0;
+
+/// What a socket or a node has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Color,
+    Mask,
+}
+
+/// A number from 0 to 1 as a document writes it.
+#[derive(Clone, Debug)]
+enum Number {
+    Plain(f64),
+    Keys([f64; FRAMES]),
+    /// The value of a name: of a knob by index, or of the number of another node of the scope.
+    Of(Name),
+    /// A formula with one name, by its number.
+    Formula(usize, Name),
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Name {
+    Knob(usize),
+    Node(usize),
+    Frame,
+    Time,
+}
+
+/// A color as a document writes it.
+#[derive(Clone, Debug)]
+enum Paint {
+    Hex(String),
+    Knob(usize),
+}
+
+/// What is connected to a port.
+#[derive(Clone, Debug)]
+enum Connected {
+    Input(usize),
+    Node(usize, usize),
+    Paint(Paint),
+    Number(Number),
+}
+
+#[derive(Clone, Debug)]
+enum What {
+    Mix([Connected; 2], Connected),
+    Ramp(Connected, [Paint; 2]),
+    Across,
+    Down,
+    Clamp(Connected, Number),
+    Multiply(Connected, Connected),
+    Invert(Connected),
+    /// A use: of each input and knob what is given, if anything.
+    Use {
+        group: usize,
+        inputs: Vec<Option<Connected>>,
+        numbers: Vec<Option<Number>>,
+        paints: Vec<Option<Paint>>,
+        disabled: bool,
+    },
+}
+
+/// Nodes that see each other; those of the document or of a group.
+#[derive(Clone, Debug, Default)]
+struct Scope {
+    inputs: Vec<(Kind, Option<Connected>)>,
+    numbers: Vec<Number>,
+    paints: Vec<String>,
+    nodes: Vec<What>,
+    outputs: Vec<(Kind, usize, usize)>,
+}
+
+/// Formulas of x, from 0 to 1 for x from 0 to 1.
+const FORMULAS: [(&str, fn(f64) -> f64); 5] = [
+    ("0.5 * X + 0.25", |x| 0.5 * x + 0.25),
+    ("1 - X", |x| 1.0 - x),
+    ("X * X", |x| x * x),
+    ("(X + 0.125) / 2", |x| (x + 0.125) / 2.0),
+    ("min(X, 0.5)", |x| f64::min(x, 0.5)),
+];
+
+struct Generator {
+    random: Pcg64Mcg,
+    groups: Vec<Scope>,
+}
+
+impl Generator {
+    fn chance(&mut self, share: f64) -> bool {
+        self.random.random_bool(share)
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        self.random.random_range(0..count)
+    }
+
+    fn plain(&mut self) -> f64 {
+        f64::from(self.random.random_range(0..=64_u32)) / 64.0
+    }
+
+    fn hex(&mut self) -> String {
+        format!("#{:06x}", self.random.random_range(0..1_u32 << 24))
+    }
+
+    fn number(&mut self, scope: &Scope) -> Number {
+        match self.below(7) {
+            0 | 1 => Number::Plain(self.plain()),
+            2 => Number::Keys([self.plain(), self.plain(), self.plain()]),
+            choice => {
+                let named: Vec<usize> =
+                    (0..scope.nodes.len()).filter(|node| self.has_number(&scope.nodes[*node])).collect();
+                let name = match self.below(4) {
+                    0 if !named.is_empty() => Name::Node(named[self.below(named.len())]),
+                    1 => [Name::Frame, Name::Time][self.below(2)],
+                    _ if !scope.numbers.is_empty() => Name::Knob(self.below(scope.numbers.len())),
+                    _ => return Number::Plain(self.plain()),
+                };
+                match name {
+                    // Frames are numbers from 1 on.
+                    Name::Frame | Name::Time => Number::Formula(0, name),
+                    name if choice < 5 => Number::Of(name),
+                    name => Number::Formula(self.below(FORMULAS.len()), name),
+                }
+            }
+        }
+    }
+
+    /// Whether other nodes may name the first number of a node.
+    fn has_number(&self, node: &What) -> bool {
+        match node {
+            What::Clamp(..) => true,
+            What::Use { group, .. } => !self.groups[*group].numbers.is_empty(),
+            _ => false,
+        }
+    }
+
+    fn paint(&mut self, scope: &Scope) -> Paint {
+        if !scope.paints.is_empty() && self.chance(0.5) {
+            Paint::Knob(self.below(scope.paints.len()))
+        } else {
+            Paint::Hex(self.hex())
+        }
+    }
+
+    /// Returns all outputs of a node.
+    fn outputs(&self, node: &What) -> Vec<Kind> {
+        match node {
+            What::Mix(..) | What::Ramp(..) => vec![Kind::Color],
+            What::Use { group, .. } => self.groups[*group].outputs.iter().map(|output| output.0).collect(),
+            _ => vec![Kind::Mask],
+        }
+    }
+
+    fn connected(&mut self, scope: &Scope, kind: Kind) -> Connected {
+        let mut known: Vec<Connected> = Vec::new();
+        let inputs = scope.inputs.iter().enumerate().filter(|(_, (taken, _))| *taken == kind);
+        known.extend(inputs.map(|(index, _)| Connected::Input(index)));
+        for (index, node) in scope.nodes.iter().enumerate() {
+            let outputs = self.outputs(node).into_iter().enumerate().filter(|(_, output)| *output == kind);
+            known.extend(outputs.map(|(output, _)| Connected::Node(index, output)));
+        }
+        if !known.is_empty() && self.chance(0.85) {
+            // Late nodes first, so that chains get long.
+            let from = known.len() - known.len().min(4);
+            let index =
+                if self.chance(0.6) { self.random.random_range(from..known.len()) } else { self.below(known.len()) };
+            return known.swap_remove(index);
+        }
+        match kind {
+            Kind::Color => Connected::Paint(self.paint(scope)),
+            Kind::Mask => Connected::Number(self.number(scope)),
+        }
+    }
+
+    /// Returns a connection that a Field takes: numbers have to be nodes.
+    fn field(&mut self, scope: &Scope) -> Option<Connected> {
+        (0..8).map(|_| self.connected(scope, Kind::Mask)).find(|found| matches!(found, Connected::Node(..)))
+    }
+
+    fn node(&mut self, scope: &Scope) -> What {
+        match self.below(10) {
+            0 => What::Across,
+            1 => What::Down,
+            2 => match self.field(scope) {
+                Some(field) => What::Clamp(field, self.number(scope)),
+                None => What::Across,
+            },
+            3 => What::Multiply(self.connected(scope, Kind::Mask), self.connected(scope, Kind::Mask)),
+            4 => What::Invert(self.connected(scope, Kind::Mask)),
+            5 => What::Ramp(self.connected(scope, Kind::Mask), [self.paint(scope), self.paint(scope)]),
+            6 | 7 if !self.groups.is_empty() => {
+                let group = self.below(self.groups.len());
+                let taken = self.groups[group].clone();
+                let mut inputs = Vec::new();
+                for (kind, default) in &taken.inputs {
+                    let is_given = default.is_none() || self.chance(0.7);
+                    inputs.push(is_given.then(|| self.connected(scope, *kind)));
+                }
+                let numbers = taken.numbers.iter().map(|_| self.chance(0.6).then(|| self.number(scope))).collect();
+                let paints = taken.paints.iter().map(|_| self.chance(0.5).then(|| self.paint(scope))).collect();
+                // It passes on its first input.
+                let passes = taken.inputs.first().map(|input| input.0);
+                let passes_color = passes == Some(Kind::Color) && taken.outputs.iter().all(|output| output.0 == Kind::Color);
+                let disabled = passes_color && self.chance(0.3);
+                What::Use { group, inputs, numbers, paints, disabled }
+            }
+            _ => {
+                let colors = [self.connected(scope, Kind::Color), self.connected(scope, Kind::Color)];
+                What::Mix(colors, self.connected(scope, Kind::Mask))
+            }
+        }
+    }
+
+    fn scope(&mut self, is_group: bool) -> Scope {
+        let mut scope = Scope::default();
+        if is_group {
+            for _ in 0..self.below(4) {
+                let kind = if self.chance(0.6) { Kind::Color } else { Kind::Mask };
+                let default = match kind {
+                    Kind::Color => Connected::Paint(Paint::Hex(self.hex())),
+                    Kind::Mask => Connected::Number(Number::Plain(self.plain())),
+                };
+                let has_default = self.chance(0.4);
+                scope.inputs.push((kind, has_default.then_some(default)));
+            }
+            scope.paints = (0..self.below(3)).map(|_| self.hex()).collect();
+        }
+        for _ in 0..self.below(4) {
+            let number = if self.chance(0.3) {
+                Number::Keys([self.plain(), self.plain(), self.plain()])
+            } else {
+                Number::Plain(self.plain())
+            };
+            scope.numbers.push(number);
+        }
+        for _ in 0..self.random.random_range(3..9) {
+            let node = self.node(&scope);
+            scope.nodes.push(node);
+        }
+        if !is_group || self.chance(0.8) {
+            let colors = [self.connected(&scope, Kind::Color), self.connected(&scope, Kind::Color)];
+            let last = What::Mix(colors, self.connected(&scope, Kind::Mask));
+            scope.nodes.push(last);
+        }
+        let last = scope.nodes.len() - 1;
+        let mut ends = vec![last];
+        if is_group && self.chance(0.4) {
+            ends.push(self.below(scope.nodes.len()));
+        }
+        for node in ends {
+            let kinds = self.outputs(&scope.nodes[node]);
+            let output = self.below(kinds.len());
+            scope.outputs.push((kinds[output], node, output));
+        }
+        scope
+    }
+}
+
+/// Writes what was drawn with groups and links.
+struct Grouped<'g> {
+    groups: &'g [Scope],
+}
+
+impl Grouped<'_> {
+    fn name(name: Name, scope: &Scope) -> String {
+        match name {
+            Name::Knob(knob) => format!("knobs.k{knob}"),
+            Name::Node(node) => match &scope.nodes[node] {
+                What::Use { .. } => format!("n{node}.k0"),
+                _ => format!("n{node}.max"),
+            },
+            Name::Frame => "frame / 8".into(),
+            Name::Time => "time".into(),
+        }
+    }
+
+    fn number(number: &Number, scope: &Scope) -> String {
+        match number {
+            Number::Plain(value) => value.to_string(),
+            Number::Keys(values) => keys(*values),
+            Number::Of(name) => format!("\"= {}\"", Self::name(*name, scope)),
+            Number::Formula(formula, name) => {
+                let x = format!("({})", Self::name(*name, scope));
+                format!("\"= {}\"", FORMULAS[*formula].0.replace('X', &x))
+            }
+        }
+    }
+
+    fn paint(paint: &Paint) -> String {
+        match paint {
+            Paint::Hex(hex) => format!("\"{hex}\""),
+            Paint::Knob(knob) => format!("\"= knobs.p{knob}\""),
+        }
+    }
+
+    fn connected(&self, connected: &Connected, scope: &Scope) -> String {
+        match connected {
+            Connected::Input(input) => format!("\"i{input}\""),
+            // The first output need not be named.
+            Connected::Node(node, 0) => format!("\"n{node}\""),
+            Connected::Node(node, output) => format!("\"n{node}.o{output}\""),
+            Connected::Paint(paint) => Self::paint(paint),
+            Connected::Number(number) => Self::number(number, scope),
+        }
+    }
+
+    fn node(&self, node: &What, scope: &Scope) -> String {
+        let port = |connected: &Connected| self.connected(connected, scope);
+        match node {
+            What::Mix([a, b], weight) => {
+                format!("{{ \"type\": \"Mix\", \"a\": {}, \"b\": {}, \"weight\": {} }}", port(a), port(b), port(weight))
+            }
+            What::Ramp(weight, [a, b]) => format!(
+                "{{ \"type\": \"Ramp\", \"weight\": {}, \"stops\": [{{ \"at\": 0, \"color\": {} }}, {{ \"at\": 1, \"color\": {} }}] }}",
+                port(weight),
+                Self::paint(a),
+                Self::paint(b)
+            ),
+            What::Across => "{ \"type\": \"ScreenX\" }".into(),
+            What::Down => "{ \"type\": \"ScreenY\" }".into(),
+            What::Clamp(field, max) => format!(
+                "{{ \"type\": \"Clamp\", \"field\": {}, \"min\": -0.25, \"max\": {} }}",
+                port(field),
+                Self::number(max, scope)
+            ),
+            What::Multiply(a, b) => format!("{{ \"type\": \"Multiply\", \"weights\": [{}, {}] }}", port(a), port(b)),
+            What::Invert(weight) => format!("{{ \"type\": \"Invert\", \"weight\": {} }}", port(weight)),
+            What::Use { group, inputs, numbers, paints, disabled } => {
+                let mut text = format!("{{ \"type\": \"G{group}\"");
+                for (index, input) in inputs.iter().enumerate() {
+                    if let Some(input) = input {
+                        let _ = write!(text, ", \"i{index}\": {}", port(input));
+                    }
+                }
+                for (index, number) in numbers.iter().enumerate() {
+                    if let Some(number) = number {
+                        let _ = write!(text, ", \"k{index}\": {}", Self::number(number, scope));
+                    }
+                }
+                for (index, paint) in paints.iter().enumerate() {
+                    if let Some(paint) = paint {
+                        let _ = write!(text, ", \"p{index}\": {}", Self::paint(paint));
+                    }
+                }
+                if *disabled {
+                    text += ", \"disabled\": true";
+                }
+                text + " }"
+            }
+        }
+    }
+
+    fn nodes(&self, scope: &Scope) -> String {
+        let nodes = scope.nodes.iter().enumerate();
+        nodes.map(|(index, node)| format!("\"n{index}\": {}", self.node(node, scope))).collect::<Vec<_>>().join(",\n  ")
+    }
+
+    fn text(&self, scope: &Scope) -> String {
+        let mut groups = Vec::new();
+        for (index, group) in self.groups.iter().enumerate() {
+            let input = |(index, (kind, default)): (usize, &(Kind, Option<Connected>))| match default {
+                None => format!("\"i{index}\": \"{kind:?}\""),
+                Some(value) => {
+                    let value = self.connected(value, group);
+                    format!("\"i{index}\": {{ \"kind\": \"{kind:?}\", \"default\": {value} }}")
+                }
+            };
+            let inputs: Vec<String> = group.inputs.iter().enumerate().map(input).collect();
+            let numbers = group.numbers.iter().enumerate();
+            let numbers = numbers.map(|(index, number)| {
+                format!("\"k{index}\": {{ \"default\": {}, \"min\": 0, \"max\": 1 }}", Self::number(number, group))
+            });
+            let paints = group.paints.iter().enumerate().map(|(index, hex)| format!("\"p{index}\": \"{hex}\""));
+            let knobs: Vec<String> = numbers.chain(paints).collect();
+            let output = |(index, (_, node, output)): (usize, &(Kind, usize, usize))| {
+                format!("\"o{index}\": {}", self.connected(&Connected::Node(*node, *output), group))
+            };
+            let outputs: Vec<String> = group.outputs.iter().enumerate().map(output).collect();
+            groups.push(format!(
+                "\"G{index}\": {{ \"inputs\": {{ {} }}, \"knobs\": {{ {} }},\n \"nodes\": {{ {} }},\n \"outputs\": {{ {} }} }}",
+                inputs.join(", "),
+                knobs.join(", "),
+                self.nodes(group),
+                outputs.join(", ")
+            ));
+        }
+        let knobs = scope.numbers.iter().enumerate();
+        let knobs: Vec<String> = knobs
+            .map(|(index, number)| format!("\"k{index}\": {{ \"value\": {} }}", Self::number(number, scope)))
+            .collect();
+        let last = scope.nodes.len() - 1;
+        document(
+            &format!("\"knobs\": {{ {} }}, \"groups\": {{ {} }},", knobs.join(", "), groups.join(",\n")),
+            &self.nodes(scope),
+            &format!("n{last}"),
+        )
+    }
+}
+
+fn keys(values: [f64; FRAMES]) -> String {
+    let keys: Vec<String> = values.iter().enumerate().map(|(at, value)| format!("[{}, {value}]", at + 1)).collect();
+    format!("{{ \"keys\": [{}] }}", keys.join(", "))
+}
+
+fn document(more: &str, nodes: &str, output: &str) -> String {
+    format!(
+        "{{ \"trochoid\": 1, \"format\": {{ \"width\": 7, \"height\": 5 }},\n\"frames\": {{ \"first\": 1, \"last\": {FRAMES}, \
+         \"fps\": {FPS} }}, {more}\n\"nodes\": {{ {nodes} }},\n\"outputs\": {{ \"o\": {{ \"color\": \"{output}\" }} }} }}"
+    )
+}
+
+/// A value at each frame, and whether it is the same by its nature.
+#[derive(Clone, Copy)]
+struct Known {
+    values: [f64; FRAMES],
+    is_keyed: bool,
+}
+
+/// What is known within a scope as it is used: texts of connected inputs, values of knobs.
+struct Inside<'s> {
+    scope: &'s Scope,
+    prefix: String,
+    inputs: Vec<String>,
+    numbers: Vec<Known>,
+    paints: Vec<String>,
+    /// Values of each node that may be named, and what its outputs are called.
+    named: Vec<Option<Known>>,
+    outputs: Vec<Vec<String>>,
+}
+
+/// Writes everything out.
+struct Flat<'g> {
+    groups: &'g [Scope],
+    nodes: Vec<String>,
+    uses: usize,
+}
+
+impl Flat<'_> {
+    fn value(number: &Number, inside: &Inside<'_>) -> Known {
+        let of = |name: Name| match name {
+            Name::Knob(knob) => inside.numbers[knob],
+            Name::Node(node) => inside.named[node].unwrap(),
+            Name::Frame => Known { values: std::array::from_fn(|at| (at + 1) as f64 / 8.0), is_keyed: true },
+            Name::Time => Known { values: std::array::from_fn(|at| at as f64 / FPS), is_keyed: true },
+        };
+        match number {
+            Number::Plain(value) => Known { values: [*value; FRAMES], is_keyed: false },
+            Number::Keys(values) => Known { values: *values, is_keyed: true },
+            Number::Of(name) => of(*name),
+            Number::Formula(formula, name) => {
+                let known = of(*name);
+                Known { values: known.values.map(FORMULAS[*formula].1), ..known }
+            }
+        }
+    }
+
+    fn number(number: &Number, inside: &Inside<'_>) -> String {
+        let known = Self::value(number, inside);
+        if known.is_keyed { keys(known.values) } else { known.values[0].to_string() }
+    }
+
+    fn paint(paint: &Paint, inside: &Inside<'_>) -> String {
+        match paint {
+            Paint::Hex(hex) => format!("\"{hex}\""),
+            Paint::Knob(knob) => inside.paints[*knob].clone(),
+        }
+    }
+
+    fn connected(connected: &Connected, inside: &Inside<'_>) -> String {
+        match connected {
+            Connected::Input(input) => inside.inputs[*input].clone(),
+            Connected::Node(node, output) => inside.outputs[*node][*output].clone(),
+            Connected::Paint(paint) => Self::paint(paint, inside),
+            Connected::Number(number) => Self::number(number, inside),
+        }
+    }
+
+    /// Writes the nodes of a scope; returns what its outputs are called.
+    fn scope(&mut self, mut inside: Inside<'_>) -> Vec<String> {
+        for (index, node) in inside.scope.nodes.iter().enumerate() {
+            let name = format!("{}n{index}", inside.prefix);
+            let port = |connected: &Connected| Self::connected(connected, &inside);
+            let mut named = None;
+            let text = match node {
+                What::Mix([a, b], weight) => {
+                    format!("\"type\": \"Mix\", \"a\": {}, \"b\": {}, \"weight\": {}", port(a), port(b), port(weight))
+                }
+                What::Ramp(weight, colors) => {
+                    let [a, b] = colors.each_ref().map(|color| Self::paint(color, &inside));
+                    let stops = format!("{{ \"at\": 0, \"color\": {a} }}, {{ \"at\": 1, \"color\": {b} }}");
+                    format!("\"type\": \"Ramp\", \"weight\": {}, \"stops\": [{stops}]", port(weight))
+                }
+                What::Across => "\"type\": \"ScreenX\"".into(),
+                What::Down => "\"type\": \"ScreenY\"".into(),
+                What::Clamp(field, max) => {
+                    named = Some(Self::value(max, &inside));
+                    let max = Self::number(max, &inside);
+                    format!("\"type\": \"Clamp\", \"field\": {}, \"min\": -0.25, \"max\": {max}", port(field))
+                }
+                What::Multiply(a, b) => format!("\"type\": \"Multiply\", \"weights\": [{}, {}]", port(a), port(b)),
+                What::Invert(weight) => format!("\"type\": \"Invert\", \"weight\": {}", port(weight)),
+                What::Use { group, inputs, numbers, paints, disabled } => {
+                    self.uses += 1;
+                    let used = &self.groups[*group];
+                    let nothing = Inside {
+                        scope: used,
+                        prefix: String::new(),
+                        inputs: Vec::new(),
+                        numbers: Vec::new(),
+                        paints: Vec::new(),
+                        named: Vec::new(),
+                        outputs: Vec::new(),
+                    };
+                    let input = |(given, (_, default)): (&Option<Connected>, &(Kind, Option<Connected>))| match given {
+                        Some(given) => port(given),
+                        None => Self::connected(default.as_ref().unwrap(), &nothing),
+                    };
+                    let number = |(given, default): (&Option<Number>, &Number)| match given {
+                        Some(given) => Self::value(given, &inside),
+                        None => Self::value(default, &nothing),
+                    };
+                    let paint = |(given, default): (&Option<Paint>, &String)| match given {
+                        Some(given) => Self::paint(given, &inside),
+                        None => format!("\"{default}\""),
+                    };
+                    let within = Inside {
+                        prefix: format!("{name}_"),
+                        inputs: inputs.iter().zip(&used.inputs).map(input).collect(),
+                        numbers: numbers.iter().zip(&used.numbers).map(number).collect(),
+                        paints: paints.iter().zip(&used.paints).map(paint).collect(),
+                        ..nothing
+                    };
+                    named = within.numbers.first().copied();
+                    let outputs =
+                        if *disabled { vec![within.inputs[0].clone(); used.outputs.len()] } else { self.scope(within) };
+                    inside.named.push(named);
+                    inside.outputs.push(outputs);
+                    continue;
+                }
+            };
+            self.nodes.push(format!("\"{name}\": {{ {text} }}"));
+            inside.named.push(named);
+            inside.outputs.push(vec![format!("\"{name}\"")]);
+        }
+        inside.scope.outputs.iter().map(|(_, node, output)| inside.outputs[*node][*output].clone()).collect()
+    }
+}
+
+#[test]
+fn random_documents_with_groups_are_those_written_out() {
+    let (mut uses, mut deepest, mut links, mut keyed, mut disabled) = (0, 0, 0, 0, 0);
+    for seed in 0..count(DOCUMENTS) {
+        let mut generator = Generator { random: Pcg64Mcg::seed_from_u64(seed), groups: Vec::new() };
+        for _ in 0..generator.random.random_range(1..5) {
+            let group = generator.scope(true);
+            generator.groups.push(group);
+        }
+        let scope = generator.scope(false);
+        let grouped = Grouped { groups: &generator.groups }.text(&scope);
+        let mut flat = Flat { groups: &generator.groups, nodes: Vec::new(), uses: 0 };
+        let nothing = Inside {
+            scope: &scope,
+            prefix: String::new(),
+            inputs: Vec::new(),
+            numbers: Vec::new(),
+            paints: Vec::new(),
+            named: Vec::new(),
+            outputs: Vec::new(),
+        };
+        let numbers = scope.numbers.iter().map(|number| Flat::value(number, &nothing)).collect();
+        let outputs = flat.scope(Inside { numbers, ..nothing });
+        let written_out = document("", &flat.nodes.join(",\n  "), outputs[0].trim_matches('"'));
+
+        let (grouped, by_hand) = (graph_in(Path::new("."), &grouped), (graph_in(Path::new("."), &written_out)));
+        assert_eq!(grouped.nodes().len(), by_hand.nodes().len(), "document {seed}");
+        for frame in 1..=FRAMES as i64 {
+            let picture = |graph| all_bits(&evaluate(graph, frame, &Buffers::new(), &Settings::default()));
+            assert_eq!(picture(&grouped), picture(&by_hand), "document {seed}, frame {frame}:\n{written_out}");
+        }
+        uses += grouped.groups().len();
+        deepest = grouped.groups().iter().map(|used| used.path.matches('/').count() + 1).fold(deepest, usize::max);
+        assert_eq!(grouped.groups().len(), flat.uses, "document {seed}");
+        let text = grouped.canonical();
+        links += text.matches("\"= ").count();
+        keyed += text.matches("keys").count();
+        disabled += text.matches("disabled").count();
+    }
+    // A generator that produced nothing of interest would prove nothing.
+    if count(DOCUMENTS) >= DOCUMENTS {
+        assert!(
+            uses > 3000 && deepest >= 3 && links > 3000 && keyed > 1000 && disabled > 50,
+            "{uses} {deepest} {links} {keyed} {disabled}"
+        );
+    }
+}
