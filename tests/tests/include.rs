@@ -63,7 +63,7 @@ fn graph(at: &Path) -> CheckedGraph {
     load_within(at, &[], access).unwrap_or_else(|error| panic!("{error}")).graph
 }
 
-fn bits(graph: &CheckedGraph) -> Vec<Vec<u32>> {
+fn bits(graph: &CheckedGraph) -> Vec<Vec<Vec<u32>>> {
     all_bits(&evaluate(graph, 1, &Buffers::new(), &Settings::default()))
 }
 
