@@ -5,7 +5,7 @@
 
 use super::count;
 use crate::support::{all_bits, evaluate, graph_in};
-use rand::{Rng, SeedableRng};
+use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::fmt::Write as _;
 use std::path::Path;
