@@ -192,7 +192,7 @@ fn faults_are_told_with_their_places() {
         // Within a group, with the way back.
         (bad_weight, used(""), &["node \"g/m\"", "1.5, in the group G as used at 3:", "a mask"]),
         // Links.
-        (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= g.weight" }"##.into(), &["more than 64 references or links", "remove the loop"]),
+        (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= g.weight" }"##.into(), &["a value that leads back to itself: g.weight → g.weight", "give one of them a value of its own"]),
         (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= x.at" }"##.into(), &["a link to \"x\", which is not a node"]),
         (String::new(), format!(r##"{x} "g": {{ "type": "Mix", "a": "#000", "b": "#fff", "weight": "= x.at" }}"##), &["a link to \"at\" of \"x\""]),
         (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= knobs.k" }"##.into(), &["\"knobs.k\", which the document does not have"]),
@@ -203,6 +203,24 @@ fn faults_are_told_with_their_places() {
         (String::new(), r##""t": { "type": "Noise", "kind": "fbm" }, "g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= t.kind * 2" }"##.into(), &["\"t.kind\", which is \"fbm\"", "expected numbers"]),
         (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "=" }"##.into(), &["of the formula \"\""]),
         (r#""knobs": { "k": { "min": 1 } },"#.into(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 1 }"##.into(), &["the knob \"k\" without a value"]),
+        (String::new(), r##""a": { "type": "Noise", "scale": "= b.gain" }, "b": { "type": "Noise", "gain": "= a.scale / 2" }, "g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 1 }"##.into(), &["a value that leads back to itself: b.gain → a.scale → b.gain"]),
+        (good.clone(), r##""g": { "type": "G", "in": "#000", "must": 1, "k": "= h.k" }, "h": { "type": "G", "in": "#000", "must": 1, "k": "= g.k" }"##.into(), &["a value that leads back to itself: ", "g/k → h/k → g/k"]),
+        (r#""knobs": { "a": "= knobs.b", "b": "= knobs.a + 1" },"#.into(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 1 }"##.into(), &["knobs.a → knobs.b → knobs.a"]),
+        (r#""knobs": { "k": { "value": 3, "max": 2 } },"#.into(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 1 }"##.into(), &["k: 3; expected a number of at most 2"]),
+        (r#""knobs": [1],"#.into(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 1 }"##.into(), &["expected an object of knobs by name"]),
+        (good.clone(), used(r#", "k": "= g.in""#), &["the group G does not have"]),
+        (good.clone(), format!(r##"{}, "h": {{ "type": "Mix", "a": "#000", "b": "#fff", "weight": "= g.m" }}"##, used("")), &["\"knobs.m\", which the group G does not have"]),
+        // More of groups.
+        (r#""groups": { "A": { "inputs": { "type": "Color" }, "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "m" } } },"#.into(), used(""), &["the name \"type\" of an input"]),
+        (r#""groups": { "A": { "knobs": { "a-b": 1 }, "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "m" } } },"#.into(), used(""), &["the name \"a-b\" of a knob"]),
+        (r#""groups": { "A": { "inputs": { "i": "Color" }, "knobs": { "i": 1 }, "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "m" } } },"#.into(), used(""), &["the name \"i\" for an input and for a knob"]),
+        (r#""groups": { "A": { "knobs": { "k": { "min": "low" } }, "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "m" } } },"#.into(), used(""), &["\"low\"; expected a number"]),
+        (r#""groups": { "A": { "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "m" } }, "A": { "nodes": { "m": { "type": "ScreenY" } }, "outputs": { "o": "m" } } },"#.into(), used(""), &["a second \"A\"", "expected each name once"]),
+        (r##""groups": { "A": { "inputs": { "i": { "kind": "Mask", "optional": 1 } }, "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "m" } } },"##.into(), used(""), &["1; expected true or false"]),
+        (r##""groups": { "A": { "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "n" } } },"##.into(), r##""a": { "type": "A" }, "g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "a" }"##.into(), &["a reference to \"a/n\", which is not a node", "did you mean \"a/m\"?"]),
+        (r##""groups": { "I": { "inputs": { "in": "Color" }, "nodes": { "m": { "type": "Mix", "a": "in", "b": "#fff", "weight": 1 } }, "outputs": { "o": "m" } },
+             "A": { "nodes": { "i": { "type": "I" } }, "outputs": { "o": "i" } } },"##.into(), r##""g": { "type": "A" }"##.into(), &["node \"g/i\"", "no \"in\"; expected a Color"]),
+        (r##""groups": { "P": { "inputs": { "in": "Color" }, "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "in" } } },"##.into(), r##""g": { "type": "P", "in": "h" }, "h": { "type": "P", "in": "g" }"##.into(), &["a value that leads back to itself"]),
     ];
     for (more, nodes, words) in cases {
         let text = document(&more, &nodes, r#""out": { "color": "g" }"#);

@@ -99,7 +99,11 @@ fn faults_of_included_documents_are_told_with_their_places() {
             &["scene.json:1:", "include", "no file", "relative to the document that names it"],
         ),
         ("lib/slabs.json", "more/seen.json", &["slabs.json:1:", "no file", "seen.jsonx"]),
-        ("lib/slabs.json", "\"groups\"", &["slabs.json:1:1", "a document without groups"]),
+        (
+            "lib/more/seen.json",
+            "\"include\": [\"../slabs.json\"], \"groups\"",
+            &["seen.json:1:1", "a document without groups"],
+        ),
         ("lib/more/seen.json", "\"groups\": {", &["seen.json:1:", "7; expected an object of groups by name"]),
         ("lib/more/seen.json", "\"trochoid\": 1", &["seen.json:1:", "2", "the version of the document format"]),
         ("lib/more/seen.json", "\"trochoid\": 1,", &["seen.json:1:1", "no \"trochoid\""]),

@@ -66,11 +66,12 @@ impl<'d> Expander<'d> {
             let groups = self.groups.clone();
             let path = format!("{}{node}", scope.prefix);
             let inside = Rc::new(Scope::of_use(index, &groups[index], entry, &path, scope));
-            return self.deeper(offset, |expander| expander.knob(&inside, knob, offset));
+            return self.knob(&inside, knob, offset);
         }
         let Json::Object(items) = &entry.value.json else { return None };
         if let Some(item) = items.iter().find(|item| item.key == knob && !is_remark(knob)) {
-            return self.deeper(offset, |expander| expander.linked(&item.value, scope));
+            let name = format!("{node}.{knob}");
+            return self.deeper(offset, (scope, &name), |expander| expander.linked(&item.value, scope));
         }
         let ty = items.iter().find(|item| item.key == "type").map(|item| &item.value.json);
         let ty = if let Some(Json::String(ty)) = ty { self.registry.get(ty) } else { None };

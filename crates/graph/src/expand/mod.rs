@@ -83,7 +83,7 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
         faults: Vec::new(),
         uses: Vec::new(),
         moved: HashMap::new(),
-        depth: 0,
+        followed: Vec::new(),
         at: Vec::new(),
         time: Time::of(entries),
     };
@@ -166,8 +166,8 @@ struct Expander<'d> {
     faults: Vec<ExpansionFault>,
     uses: Vec<Use>,
     moved: HashMap<usize, String>,
-    /// Number of references and links that are being followed.
-    depth: usize,
+    /// References and links that are being followed.
+    followed: Vec<String>,
     /// Path of the node that is being read, and its item.
     at: Vec<String>,
     time: Time,

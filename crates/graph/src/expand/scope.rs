@@ -56,16 +56,28 @@ impl<'d> Scope<'d> {
 }
 
 impl<'d> Expander<'d> {
-    /// Follows one reference or link more; reports a chain that does not end.
-    pub(super) fn deeper<T>(&mut self, offset: usize, follow: impl FnOnce(&mut Self) -> Option<T>) -> Option<T> {
-        if self.depth >= DEPTH {
-            let found = format!("more than {DEPTH} references or links, one leading to the next");
-            self.error(offset, found, "a chain that ends", "remove the loop");
+    /// Follows one reference or link more, to a name within a scope; reports a chain that does not end.
+    pub(super) fn deeper<T>(
+        &mut self,
+        offset: usize,
+        (scope, name): (&Scope<'d>, &str),
+        follow: impl FnOnce(&mut Self) -> Option<T>,
+    ) -> Option<T> {
+        let name = format!("{}{name}", scope.prefix);
+        if let Some(first) = self.followed.iter().position(|known| *known == name) {
+            let circle: Vec<&str> = self.followed[first..].iter().map(String::as_str).chain([name.as_str()]).collect();
+            let found = format!("a value that leads back to itself: {}", shorten(&circle.join(" → ")));
+            self.error(offset, found, "a chain that ends", "give one of them a value of its own");
             return None;
         }
-        self.depth += 1;
+        if self.followed.len() >= DEPTH {
+            let found = format!("more than {DEPTH} references or links, one leading to the next");
+            self.error(offset, found, "a chain that ends", "name what is meant more directly");
+            return None;
+        }
+        self.followed.push(name);
         let found = follow(self);
-        self.depth -= 1;
+        self.followed.pop();
         found
     }
 
@@ -110,7 +122,7 @@ impl<'d> Expander<'d> {
         let inside = Rc::new(Scope::of_use(index, group, entry, &path, scope));
         if inside.is_disabled() {
             let first = group.inputs.first()?.name;
-            return self.deeper(offset, |expander| expander.input(&inside, first, None, offset));
+            return self.deeper(offset, (scope, name), |expander| expander.input(&inside, first, None, offset));
         }
         let target = match output {
             None => group.outputs.first(),
@@ -128,7 +140,7 @@ impl<'d> Expander<'d> {
             return None;
         };
         let Json::String(target) = &target.json else { return None };
-        self.deeper(offset, |expander| expander.reference(&inside, target, offset))
+        self.deeper(offset, (scope, text), |expander| expander.reference(&inside, target, offset))
     }
 
     /// Returns what is connected to an input of a use, or an output of it.
@@ -144,7 +156,9 @@ impl<'d> Expander<'d> {
         let input = groups[within.group].inputs.iter().find(|input| input.name == name)?;
         let outside = within.outside.clone();
         let value = match (scope.given(name), input.default) {
-            (Some(given), _) => self.deeper(given.offset, |expander| expander.connected(given, &outside))?,
+            (Some(given), _) => {
+                self.deeper(given.offset, (scope, name), |expander| expander.connected(given, &outside))?
+            }
             // Defaults are literals.
             (None, Some(default)) => default.clone(),
             (None, None) => return None,
@@ -186,11 +200,12 @@ impl<'d> Expander<'d> {
         match (scope.given(name), &scope.of) {
             (Some(given), Some(within)) => {
                 let outside = within.outside.clone();
-                self.deeper(given.offset, |expander| expander.linked(given, &outside))
+                self.deeper(given.offset, (scope, name), |expander| expander.linked(given, &outside))
             }
             _ => {
                 let default = knob.default?;
-                self.deeper(default.offset, |expander| expander.linked(default, scope))
+                let label = format!("knobs.{name}");
+                self.deeper(default.offset, (scope, &label), |expander| expander.linked(default, scope))
             }
         }
     }
