@@ -139,7 +139,7 @@ impl Display for Expected {
             Self::Letters(width) => write!(f, "1 to 4 of the letters {}", &"xyzw"[..(*width).min(MAX_WIDTH)]),
             Self::FiniteNumber => f.write_str("a finite number, such as 0.5 or 2e3"),
             Self::ConnectedInput => f.write_str("a connected input"),
-            Self::KnownName => f.write_str("an input a, b, c or d, pi, or a function"),
+            Self::KnownName => f.write_str("an input a, b, c or d, frame, time, pi, or a function"),
             Self::FunctionName => write!(f, "a function: {}, dot or length", Function::names().join(", ")),
             Self::Arguments(count) => write!(f, "{count}"),
             Self::Width => write!(f, "at most {MAX_WIDTH} components"),

@@ -5,6 +5,8 @@ use super::{Expected, Expression, Fault, Found, Function, MAX_WIDTH, Remedy, Tre
 use trochoid_graph::nearest;
 
 const INPUTS: [&str; 4] = ["a", "b", "c", "d"];
+/// Names beside these, whose values have the indices after theirs.
+const OWN: [&str; 2] = ["frame", "time"];
 
 impl Fault {
     fn with_remedy(self, remedy: Remedy) -> Self {
@@ -26,6 +28,9 @@ impl Parser<'_> {
             },
         };
         let is_letters = matches!(self.names, Names::Letters(_));
+        if let Some(index) = OWN.iter().position(|own| *own == name && is_letters) {
+            return Ok(Expression { tree: Tree::Input(INPUTS.len() + index), width: 1 });
+        }
         match INPUTS.iter().position(|input| *input == name && is_letters) {
             Some(index) => match inputs[index] {
                 Some(width) => Ok(Expression { tree: Tree::Input(index), width }),

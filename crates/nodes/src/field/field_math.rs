@@ -12,14 +12,13 @@ use trochoid_image::Window;
 /// # Formula
 /// `expression`, a formula of the inputs a, b, c and d. Operators: + − * / ^ and < <= > >= == != (1 if true, 0 if
 /// false). Functions: min max clamp abs sign floor ceil fract mod sqrt exp log sin cos atan2 (angles in radians)
-/// smoothstep(from, to, x) mix(a, b, t) if(condition, a, b) dot length. Constant: pi. Components are x, y, z and w: a.x
-/// or a.zyx picks some, [a, b.x] joins them.
+/// smoothstep(from, to, x) mix(a, b, t) if(condition, a, b) dot length. Constants: pi; frame, the number of the frame;
+/// time, the seconds since the first frame. Components are x, y, z and w: a.x or a.zyx picks some, [a, b.x] joins them.
 ///
 /// # Edge cases
 /// Computes in f64. An operand of one component is combined with each component of the other operand. A result that is
 /// NaN, like 0/0 or the root of a negative number, is replaced by `nan` and counted as repaired; ±∞ is kept. ^ is
 /// right-associative and binds more tightly than a leading sign: −2^2 is −4. As conditions, 0 and NaN are false.
-/// For time, connect a keyed number: `"d": { "keys": [[1, 0], [10, 3.14]] }`.
 ///
 /// # Source
 /// Fields are not colors, so any arithmetic is allowed on them; a Clamp turns the result into a mask.
@@ -99,6 +98,11 @@ impl Stage for FieldMath {
         false
     }
 
+    fn depends_on_time(&self) -> bool {
+        let words = self.expression.split(|c: char| !c.is_alphanumeric());
+        words.into_iter().any(|word| matches!(word, "frame" | "time"))
+    }
+
     fn rate(&self) -> Rate {
         Rate::Surface
     }
@@ -106,6 +110,7 @@ impl Stage for FieldMath {
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         Ok(Box::new(PreparedFieldMath {
             node: self.clone(),
+            own: [prepare.frame.frame as f64, prepare.frame.time],
             picture: prepare.frame.format.window(),
             program: OnceLock::new(),
             repaired: Mutex::default(),
@@ -118,6 +123,8 @@ type Repaired = HashMap<(usize, [u64; 2]), Vec<u64>>;
 
 struct PreparedFieldMath {
     node: FieldMath,
+    /// Frame and time, which follow the inputs.
+    own: [f64; 2],
     picture: Window,
     /// The compiled formula, once the inputs are known.
     program: OnceLock<Result<Program, NodeError>>,
@@ -160,7 +167,9 @@ impl Prepared for PreparedFieldMath {
         let program = program.as_ref().map_err(Clone::clone)?;
         let mut wanted: Vec<_> = (0..program.width()).map(|component| outputs.only(component)).collect();
         let load = |first: usize, input: usize, component: usize, run: &mut [f64]| {
-            if let Some(Some(plane)) = planes[input].and_then(|planes| planes.get(component)) {
+            if let Some(own) = input.checked_sub(planes.len()) {
+                run.fill(self.own[own]);
+            } else if let Some(Some(plane)) = planes[input].and_then(|planes| planes.get(component)) {
                 run.iter_mut().zip(&plane[first..]).for_each(|(out, value)| *out = f64::from(*value));
             }
         };
@@ -184,6 +193,9 @@ impl Prepared for PreparedFieldMath {
             .map(|inputs| ports.map(|port| inputs.all(port).first().map_or(&[][..], |connection| &connection.planes)));
         let mut wanted: Vec<_> = (0..program.width()).map(|component| outputs.only(component)).collect();
         let load = |first: usize, port: usize, component: usize, run: &mut [Span]| {
+            if let Some(own) = port.checked_sub(values.len()) {
+                return run.fill(Span::around(self.own[own], Bound::EXACT));
+            }
             let [values, bounds] = [values[port], bounds[port]].map(|planes| planes.get(component).copied().flatten());
             let [values, bounds] = [values, bounds].map(|plane| plane.map(|plane| &plane[first..]));
             for (index, span) in run.iter_mut().enumerate() {
@@ -209,6 +221,7 @@ impl Prepared for PreparedFieldMath {
         let of = |port: &Optional<_>| port.as_ref().map_or(Vec::new(), |source| numbers(inputs, source));
         let values = self.node.inputs().map(of);
         let widths = values.each_ref().map(|value| (!value.is_empty()).then_some(value.len()));
+        let values = [&values[..], &self.own.map(|value| vec![value])].concat();
         let mut result = self.expression(widths)?.value(&values);
         result.iter_mut().filter(|value| value.is_nan()).for_each(|value| *value = self.node.nan);
         Ok(vec![Reference::Field(result)])
