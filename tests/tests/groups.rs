@@ -146,6 +146,21 @@ fn knobs_of_the_document_are_set() {
     }
 }
 
+#[test]
+fn reports_have_sums_by_use() {
+    let inner = r##""groups": { "I": { "inputs": { "in": "Color" }, "nodes": { "x": { "type": "ScreenX" }, "m": { "type": "Mix", "a": "in", "b": "#fff", "weight": "x" } }, "outputs": { "o": "m" } },
+        "O": { "nodes": { "y": { "type": "ScreenY" }, "c": { "type": "Mix", "a": "#000", "b": "#123", "weight": "y" }, "i": { "type": "I", "in": "c" } }, "outputs": { "o": "i" } } },"##;
+    let graph = graph_in(Path::new("."), &document(inner, r#""o": { "type": "O" }"#, r#""out": { "color": "o" }"#));
+    let frame = evaluate(&graph, 1, &Buffers::new(), &Settings::default());
+    let report = trochoid::frame_report(&graph, &frame, 0.0);
+    let seconds = |name: &str| report["nodes"][name]["seconds"].as_f64().unwrap();
+    let (outer, inner) = (&report["groups"]["o"], &report["groups"]["o/i"]);
+    assert_eq!((outer["group"].as_str(), outer["nodes"].as_u64()), (Some("O"), Some(4)));
+    assert_eq!((inner["group"].as_str(), inner["nodes"].as_u64()), (Some("I"), Some(2)));
+    assert_eq!(inner["seconds"].as_f64().unwrap(), seconds("o/i/x") + seconds("o/i/m"));
+    assert!(outer["seconds"].as_f64() >= inner["seconds"].as_f64());
+}
+
 /// Each fault has a message of its own, which leads to its place, and from within a group to its use.
 #[test]
 fn faults_are_told_with_their_places() {

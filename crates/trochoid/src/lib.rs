@@ -126,7 +126,7 @@ pub use trochoid_engine::{
 pub use trochoid_graph::{
     Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, ContentKey,
     Control, DataPlace, Declaration, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files,
-    Guarantee, Harmonic, Interpolation, Item, Key, Kind, Knob, KnobDefault, KnobType, List, Means, MemoryUse,
+    GroupUse, Guarantee, Harmonic, Interpolation, Item, Key, Kind, Knob, KnobDefault, KnobType, List, Means, MemoryUse,
     NodeError, NodeId, NodeType, Offer, Omission, OutputSpec, PaletteColor, PaletteUse, Paths, Port, Precision,
     REFUSALS, Recipes, Refusal, RefusedFile, Registry, Relation, Right, Role, Severity, Source, Spectrum, Stability,
     StabilityMap, StepErrorGroup, StepErrorRow, StepErrors, Store, StoredEntry, Term, Tolerance, Verdict, Work,

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use trochoid_engine::{Frame, State};
-use trochoid_graph::CheckedGraph;
+use trochoid_graph::{CheckedGraph, GroupUse};
 
 /// Result of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +72,26 @@ fn controls(graph: &CheckedGraph, output: usize, frame: i64) -> Value {
     })
 }
 
-/// Returns the report of a frame: outputs with their guarantees and counts, nodes with their states and times.
+/// Returns, for each use of a group, sums over its nodes, also those of groups within it.
+fn groups(graph: &CheckedGraph, frame: &Frame) -> serde_json::Map<String, Value> {
+    let of_use = |used: &GroupUse| {
+        let holds = |name: &str| name.strip_prefix(&used.path).is_some_and(|rest| rest.starts_with('/'));
+        let nodes: Vec<_> = frame.nodes.iter().filter(|node| holds(&node.name)).collect();
+        let value = json!({
+            "group": used.group,
+            "nodes": nodes.len(),
+            "left_out": nodes.iter().filter(|node| matches!(node.state, State::LeftOut(_))).count(),
+            "seconds": nodes.iter().map(|node| node.seconds).sum::<f64>(),
+            "bytes": nodes.iter().map(|node| node.bytes).sum::<usize>(),
+            "repaired": nodes.iter().map(|node| node.repaired).sum::<u64>(),
+        });
+        (used.path.clone(), value)
+    };
+    graph.groups().iter().map(of_use).collect()
+}
+
+/// Returns the report of a frame: outputs with their guarantees and counts, nodes with their states and times, and uses of
+/// groups with the sums of theirs.
 pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> Value {
     let repaired: u64 = frame.nodes.iter().map(|node| node.repaired).sum();
     let outputs: serde_json::Map<String, Value> = frame
@@ -120,6 +139,7 @@ pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> 
         "frame": frame.number,
         "outputs": outputs,
         "nodes": nodes,
+        "groups": groups(graph, frame),
         "seconds": {
             "prepare": frame.seconds.prepare,
             "hull": frame.seconds.hull,
