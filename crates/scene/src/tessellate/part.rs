@@ -33,7 +33,8 @@ impl<L: Layout> Rows<'_, L> {
             false => self.seen(task, &picture, &parts).next().map(Some),
         });
         let Some(first) = first else { return Some([0..0, 0..0]) };
-        let last = (0..tasks).into_par_iter().find_map_last(|task| match stop() {
+        // From the end, so that a single thread does not look at all of them.
+        let last = (0..tasks).into_par_iter().rev().find_map_first(|task| match stop() {
             true => Some(None),
             false => self.seen(task, &picture, &parts).last().map(Some),
         });
