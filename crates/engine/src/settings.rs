@@ -82,8 +82,8 @@ pub struct Settings {
     /// it off where one cache serves several regions.
     pub local: bool,
     /// Whether the cache keeps the planes that stages fill, so that an edit refills only what depends on it: for the
-    /// previews of an editor. Applies only where the whole picture is evaluated with one sample per pixel and without
-    /// buffers of the caller. Takes 4 bytes per pixel for every channel filled, within the limit of the cache.
+    /// editor. Applies only where the whole picture is evaluated without buffers of the caller. Takes 4 bytes per sample for
+    /// every channel filled, within the limit of the cache.
     pub keep: bool,
     /// What stages are prepared for. For bounds, every plane has bounds on its errors beside it, in channels that follow
     /// its own.

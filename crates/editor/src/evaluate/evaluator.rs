@@ -14,8 +14,8 @@ use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 use trochoid::{Buffers, Cache, EvalError, Format, Kind, PackError, PackedRecipe, Plan, Settings};
 
-/// Memory limit for prepared stages, in bytes.
-const CACHE: usize = 3 << 30;
+/// Memory limit for prepared stages and for planes that are kept from picture to picture, in bytes.
+const CACHE: usize = 5 << 28;
 /// Pictures expected to take no longer than this are evaluated without a coarse preview.
 const AT_ONCE: Duration = Duration::from_millis(90);
 /// Maximum width and height of thumbnails.

@@ -43,8 +43,8 @@ pub(super) fn evaluate(
     let format = graph.format();
     let mut settings = Settings::default();
     settings.region = job.region.map(|region| part(region, format));
-    // Coarse previews keep intermediate results, so that parts unaffected by an edit are available at once.
-    settings.keep = !finished;
+    // What an edit does not touch is there at once.
+    settings.keep = true;
     let plan = Plan::new(graph, &[OUTPUT], job.frame, &[], &settings)?;
     let mut frame = match plan.evaluate(&Buffers::new(), cache, monitor) {
         Ok(frame) => frame,

@@ -8,15 +8,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 use trochoid_graph::{Key, NodeId, Variance};
 use trochoid_image::Window;
 
-/// A stage's planes over the whole picture, by output and channel; empty where not wanted.
+/// A stage's planes over the whole picture, by sample, output and channel; empty where not wanted.
 #[derive(Debug)]
 pub(crate) struct StagePlanes {
-    pub(crate) planes: Vec<Vec<Vec<f32>>>,
+    pub(crate) samples: Vec<Vec<Vec<Vec<f32>>>>,
 }
 
 impl StagePlanes {
     pub(crate) fn bytes(&self) -> usize {
-        self.planes.iter().flatten().map(|plane| 4 * plane.len()).sum()
+        self.samples.iter().flatten().flatten().map(|plane| 4 * plane.len()).sum()
     }
 }
 
@@ -30,7 +30,8 @@ pub(crate) struct PlaneKeeper {
 }
 
 impl PlaneKeeper {
-    /// Looks up the planes that a plan's stages filled before.
+    /// Looks up the planes that a plan's stages filled before. Of the others, those nearest to the outputs are kept first: they
+    /// are needed after the most edits, and stand for all before them.
     pub(crate) fn new(plan: &Plan<'_>, ready: &HashMap<NodeId, PreparedStage>, cache: &mut Cache) -> Self {
         let mut keeper = Self::default();
         let Some(pass) = plan.kept_pass() else { return keeper };
@@ -39,19 +40,26 @@ impl PlaneKeeper {
         // Planes kept hold no pixels beyond the picture, and what varies along one axis costs almost nothing to
         // refill.
         let is_kept = |fill: &&Fill| fill.variance == Variance::Pixel && extents.get(&fill.node) == Some(&picture);
-        let mut room = cache.limit();
+        let mut unknown = Vec::new();
         for fill in pass.fills.iter().filter(is_kept) {
-            let Some(key) = ready.get(&fill.node).map(|ready| key_of_planes(plan, fill, ready)) else { continue };
-            if let Some(filled) = cache.planes(&key) {
-                keeper.known.insert(fill.node, filled);
-                continue;
+            let Some(key) = ready.get(&fill.node).map(|ready| key_of_planes(plan, pass, fill, ready)) else { continue };
+            match cache.planes(&key) {
+                Some(filled) => _ = keeper.known.insert(fill.node, filled),
+                None => unknown.push((fill, key)),
             }
+        }
+        let prepared: usize = ready.values().map(|ready| ready.prepared.bytes()).sum();
+        let known: usize = keeper.known.values().map(|filled| filled.bytes()).sum();
+        let mut room = cache.limit().saturating_sub(prepared + known);
+        for (fill, key) in unknown.into_iter().rev() {
             let wanted = fill.wanted.iter().flatten().filter(|wanted| **wanted);
-            let Some(left) = room.checked_sub(wanted.count() * picture.area() * 4) else { continue };
+            let bytes = wanted.count() * picture.area() * 4 * pass.offsets.len();
+            let Some(left) = room.checked_sub(bytes) else { continue };
             room = left;
             let plane = |wanted: &bool| vec![0.0; if *wanted { picture.area() } else { 0 }];
-            let planes = fill.wanted.iter().map(|channels| channels.iter().map(plane).collect()).collect();
-            keeper.new.insert(fill.node, (key, Mutex::new(StagePlanes { planes })));
+            let planes = || fill.wanted.iter().map(|channels| channels.iter().map(plane).collect()).collect();
+            let samples = pass.offsets.iter().map(|_| planes()).collect();
+            keeper.new.insert(fill.node, (key, Mutex::new(StagePlanes { samples })));
         }
         keeper
     }
@@ -61,12 +69,20 @@ impl PlaneKeeper {
         self.new.contains_key(&node)
     }
 
-    /// Copies a tile from planes that cover a window around it.
-    pub(crate) fn take(&self, node: NodeId, tile: Window, window: Window, picture: Window, from: &[Vec<Vec<f32>>]) {
+    /// Copies a tile of a sample from planes that cover a window around it.
+    pub(crate) fn take(
+        &self,
+        node: NodeId,
+        sample: usize,
+        tile: Window,
+        window: Window,
+        picture: Window,
+        from: &[Vec<Vec<f32>>],
+    ) {
         let Some((_, filled)) = self.new.get(&node) else { return };
         let mut filled = filled.lock().unwrap_or_else(PoisonError::into_inner);
         let start = |within: Window, y: i64| (y - within.y0) as usize * within.width() + (tile.x0 - within.x0) as usize;
-        for (to, from) in filled.planes.iter_mut().flatten().zip(from.iter().flatten()) {
+        for (to, from) in filled.samples[sample].iter_mut().flatten().zip(from.iter().flatten()) {
             if to.is_empty() {
                 continue;
             }
@@ -87,14 +103,12 @@ impl PlaneKeeper {
 }
 
 impl Plan<'_> {
-    /// Returns the only pass, if the planes of its stages can be kept: one sample per pixel, the whole picture, from
-    /// the document alone, and without bounds.
+    /// Returns the only pass, if the planes of its stages can be kept: of the whole picture, from the document alone, and
+    /// without bounds.
     fn kept_pass(&self) -> Option<&Pass> {
         let whole = self.window == self.graph.format().window() && !self.settings.bounds();
         match &self.passes[..] {
-            [pass] if self.settings.keep && whole && pass.offsets.len() == 1 && !self.bound.contains(&true) => {
-                Some(pass)
-            }
+            [pass] if self.settings.keep && whole && !self.bound.contains(&true) => Some(pass),
             _ => None,
         }
     }

@@ -2,7 +2,7 @@
 
 use super::keep::StagePlanes;
 use super::memory::{MemoryAccount, Pictures};
-use crate::planning::plan::Fill;
+use crate::planning::plan::{Fill, Pass};
 use crate::{EvalError, Monitor, Plan};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -229,10 +229,13 @@ pub(crate) fn prepare(
     Ok((ready, account))
 }
 
-/// Returns the key of the planes that a stage fills over the picture: its content key, its channels, and the
-/// picture's format.
-pub(crate) fn key_of_planes(plan: &Plan<'_>, fill: &Fill, ready: &PreparedStage) -> Key {
-    ("filled", plan.keys[fill.node.0], &fill.wanted, plan.context.format, (plan.settings.purpose, ready.files)).key()
+/// Returns the key of the planes that a stage fills over the picture: its content key, its channels, the picture's format,
+/// and by which views its samples share.
+pub(crate) fn key_of_planes(plan: &Plan<'_>, pass: &Pass, fill: &Fill, ready: &PreparedStage) -> Key {
+    let views = fill.shared.as_ref().map(|views| views.iter().map(|view| plan.keys[view.0]).collect::<Vec<_>>());
+    let sharing = (pass.sharing, views).key();
+    let purpose = (plan.settings.purpose, ready.files, sharing);
+    ("filled", plan.keys[fill.node.0], &fill.wanted, plan.context.format, purpose).key()
 }
 
 /// Returns the keys of all stages that a plan prepares, each with the key of the files that it depends on. Files are

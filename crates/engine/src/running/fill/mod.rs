@@ -13,7 +13,7 @@ mod tapped;
 use crate::planning::plan::{Feed, Fill, Pass, Sample};
 use crate::planning::shading::SHARING_CHANNELS;
 use crate::running::certify::{Found, fill_with_bounds};
-use crate::running::keep::{PlaneKeeper, StagePlanes};
+use crate::running::keep::PlaneKeeper;
 use crate::running::prepare::{PreparedStage, node_error};
 use crate::{Buffers, EvalError, Monitor, Plan};
 use extent::clamped;
@@ -44,8 +44,9 @@ pub(crate) struct Fills<'p> {
     views: Vec<SharingView>,
     /// Pixels at which the current sample does not share.
     unshared: Vec<UnsharedPixels>,
-    /// The current tile.
+    /// The current tile, and the index of the current sample.
     tile: Window,
+    sample: usize,
     /// Whether samples of a pixel share.
     sharing: bool,
     /// A row of bounds for the caller's buffers, which are exact by definition.
@@ -160,6 +161,7 @@ impl<'p> Fills<'p> {
             views,
             unshared: Vec::new(),
             tile: Window::default(),
+            sample: 0,
             sharing: pass.sharing,
             exact: if bounding { vec![0.0; picture.width()] } else { Vec::new() },
             keeper: None,
@@ -173,9 +175,9 @@ impl<'p> Fills<'p> {
         Self { keeper: Some(keeper), ..self }
     }
 
-    /// Returns the planes that an earlier evaluation filled.
-    fn known(&self, node: NodeId) -> Option<&'p StagePlanes> {
-        self.keeper?.known.get(&node).map(|filled| &**filled)
+    /// Returns the planes that an earlier evaluation filled for the current sample, by output and channel.
+    fn known(&self, node: NodeId) -> Option<&'p [Vec<Vec<f32>>]> {
+        self.keeper?.known.get(&node).map(|filled| &filled.samples[self.sample][..])
     }
 
     /// Fills every stage over the window that a tile needs, for a sample, and adds the time of each stage to
@@ -184,6 +186,7 @@ impl<'p> Fills<'p> {
         if sample.index == 0 || self.sharing {
             self.place_windows(tile, sample.index);
         }
+        self.sample = sample.index;
         self.unshared.clear();
         for index in 0..self.fills.len() {
             if self.fills[index].need.is_empty() {
@@ -195,10 +198,17 @@ impl<'p> Fills<'p> {
             let started = Instant::now();
             let id = self.fills[index].fill.node;
             let filled = match &self.fills[index].fill.shared {
-                Some(views) if sample.index > 0 => self.fill_unshared(index, views, sample.offset),
+                Some(views) if sample.index > 0 && self.known(id).is_none() => {
+                    self.fill_unshared(index, views, sample.offset)
+                }
                 _ => self.fill_stage(index, sample).map(|()| self.compare_sample(index, sample.index)),
             };
             filled.map_err(|error| node_error(self.plan, id, error, self.monitor))?;
+            if let Some(keeper) = self.keeper.filter(|keeper| keeper.wants(id)) {
+                let state = &self.fills[index];
+                let picture = self.plan.graph.format().window();
+                keeper.take(id, sample.index, self.tile, state.window, picture, &state.planes);
+            }
             seconds[id.0] += started.elapsed().as_secs_f64();
         }
         Ok(())
@@ -300,8 +310,7 @@ impl<'p> Fills<'p> {
             Some(state) if let Some(filled) = self.known(state.fill.node) => {
                 let picture = self.plan.graph.format().window();
                 let stride = picture.width();
-                let samples = &filled.planes[slot.output][slot.channel];
-                Plane { samples, start: start(picture, stride), stride }
+                Plane { samples: &filled[slot.output][slot.channel], start: start(picture, stride), stride }
             }
             Some(state) => {
                 let stride = if state.one_row { 0 } else { state.window.width() };
@@ -341,10 +350,6 @@ impl<'p> Fills<'p> {
         (state.planes, state.taps) = (planes, machine);
         *(if state.fill.steady { &mut state.tapped } else { &mut self.tapped }) = tapped;
         state.found = filled?;
-        if let Some(keeper) = self.keeper {
-            let state = &self.fills[index];
-            keeper.take(node, self.tile, state.window, self.plan.graph.format().window(), &state.planes);
-        }
         Ok(())
     }
 

@@ -162,8 +162,19 @@ impl UnsharedPixels {
 impl<'p> Fills<'p> {
     /// Compares what a stage has seen, if it is a view that decides sharing.
     pub(super) fn compare_sample(&mut self, index: usize, sample: usize) {
+        let known: Option<[Vec<f32>; 2]> = self.known(self.fills[index].fill.node).map(|_| {
+            let state = &self.fills[index];
+            SHARING_CHANNELS.map(|channel| {
+                let plane = self.plane(&sharing_slot(state.fill.node, channel), state.window, &self.fills);
+                (0..state.window.height()).flat_map(|y| plane.row(y, state.window.width())).copied().collect()
+            })
+        });
         for view in self.views.iter_mut().filter(|view| view.fill == index) {
             let state = &self.fills[index];
+            if let Some([surfaces, depths]) = &known {
+                view.compare(sample, state.window, [surfaces, depths]);
+                continue;
+            }
             let planes = SHARING_CHANNELS.map(|channel| &state.planes[0][channel as usize][..]);
             view.compare(sample, state.window, planes);
             if self.plan.settings.bounds() {
