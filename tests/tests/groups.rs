@@ -146,6 +146,45 @@ fn knobs_of_the_document_are_set() {
     }
 }
 
+/// `NODE.INDEX` stands for a Pick, also of what a group has, and within one.
+#[test]
+fn weights_are_named_by_their_index() {
+    let group = r##""groups": { "Three": { "inputs": { "where": "Weights" }, "nodes": { "x": { "type": "ScreenX" }, "y": { "type": "ScreenY" },
+        "own": { "type": "Stack", "weights": ["x", "y"] }, "m": { "type": "Multiply", "weights": ["own.1", "where.2"] } },
+        "outputs": { "own": "own", "both": "m" } } },"##;
+    let nodes = r##""x": { "type": "ScreenX" }, "bands": { "type": "Bands", "field": "x", "thresholds": [0.3, 0.6], "width": 0.2 },
+        "t": { "type": "Three", "where": "bands" },
+        "a": { "type": "Mix", "a": "#102030", "b": "#ffe0c0", "weight": "bands.1" },
+        "b": { "type": "Mix", "a": "a", "b": "#ff0000", "weight": "t.own.0" },
+        "c": { "type": "Mix", "a": "b", "b": "#00ff00", "weight": "t.both" }"##;
+    let by_hand = r##""x": { "type": "ScreenX" }, "y": { "type": "ScreenY" }, "bands": { "type": "Bands", "field": "x", "thresholds": [0.3, 0.6], "width": 0.2 },
+        "own": { "type": "Stack", "weights": ["x", "y"] },
+        "p": { "type": "Pick", "weights": "own", "index": 1 }, "q": { "type": "Pick", "weights": "bands", "index": 2 },
+        "m": { "type": "Multiply", "weights": ["p", "q"] },
+        "r": { "type": "Pick", "weights": "bands", "index": 1 }, "s": { "type": "Pick", "weights": "own", "index": 0 },
+        "a": { "type": "Mix", "a": "#102030", "b": "#ffe0c0", "weight": "r" },
+        "b": { "type": "Mix", "a": "a", "b": "#ff0000", "weight": "s" },
+        "c": { "type": "Mix", "a": "b", "b": "#00ff00", "weight": "m" }"##;
+    let outputs = r#""out": { "color": "c" }"#;
+    same(&document(group, nodes, outputs), &document("", by_hand, outputs));
+    for (weight, said) in [
+        ("bands.3", &["node \"bands.3\", index", "3, of 3 weights", "a whole number from 0 to 2"][..]),
+        ("x.2", &["2, of 2 weights"]),
+        ("shade.0", &["node \"shade.0\", weights", "found \"shade\", a Color"]),
+        ("nothing.0", &["a reference to \"nothing\", which is not a node"]),
+    ] {
+        let nodes = format!(
+            r##""x": {{ "type": "ScreenX" }}, "shade": {{ "type": "Constant", "color": "#123" }},
+                "bands": {{ "type": "Bands", "field": "x", "thresholds": [0.3, 0.6] }},
+                "c": {{ "type": "Mix", "a": "shade", "b": "#fff", "weight": "{weight}" }}"##
+        );
+        let found = faults(&document("", &nodes, outputs));
+        for words in said {
+            assert!(found.contains(words), "{weight}: {words} in {found}");
+        }
+    }
+}
+
 #[test]
 fn reports_have_sums_by_use() {
     let inner = r##""groups": { "I": { "inputs": { "in": "Color" }, "nodes": { "x": { "type": "ScreenX" }, "m": { "type": "Mix", "a": "in", "b": "#fff", "weight": "x" } }, "outputs": { "o": "m" } },

@@ -61,6 +61,8 @@ pub enum Role {
     Clay,
     /// A blend of colors in rows and columns.
     Patch,
+    /// The mask of one of several weights, which references name by its index.
+    Pick,
 }
 
 /// Property of an output beyond its kind, for ports that need it.

@@ -172,7 +172,7 @@ pub fn schema(registry: &Registry) -> Value {
                 "type": "string",
                 "pattern": "^="
             },
-            "reference": { "description": "\"node\" for the first output of a node, or \"node.output\".", "type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*(\\.[A-Za-z0-9_]+)?$" },
+            "reference": { "description": "\"node\" for the first output of a node, or \"node.output\".", "type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*(\\.[A-Za-z0-9_]+){0,2}$" },
             "color": {
                 "oneOf": [
                     { "type": "string", "pattern": "^(#([0-9A-Fa-f]{3}|[0-9A-Fa-f]{6})|palette\\.[A-Za-z_][A-Za-z0-9_]*)$" },

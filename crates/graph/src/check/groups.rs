@@ -1,6 +1,6 @@
 //! What is said of uses of groups.
 
-use super::items::Names;
+use super::items::{Names, node_and_output};
 use super::{Checker, Draft, FaultLocation};
 use crate::document::Origin;
 use crate::expand::Use;
@@ -31,8 +31,7 @@ impl<'a> Checker<'a> {
     pub(super) fn inputs_of_groups(&mut self, drafts: &[Draft<'_>], names: &Names<'a>) {
         for used in &self.expanded.uses {
             for input in &used.inputs {
-                let (name, output) =
-                    input.reference.split_once('.').map_or((&*input.reference, None), |(n, o)| (n, Some(o)));
+                let (name, output) = node_and_output(&input.reference, names);
                 let Some(&(node, Some(declaration))) = names.get(name) else { continue };
                 let index = output.and_then(|output| declaration.outputs.iter().position(|known| known.name == output));
                 let Some(kind) = drafts[node].kinds.get(index.unwrap_or(0)) else { continue };

@@ -270,7 +270,7 @@ impl<'a> Checker<'a> {
         names: &Names<'a>,
         or_color: bool,
     ) -> Option<Source> {
-        let (name, output) = text.split_once('.').map_or((text, None), |(name, output)| (name, Some(output)));
+        let (name, output) = node_and_output(text, names);
         let Some(&(node, declaration)) = names.get(name) else {
             let near = if self.is_full() { None } else { nearest(name, names.keys().copied()) };
             let is_hex = matches!(name.len(), 3 | 6) && name.bytes().all(|byte| byte.is_ascii_hexdigit());
@@ -446,8 +446,7 @@ fn is_mask(value: &Spanned, names: &Names<'_>) -> bool {
     match &value.json {
         Json::Number(number) => (0.0..=1.0).contains(number),
         Json::String(text) => {
-            let (name, output) =
-                text.split_once('.').map_or((text.as_str(), None), |(name, output)| (name, Some(output)));
+            let (name, output) = node_and_output(text, names);
             let outputs =
                 names.get(name).and_then(|(_, declaration)| *declaration).map_or(&[][..], |known| known.outputs);
             let made = match output {
@@ -457,6 +456,15 @@ fn is_mask(value: &Spanned, names: &Names<'_>) -> bool {
             made.is_some_and(|made| made.kind == Kind::MASK)
         }
         _ => false,
+    }
+}
+
+/// Splits a reference into the name of a node and that of its output, if it names one. Names of nodes that pick weights
+/// have dots themselves.
+pub(super) fn node_and_output<'t>(text: &'t str, names: &Names<'_>) -> (&'t str, Option<&'t str>) {
+    match text.split_once('.') {
+        Some((name, output)) if !names.contains_key(text) => (name, Some(output)),
+        _ => (text, None),
     }
 }
 

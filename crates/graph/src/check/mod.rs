@@ -350,7 +350,7 @@ impl<'a> Checker<'a> {
             Some((path, own)) if self.expanded.uses.iter().any(|used| used.path == path) => own,
             _ => name,
         };
-        if !is_legal_name(own) {
+        if !is_legal_name(own) && !self.expanded.picks.contains(name) {
             let found = format!("the name \"{}\"", shorten(own));
             self.error(place, found, "a–z, A–Z, 0–9 and _, not starting with a digit", "rename the node");
         }

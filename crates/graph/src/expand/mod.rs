@@ -6,6 +6,7 @@
 mod formula;
 mod group;
 mod link;
+mod pick;
 mod scope;
 
 use crate::spanned::{Entry, Json, Spanned, shorten};
@@ -13,9 +14,10 @@ use crate::{Accepts, Document, Item, Knob, KnobType, Registry, nearest};
 use formula::Time;
 pub(crate) use group::input_kinds;
 use group::{Group, GroupKnob};
+use pick::Picked;
 use scope::Scope;
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::rc::Rc;
 
 /// Deepest nesting of uses, and longest chain of references and links.
@@ -34,6 +36,8 @@ pub(crate) struct Expanded<'d> {
     pub(crate) is_whole: bool,
     /// Paths in included documents by their offsets, as they are relative to this document.
     pub(crate) moved: HashMap<usize, String>,
+    /// Names of the nodes that pick weights which references name by their index, such as `parts.2`.
+    pub(crate) picks: BTreeSet<String>,
 }
 
 /// Fault of a group, of its use, or of a link.
@@ -72,7 +76,9 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
     let Json::Object(entries) = &root.json else { return unchanged(root) };
     let is_new = |entry: &Entry| matches!(entry.key.as_str(), "groups" | "knobs");
     let nodes = entries.iter().find(|entry| entry.key == "nodes");
-    if !entries.iter().any(is_new) && !nodes.is_some_and(|nodes| has_link(&nodes.value)) {
+    let is_written_out = |entry: &Entry| !has_link(&entry.value) && !pick::has_any(&entry.value);
+    let outputs = entries.iter().find(|entry| entry.key == "outputs");
+    if !entries.iter().any(is_new) && [nodes, outputs].into_iter().flatten().all(is_written_out) {
         return unchanged(root);
     }
     let mut expander = Expander {
@@ -83,6 +89,7 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
         faults: Vec::new(),
         uses: Vec::new(),
         moved: HashMap::new(),
+        picks: BTreeMap::new(),
         followed: Vec::new(),
         at: Vec::new(),
         time: Time::of(entries),
@@ -113,14 +120,16 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
         expander.nodes(&own, &scope, &mut flat);
         for entry in entries.iter().filter(|entry| !is_new(entry)) {
             let mut entry = entry.clone();
-            match (&mut entry.value.json, entry.key.as_str()) {
-                (Json::Object(nodes), "nodes") => *nodes = std::mem::take(&mut flat),
-                (Json::Object(outputs), "outputs") => {
-                    outputs.iter_mut().for_each(|output| expander.output(output, &scope));
-                }
-                _ => {}
+            if let (Json::Object(outputs), "outputs") = (&mut entry.value.json, entry.key.as_str()) {
+                outputs.iter_mut().for_each(|output| expander.output(output, &scope));
             }
             expanded.push(entry);
+        }
+        flat.extend(expander.picked());
+        for entry in expanded.iter_mut().filter(|entry| entry.key == "nodes") {
+            if let Json::Object(nodes) = &mut entry.value.json {
+                *nodes = std::mem::take(&mut flat);
+            }
         }
     } else {
         // Nothing is known of what uses a faulty group.
@@ -131,14 +140,15 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
                 .cloned(),
         );
     }
-    let Expander { faults, uses, moved, .. } = expander;
+    let Expander { faults, uses, moved, picks, .. } = expander;
     let root = Spanned { offset: root.offset, json: Json::Object(expanded) };
-    Expanded { root: Cow::Owned(root), faults, uses, groups, is_whole, moved }
+    let picks = picks.into_keys().collect();
+    Expanded { root: Cow::Owned(root), faults, uses, groups, is_whole, moved, picks }
 }
 
 fn unchanged(root: &Spanned) -> Expanded<'_> {
-    let (faults, uses, groups, moved) = Default::default();
-    Expanded { root: Cow::Borrowed(root), faults, uses, groups, is_whole: true, moved }
+    let (faults, uses, groups, moved, picks) = Default::default();
+    Expanded { root: Cow::Borrowed(root), faults, uses, groups, is_whole: true, moved, picks }
 }
 
 /// Whether a value has a link somewhere.
@@ -166,6 +176,8 @@ struct Expander<'d> {
     faults: Vec<ExpansionFault>,
     uses: Vec<Use>,
     moved: HashMap<usize, String>,
+    /// Nodes that pick weights, by name.
+    picks: BTreeMap<String, Picked>,
     /// References and links that are being followed.
     followed: Vec<String>,
     /// Path of the node that is being read, and its item.

@@ -1,7 +1,7 @@
 //! What names stand for within a use of a group, or at the top of a document.
 
 use super::group::Group;
-use super::{DEPTH, Expander, is_color, link};
+use super::{DEPTH, Expander, is_color, link, pick};
 use crate::nearest;
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use std::collections::HashMap;
@@ -105,6 +105,9 @@ impl<'d> Expander<'d> {
     /// Returns what a reference stands for in the expanded document: a reference, or a literal that an input has; `None`
     /// if it is an input that stays open.
     pub(super) fn reference(&mut self, scope: &Rc<Scope<'d>>, text: &str, offset: usize) -> Option<Spanned> {
+        if let Some((weights, index)) = pick::split(text) {
+            return self.pick(scope, weights, index, offset);
+        }
         let (name, output) = text.split_once('.').map_or((text, None), |(name, output)| (name, Some(output)));
         let groups = self.groups.clone();
         if let Some(within) = &scope.of

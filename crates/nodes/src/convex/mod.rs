@@ -9,6 +9,7 @@ mod mix;
 mod multiply;
 mod normalize;
 mod patch;
+mod pick;
 mod ramp;
 mod screen;
 mod sheet;
@@ -27,6 +28,7 @@ pub(crate) static NODES: &[NodeType] = &[
     NodeType::of::<multiply::Multiply>(),
     NodeType::of::<normalize::Normalize>(),
     NodeType::of::<patch::Patch>(),
+    NodeType::of::<pick::Pick>(),
     NodeType::of::<ramp::Ramp>(),
     NodeType::of::<screen::Screen>(),
     NodeType::of::<sheet::Sheet>(),
