@@ -273,7 +273,7 @@ fn faults_are_told_with_their_places() {
         (r##""groups": { "A": { "inputs": { "i": { "kind": "Mask", "optional": 1 } }, "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "m" } } },"##.into(), used(""), &["1; expected true or false"]),
         (r##""groups": { "A": { "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "n" } } },"##.into(), r##""a": { "type": "A" }, "g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "a" }"##.into(), &["a reference to \"a/n\", which is not a node", "did you mean \"a/m\"?"]),
         (r##""groups": { "I": { "inputs": { "in": "Color" }, "nodes": { "m": { "type": "Mix", "a": "in", "b": "#fff", "weight": 1 } }, "outputs": { "o": "m" } },
-             "A": { "nodes": { "i": { "type": "I" } }, "outputs": { "o": "i" } } },"##.into(), r##""g": { "type": "A" }"##.into(), &["node \"g/i\"", "no \"in\"; expected a Color"]),
+             "A": { "nodes": { "i": { "type": "I" } }, "outputs": { "o": "i" } } },"##.into(), r##""g": { "type": "A" }"##.into(), &["node \"g/i\": found no \"in\", in the group A as used at 3:"]),
         (r##""groups": { "P": { "inputs": { "in": "Color" }, "nodes": { "m": { "type": "ScreenX" } }, "outputs": { "o": "in" } } },"##.into(), r##""g": { "type": "P", "in": "h" }, "h": { "type": "P", "in": "g" }"##.into(), &["a value that leads back to itself"]),
     ];
     for (more, nodes, words) in cases {

@@ -111,7 +111,7 @@ fn faults_of_included_documents_are_told_with_their_places() {
         (
             "lib/more/seen.json",
             "\"Camera\"",
-            &["seen.json:3:", "unknown node type \"Camerq\"", "in the group Seen as used at", "slabs.json:3:"],
+            &["seen.json:3:", "unknown node type \"Camerq\"", "in the group Seen as used at", "slabs.json:4:"],
         ),
         ("lib/more/seen.json", "= knobs.far", &["seen.json:3:", "\"knobs.fat\", which the group Seen does not have"]),
         ("lib/more/seen.json", "{ \"trochoid\"", &["seen.json:1:", "JSON"]),
