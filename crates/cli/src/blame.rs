@@ -10,7 +10,7 @@ use crate::files::AccessOptions;
 use crate::fit::source::{self, Source};
 use crate::palette::write::hex;
 use crate::progress::Progress;
-use crate::{interrupt, remedies, shell};
+use crate::{interrupt, shell, warnings};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -84,7 +84,6 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::usage(message, remedy));
     }
     let loaded = args.reach.load(&args.graph, &args.changes.assignments())?;
-    shell::tell(&remedies::texts(&loaded.warnings));
     let output = source::output(&loaded.graph, args.output.as_deref())?;
     let window = loaded.graph.format().window();
     let beyond = args.at.iter().filter(|[x, y]| !window.contains(*x, *y)).map(|[x, y]| {
@@ -92,7 +91,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         let message = format!("--at {x},{y}: found a pixel outside of the picture; expected one of {width} × {height}");
         Failure::usage(message, format!("the last one is {},{}", width - 1, height - 1))
     });
-    Failure::all(beyond)?;
+    warnings::after(beyond, &warnings::of(&loaded.graph, &[output], loaded.warnings))?;
     interrupt::watch()?;
     let frame = args.frame.unwrap_or(loaded.graph.frames().0);
     let mut progress = Progress::new(args.at.len(), args.json);

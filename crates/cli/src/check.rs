@@ -5,8 +5,8 @@ use crate::explain::{self, Explanation};
 use crate::failure::{Failure, INVALID, Message, count, once};
 use crate::files::{self, AccessOptions};
 use crate::outputs::choose;
-use crate::remedies;
 use crate::shell::{self, HEADING, printable, wrap};
+use crate::{remedies, warnings};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -90,7 +90,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     }
     let refused = args.strict && !loaded.warnings.is_empty();
     let frame = args.frame.unwrap_or(first);
-    let findings = PlanFindings::of(&loaded.graph, frame);
+    let mut findings = PlanFindings::of(&loaded.graph, frame);
     let explained = explained(args, &loaded.graph, frame, &findings)?;
     if args.json {
         let mut json = to_json(&loaded, &findings, !refused && findings.can_be_rendered());
@@ -99,15 +99,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         }
         shell::print_json(&json)?;
     } else {
-        shell::tell(&remedies::texts(&loaded.warnings));
         let mut text = to_text(&loaded, &findings, explained.is_none());
         explained.iter().flatten().for_each(|explained| text.push_str(&explained.to_text()));
         shell::print(&text)?;
+        warnings::after(std::mem::take(&mut findings.faults), &loaded.warnings)?;
     }
     if (refused || !findings.can_be_rendered()) && args.json {
         return Err(Failure::silent(INVALID));
     }
-    Failure::all(findings.faults)?;
     if refused {
         let found = count(Severity::Warning, loaded.warnings.len());
         let remedy = "fix the warnings, or omit --strict";

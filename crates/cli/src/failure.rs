@@ -1,6 +1,7 @@
 //! Failures of commands: exit codes and messages, and their conversion from the errors of the library.
 
 use crate::remedies;
+use std::cmp::Reverse;
 use std::fmt;
 use trochoid::accuracy::PlanFileError;
 use trochoid::certificate::{CertificateError, KeyError};
@@ -120,6 +121,19 @@ impl Failure {
         self.messages.extend(other.messages);
     }
 
+    /// Returns the failure with a place, such as "a.json: ", before each error.
+    pub(crate) fn at(mut self, place: &str) -> Self {
+        let errors = self.messages.iter_mut().filter(|message| message.severity == Severity::Error);
+        errors.for_each(|message| message.text.insert_str(0, place));
+        self
+    }
+
+    /// Adds warnings after the errors.
+    pub(crate) fn warning(mut self, warnings: &[Diagnostic]) -> Self {
+        self.messages.extend(warnings.iter().map(Message::from));
+        self
+    }
+
     /// Joins all failures into one; returns `Ok` if there are none.
     pub(crate) fn all(failures: impl IntoIterator<Item = Self>) -> Result<(), Self> {
         let mut all = Self::default();
@@ -141,7 +155,8 @@ impl From<LoadError> for Failure {
     fn from(error: LoadError) -> Self {
         match error {
             LoadError::Io(_) => Self::new(FAILED, error),
-            LoadError::Invalid(diagnostics) => {
+            LoadError::Invalid(mut diagnostics) => {
+                diagnostics.sort_by_key(|diagnostic| Reverse(diagnostic.severity));
                 Self { code: INVALID, messages: diagnostics.iter().map(Message::from).collect() }
             }
         }

@@ -3,9 +3,8 @@
 use crate::changes::Changes;
 use crate::failure::Failure;
 use crate::files::{self, OverwriteOptions};
-use crate::outputs;
-use crate::remedies;
 use crate::shell::{self, printable};
+use crate::{outputs, warnings};
 use std::path::PathBuf;
 use trochoid::{CheckedGraph, Form, GENERATOR, Plan, Settings, VERSION, nearest};
 use trochoid_diagram::Groups;
@@ -43,7 +42,6 @@ pub(crate) struct Args {
 /// The document is invalid or cannot be read, has no such output, or the file cannot be written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let loaded = trochoid::load(&args.graph, &args.changes.assignments())?;
-    shell::tell(&remedies::texts(&loaded.warnings));
     let graph = &loaded.graph;
     let mut faults = Vec::new();
     let chosen = outputs::choose(graph, &args.output, &mut faults);
@@ -64,7 +62,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             &files::inputs(graph, &args.graph, &args.changes.assignments(), &[]),
         ));
     }
-    Failure::all(faults)?;
+    warnings::after(faults, &warnings::of(graph, &chosen, loaded.warnings))?;
     let shown: &[usize] = if args.output.is_empty() { &[] } else { &chosen };
     let names: Vec<&str> = args.output.iter().map(String::as_str).collect();
     // A graph that cannot be planned because it needs too much memory is still drawn.

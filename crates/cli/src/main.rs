@@ -32,11 +32,15 @@ mod recolor;
 mod remedies;
 mod render;
 mod report;
+mod scale;
 mod schema;
+mod sheet;
 mod shell;
+mod shown;
 mod stability;
 mod verify;
-mod webp;
+mod warnings;
+mod wedge;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -83,8 +87,10 @@ enum Command {
     Check(check::Args),
     /// Draw a document's graph, with its control colors, as SVG
     Graph(graph::Args),
-    /// Render an output at reduced size, as an animated WebP or one PNG
+    /// Render an output small: as a movie (MP4), an animated WebP, one PNG or a sequence of them
     Preview(preview::Args),
+    /// Draw a contact sheet: frames, documents, or values of a knob, side by side with captions
+    Sheet(sheet::Args),
     /// Analyze the long-term stability of seas: what is stable, by how much, and what would break it
     Stability(stability::Args),
     /// List the node types, or print the manual of one
@@ -131,6 +137,7 @@ fn main() -> ExitCode {
         Command::Check(args) => check::run(args),
         Command::Graph(args) => graph::run(args),
         Command::Preview(args) => preview::run(args),
+        Command::Sheet(args) => sheet::run(args),
         Command::Stability(args) => stability::run(args),
         Command::Nodes(args) => nodes::run(args),
         Command::Schema => schema::run(),

@@ -8,7 +8,7 @@ use crate::failure::{FAILED, Failure, MISSED};
 use crate::files::{self, AccessOptions, FileOptions};
 use crate::progress::Progress;
 use crate::shell::{self, printable};
-use crate::{interrupt, outputs};
+use crate::{interrupt, outputs, warnings};
 use std::path::{Path, PathBuf};
 use trochoid::accuracy::{self, MissedTolerance, PlanFile, PlannedSettings, Request, TargetError};
 use trochoid::{CheckedGraph, EvalError, Form, Monitor, Settings, Tolerance};
@@ -71,7 +71,6 @@ pub(crate) fn tolerance(text: &str) -> Result<Tolerance, NoTolerance> {
 /// The document or the options are invalid, no settings meet the tolerance, or the plan cannot be written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let loaded = args.files.load(&args.graph, &args.changes.assignments())?;
-    shell::tell(&loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>());
     let graph = &loaded.graph;
     let mut faults = Vec::new();
     let chosen = outputs::choose(graph, &args.output, &mut faults);
@@ -95,7 +94,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         faults.extend(args.files.over.refusal(out, Form::Plan, &inputs));
     }
     faults.extend(args.files.reach.refused(graph, &chosen, &[frame], Vec::new()));
-    Failure::all(faults)?;
+    warnings::after(faults, &warnings::of(graph, &chosen, loaded.warnings))?;
     let Some(asked) = asked else { return Ok(()) };
     let mut settings = Settings::default();
     settings.threads = usize::from(args.threads);

@@ -38,7 +38,10 @@ fn with_option(remedy: &str, means: &Means) -> String {
 pub(crate) fn diagnostic(fault: &Diagnostic) -> Diagnostic {
     let mut fault = fault.clone();
     if std::mem::take(&mut fault.is_assigned) {
-        fault.file = format!("--set {}", fault.file);
+        fault.file = match fault.file.strip_prefix("view=") {
+            Some(node) => format!("--view {node}"),
+            None => format!("--set {}", fault.file),
+        };
     }
     if let Some(means) = fault.means.take() {
         fault.remedy = with_option(&fault.remedy, &means);

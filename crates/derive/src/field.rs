@@ -151,7 +151,8 @@ impl KnobArguments {
 }
 
 fn parse_knob(input: ParseStream<'_>) -> Result<KnobArguments, Error> {
-    const FLAGS: [&str; 7] = ["required", "hold_keys", "accuracy", "affects_cost", "in_pixels", "path", "color"];
+    const FLAGS: [&str; 8] =
+        ["required", "hold_keys", "accuracy", "affects_cost", "in_pixels", "picture_height", "path", "color"];
     let mut arguments = KnobArguments::default();
     while !input.is_empty() {
         let key: Ident = input.parse()?;
@@ -254,8 +255,8 @@ fn knob(field: &Field, name: &str, help: &str) -> Result<FieldCode, Error> {
         Some(default) => quote! { ::std::option::Option::Some(::trochoid_graph::KnobDefault::#default) },
         None => quote! { ::std::option::Option::None },
     };
-    let [hold_keys, accuracy, affects_cost, in_pixels] =
-        ["hold_keys", "accuracy", "affects_cost", "in_pixels"].map(|flag| arguments.is(flag));
+    let [hold_keys, accuracy, affects_cost, in_pixels, picture_height] =
+        ["hold_keys", "accuracy", "affects_cost", "in_pixels", "picture_height"].map(|flag| arguments.is(flag));
     let unit = arguments.unit.map_or(if in_pixels { "pixels" } else { "" }.to_owned(), |unit| unit.value());
     Ok(FieldCode {
         items: quote! {
@@ -270,6 +271,7 @@ fn knob(field: &Field, name: &str, help: &str) -> Result<FieldCode, Error> {
                 accuracy: #accuracy,
                 affects_cost: #affects_cost,
                 in_pixels: #in_pixels,
+                picture_height: #picture_height,
             })]
         },
         read: quote! { reader.knob() },

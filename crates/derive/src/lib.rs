@@ -18,7 +18,7 @@
 //! | a struct that derives `Items` | its fields, inserted here | `#[items]` |
 //!
 //! With `Option<…>` around its type, a knob may be unset. `#[knob]` also takes `unit = "m"`, `required`, and the
-//! properties `hold_keys`, `accuracy`, `affects_cost` and `in_pixels`, which `trochoid_graph::Knob` explains.
+//! properties `hold_keys`, `accuracy`, `affects_cost`, `in_pixels` and `picture_height`, which `trochoid_graph::Knob` explains.
 
 mod choice;
 mod docs;

@@ -199,6 +199,9 @@ pub struct Knob {
     pub affects_cost: bool,
     /// Whether the value is a length in pixels, which is scaled with the size of the picture.
     pub in_pixels: bool,
+    /// Whether the value is the height of a picture for which other knobs of the node are in pixels; if it is unset, that is
+    /// the picture itself.
+    pub picture_height: bool,
 }
 
 /// Type and range of a knob's value.

@@ -1,7 +1,7 @@
 //! Files that appear whole or not at all.
 
 use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -134,6 +134,24 @@ pub fn write_parts(to: impl Into<Target>, parts: &[&[u8]]) -> Result<(), Error> 
     write_atomically(&to, |writer| {
         parts.iter().try_for_each(|part| writer.write_all(part)).map_err(Error::io(to.path(), "write the file"))
     })
+}
+
+/// Lets another program write a file, which appears whole or not at all: `write` is called with a temporary name, of an
+/// empty file that the program replaces or fills. Then `end` is added.
+///
+/// # Errors
+/// `write` fails, or the file cannot be written; an existing file is untouched then.
+pub fn write_by<E: From<Error>>(
+    to: impl Into<Target>,
+    end: &[u8],
+    write: impl FnOnce(&Path) -> Result<(), E>,
+) -> Result<(), E> {
+    let to = to.into();
+    let mut file = AtomicFile::create(&to)?;
+    write(file.temporary.name())?;
+    let ended = file.writer.seek(SeekFrom::End(0)).and_then(|_| file.writer.write_all(end));
+    ended.map_err(Error::io(to.path(), "write the file"))?;
+    Ok(file.commit()?)
 }
 
 /// Copies a regular file with its time of change; the copy appears whole or not at all.

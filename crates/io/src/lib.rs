@@ -80,7 +80,7 @@ mod statistics;
 mod tiff_file;
 
 #[cfg(feature = "pictures")]
-pub use atomic::{Target, copy_file, write_bytes, write_parts};
+pub use atomic::{Target, copy_file, write_by, write_bytes, write_parts};
 #[cfg(feature = "pictures")]
 pub use claim::{Claim, Claims};
 #[cfg(feature = "pictures")]

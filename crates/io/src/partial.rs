@@ -166,6 +166,11 @@ impl Temporary {
         Ok((file, Self { name, file: Some(temporary) }))
     }
 
+    /// Returns the name of the unfinished file.
+    pub(crate) fn name(&self) -> &Path {
+        &self.name
+    }
+
     /// Gives the file its final name.
     pub(crate) fn persist(mut self, target: &Path) -> std::io::Result<()> {
         let _ours = ours();

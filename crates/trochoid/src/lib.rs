@@ -130,8 +130,8 @@ pub use trochoid_graph::{
     NodeError, NodeId, NodeType, Offer, Omission, OutputSpec, PaletteColor, PaletteUse, Paths, Port, Precision,
     REFUSALS, Recipes, Refusal, RefusedFile, Registry, Relation, Right, Role, Severity, Source, Spectrum, Stability,
     StabilityMap, StepErrorGroup, StepErrorRow, StepErrors, Store, StoredEntry, Term, Tolerance, Verdict, Work,
-    counted, escape_frame, expand_frame, expected, folders_to_allow, in_bytes, nearest, quoted, quoted_path, refusal,
-    refusals, resolved, schema, split_frame,
+    counted, escape_frame, expand_frame, expected, folders_to_allow, in_bytes, nearest, one_frame_pattern, quoted,
+    quoted_path, refusal, refusals, resolved, schema, split_frame,
 };
 pub use trochoid_image::{
     Format, FormatError, HexError, Plane, Rgb, Shading, Window, WorkingSpace, oklab, oklch, parse_hex, shown_oklch,

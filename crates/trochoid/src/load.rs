@@ -41,7 +41,8 @@ fn list(diagnostics: &[Diagnostic]) -> String {
 
 /// Loads and checks a document. Each of `set` is an assignment, applied in order: `NODE.KNOB=VALUE`, or another path as
 /// [`Document::set`] takes them; or `palette=FILE`, whose colors replace those of the same names
-/// ([`Document::replace_palette`]). `FILE` is relative to the current folder.
+/// ([`Document::replace_palette`]), `FILE` being relative to the current folder; or `view=NODE.PORT`, which adds an output
+/// that shows a node or what feeds a port ([`Document::view`]).
 ///
 /// The document may read and write files under its own folder and, if that lies under the current folder, under the
 /// current folder ([`Access::usual`](crate::Access::usual)), and files that `set` names; evaluation refuses other
@@ -166,13 +167,15 @@ pub fn parse_within(
     }
     let mut faults: Vec<Diagnostic> = Vec::new();
     for assignment in set {
-        match assignment.strip_prefix("palette=") {
-            Some(file) => {
-                let path = Path::new(file);
-                faults.extend(document.replace_palette(path, &palette_of(path)?).err().map(|fault| *fault));
+        let set = match assignment.split_once('=') {
+            Some(("palette", file)) => document.replace_palette(Path::new(file), &palette_of(Path::new(file))?),
+            Some(("view", reference)) => {
+                document.view(reference);
+                Ok(())
             }
-            None => faults.extend(document.set(assignment).err().map(|fault| *fault)),
-        }
+            _ => document.set(assignment),
+        };
+        faults.extend(set.err().map(|fault| *fault));
     }
     let (graph, diagnostics) = check(&document, registry(), folder);
     match graph {

@@ -57,8 +57,12 @@ pub enum Form {
     Error,
     /// Stability map as PNG.
     Map,
+    /// Contact sheet as PNG.
+    Sheet,
     /// Animation as WebP.
     WebP,
+    /// Movie as MP4.
+    Mp4,
     /// Graph drawing as SVG.
     Svg,
     /// Page of a report as HTML.
@@ -90,6 +94,7 @@ impl Form {
             Self::Preview => Some("preview"),
             Self::Error => Some("error"),
             Self::Map => Some("map"),
+            Self::Sheet => Some("sheet"),
             Self::Swatches => Some("swatches"),
             _ => None,
         }
@@ -121,11 +126,13 @@ fn form_of(path: &Path, found: OpenFile) -> std::io::Result<Option<Form>> {
         let mark = format!("{before}{GENERATOR}");
         bytes.windows(mark.len()).any(|window| window == mark.as_bytes())
     };
-    if head.starts_with(b"RIFF") || head.starts_with(b"<") {
+    let is_mp4 = head.get(4..8) == Some(b"ftyp");
+    if is_mp4 || head.starts_with(b"RIFF") || head.starts_with(b"<") {
         file.seek(SeekFrom::Start(length.saturating_sub(LOOKED_AT)))?;
         let mut tail = Vec::new();
         file.take(LOOKED_AT).read_to_end(&mut tail)?;
         return Ok(match head[0] {
+            _ if is_mp4 => says(&tail, "free").then_some(Form::Mp4),
             b'R' => says(&tail, "<xmp:CreatorTool>").then_some(Form::WebP),
             _ if says(&head, "<meta name=\"generator\" content=\"") => Some(Form::Page),
             _ => says(&tail, "<!-- ").then_some(Form::Svg),
@@ -157,7 +164,7 @@ fn form_of(path: &Path, found: OpenFile) -> std::io::Result<Option<Form>> {
         return Ok(None);
     }
     let kind = metadata.iter().find(|(key, _)| key == KIND).map(|(_, kind)| kind.as_str());
-    let other = [Form::Preview, Form::Error, Form::Map, Form::Swatches]
+    let other = [Form::Preview, Form::Error, Form::Map, Form::Sheet, Form::Swatches]
         .into_iter()
         .find(|form| kind.is_some() && form.kind() == kind);
     Ok(Some(other.unwrap_or(if head.starts_with(b"\x89PNG") { Form::Png } else { Form::Exr })))
@@ -192,13 +199,15 @@ mod tests {
     use super::*;
     use trochoid_io::{ExrChannel, ExrImage, PngImage};
 
-    const FORMS: [Form; 14] = [
+    const FORMS: [Form; 16] = [
         Form::Exr,
         Form::Png,
         Form::Preview,
         Form::Error,
         Form::Map,
+        Form::Sheet,
         Form::WebP,
+        Form::Mp4,
         Form::Svg,
         Form::Page,
         Form::Table,
@@ -220,6 +229,7 @@ mod tests {
         let page = format!("<!DOCTYPE html>\n<meta name=\"generator\" content=\"{GENERATOR}0.1.0\">");
         let svg = format!("<svg>{}</svg>\n<!-- {GENERATOR}0.1.0 -->\n", " ".repeat(9000));
         let webp = format!("RIFF....WEBP{}<xmp:CreatorTool>{GENERATOR}0.1.0</xmp:CreatorTool>", " ".repeat(9000));
+        let mp4 = format!("....ftypisom{}....free{GENERATOR}0.1.0", " ".repeat(9000));
         let ours = [
             (r#"{"digest": "0", "document": {"trochoid": 1}, "trochoid": "0.1.0"}"#, Form::Certificate),
             (r#"{"status": "done", "trochoid": "0.1.0"}"#, Form::Report),
@@ -229,6 +239,7 @@ mod tests {
             (&page, Form::Page),
             (&svg, Form::Svg),
             (&webp, Form::WebP),
+            (&mp4, Form::Mp4),
         ];
         for (text, form) in ours {
             assert_eq!(forms(text.as_bytes()), [form], "{text}");
@@ -245,6 +256,7 @@ mod tests {
             "<svg/>",
             "<!-- about Trochoid 1 --><svg/>",
             "RIFF....WEBP",
+            "....ftypisom....free",
             "RIFF",
             "\u{89}PNG\r\n\u{1a}\n",
         ];

@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::files::{self, AccessOptions, OverwriteOptions};
 use crate::palette::write;
 use crate::progress::Progress;
-use crate::{interrupt, shell};
+use crate::{interrupt, shell, warnings};
 use painting::Painting;
 use serde_json::{Value, json};
 use source::Source;
@@ -141,8 +141,9 @@ fn source(args: &Args, progress: &Progress) -> Result<Source, Failure> {
         return Source::of_recipe(&args.picture);
     }
     let loaded = args.reach.load(&args.picture, &args.changes.assignments())?;
-    shell::tell(&crate::remedies::texts(&loaded.warnings));
     let output = source::output(&loaded.graph, args.output.as_deref())?;
+    let warned = warnings::of(&loaded.graph, &[output], loaded.warnings);
+    shell::tell(&crate::remedies::texts(&warned));
     let frame = args.frame.unwrap_or(loaded.graph.frames().0);
     Source::of_graph(&loaded.graph, output, frame, None, progress)
 }

@@ -11,19 +11,19 @@ mod openjd;
 mod ranges;
 mod slurm;
 mod tiles;
-mod wedge;
 mod work;
 
 use crate::changes::Changes;
 use crate::failure::Failure;
 use crate::shell::{self, printable};
-use crate::{frames, interrupt, outputs, remedies};
+use crate::wedge::{self, Wedge};
+use crate::{frames, interrupt, outputs, warnings};
 use folder::{Content, Folder};
 use std::path::PathBuf;
 use tiles::Grid;
 use trochoid::{Access, CheckedGraph, UNNAMED_FILE, load_within};
-use wedge::Wedge;
 use work::Work;
+pub(crate) use work::plain_name;
 
 /// Options of `trochoid job`.
 #[derive(Debug, clap::Args)]
@@ -121,7 +121,6 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     Failure::all(std::mem::take(&mut faults))?;
     let load = |set: &[String]| load_within(&args.graph, set, args.access());
     let loaded = load(&args.changes.assignments())?;
-    shell::tell(&remedies::texts(&loaded.warnings));
     let graph = &loaded.graph;
     let frames = listed.unwrap_or_else(|| frames::all(graph, args.frames.is_some(), &mut faults));
     let wedge = args.wedge.as_deref().map(Wedge::parse).transpose().unwrap_or_else(|fault| {
@@ -144,7 +143,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let chosen = outputs::choose(graph, &args.output, &mut faults);
     let mut work = Work::new(args, graph, &variants, &chosen, frames, wedge, &mut faults);
     let inputs = inputs::files(args, &variants, &chosen, &work.frames, &mut faults);
-    Failure::all(faults)?;
+    warnings::after(faults, &warnings::of(graph, &chosen, loaded.warnings))?;
     let read = crate::files::inputs(graph, &args.graph, &args.changes.set, &[]);
     let folder = |work: &Work| {
         let mut files = inputs.clone();

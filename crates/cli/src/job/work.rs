@@ -1,10 +1,10 @@
 //! What a job renders, and what its commands have in common for all engines.
 
 use super::tiles::{self, Grid};
-use super::wedge::Wedge;
 use super::{Args, Engine, inputs, ranges};
 use crate::failure::{FAILED, Failure};
 use crate::frames;
+use crate::wedge::Wedge;
 use std::path::Path;
 use trochoid::{CheckedGraph, LoadError, Pictures, Plan, Settings, output_files, quoted};
 
@@ -188,7 +188,7 @@ pub(super) fn stem(pattern: &str) -> &str {
 
 /// Returns a text as a name of at most 100 letters, digits and signs that no shell, pattern or engine reads as anything
 /// else: all others become `_`.
-pub(super) fn plain_name(text: &str) -> String {
+pub(crate) fn plain_name(text: &str) -> String {
     let plain = |sign: char| if sign.is_ascii_alphanumeric() || "._=+-".contains(sign) { sign } else { '_' };
     text.chars().take(100).map(plain).collect()
 }

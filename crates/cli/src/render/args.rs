@@ -18,6 +18,7 @@ Examples:
   trochoid render storm.json --frames 1-10,20-40x2 --resume
   trochoid render storm.json --output beauty --out 'out/{output}.####.exr'
   trochoid render storm.json --frames 36 --recipe storm.recipe.####.exr
+  trochoid render storm.json --frames 36 --view spray.coverage --scale 1/2 --out spray.png
   trochoid render storm.json --set sea.height=6 --require hull --report report.json
   trochoid render storm.json --frames 1-96 --certificate 'out/storm.####.json' --sign mine.pem")]
 pub(crate) struct Args {
@@ -27,6 +28,15 @@ pub(crate) struct Args {
     /// Render this output; may be repeated [default: all outputs]
     #[arg(long, value_name = "NAME")]
     pub(super) output: Vec<String>,
+    /// Render what this node makes instead of the document's outputs, or what feeds one of its ports, such as sky,
+    /// view.coverage or blend.weights[1]; may be repeated. A Field is written as it is, into EXR
+    #[arg(long, value_name = "NODE[.PORT]", conflicts_with_all = ["output", "certificate"])]
+    pub(super) view: Vec<String>,
+    /// Render the same picture smaller, such as 1/2 or 0.25: sizes in pixels shrink with it, and a tolerance of the document
+    /// does not count
+    #[arg(long, value_name = "FACTOR", value_parser = crate::scale::factor,
+          conflicts_with_all = ["certificate", "tolerance"])]
+    pub(super) scale: Option<f64>,
     /// Frames, such as 1-10,20-40x2 (every second frame) or -5--1 [default: all frames of the document]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub(super) frames: Option<String>,
@@ -118,6 +128,13 @@ fn region(text: &str) -> Result<Window, NoRegion> {
 struct NoRegion;
 
 impl Args {
+    /// Returns the changes of the document for this run.
+    pub(super) fn assignments(&self) -> Vec<String> {
+        let mut assignments = self.changes.assignments();
+        assignments.extend(self.view.iter().map(|node| format!("view={node}")));
+        assignments
+    }
+
     /// Whether files that are up to date are skipped.
     pub(super) fn resumes(&self) -> bool {
         self.resume || self.share

@@ -20,7 +20,11 @@ pub(super) struct Chosen {
 impl Chosen {
     /// Chooses outputs, and adds all faults to `faults`.
     pub(super) fn new(mut graph: CheckedGraph, args: &Args, faults: &mut Vec<Failure>) -> Self {
-        let outputs = outputs::choose(&graph, &args.output, faults);
+        let outputs = match args.view.len() {
+            0 => outputs::choose(&graph, &args.output, faults),
+            // They are the last ones.
+            views => (graph.outputs().len() - views..graph.outputs().len()).collect(),
+        };
         let mut recipes = Vec::new();
         if args.recipe.is_some() {
             let colors = outputs.iter().copied().filter(|index| {
@@ -79,7 +83,7 @@ impl Chosen {
 
     /// Returns failures for what cannot be done with recipes.
     fn refused(&self, args: &Args) -> Vec<Failure> {
-        let asked = args.tolerance.or(self.graph.tolerance());
+        let asked = args.tolerance.or(self.graph.tolerance()).filter(|_| args.scale.is_none());
         let refused = [
             ("--certificate", args.certificate.is_some(), "pictures"),
             ("--error", args.error.is_some(), "pictures"),

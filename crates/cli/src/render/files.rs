@@ -40,7 +40,7 @@ impl RequestedFiles<'_> {
             None => refused_outputs(graph, self.outputs, self.frames),
         };
         faults.extend(args.files.reach.refused(graph, self.outputs, self.frames, outside));
-        let inputs = files::inputs(graph, &args.graph, &args.changes.assignments(), args.plan.as_deref().as_slice());
+        let inputs = files::inputs(graph, &args.graph, &args.assignments(), args.plan.as_deref().as_slice());
         let mut written = Written::new();
         faults.extend(files.iter().filter_map(|(_, file)| files::input(&file.path, &inputs)));
         faults.extend(files.iter().filter_map(|(_, file)| no_file(&file.path)));

@@ -129,8 +129,11 @@ impl<'a> Job<'a> {
     pub(super) fn warnings(&self) -> Vec<String> {
         let known = self.graph.heavy(self.graph.frames().0);
         let begin = self.frames.first().copied().unwrap_or_default();
-        let news =
-            self.graph.heavy(begin).into_iter().filter(|(name, _)| !known.iter().any(|(known, _)| known == name));
+        let outputs = self.graph.outputs();
+        let feeds = self.graph.upstream(self.chosen.outputs.iter().map(|index| outputs[*index].node));
+        let is_needed = |name: &str| self.graph.find(name).is_some_and(|id| feeds[id.0]);
+        let news = self.graph.heavy(begin).into_iter();
+        let news = news.filter(|(name, _)| is_needed(name) && !known.iter().any(|(known, _)| known == name));
         let text = |(name, work): (&str, Work)| {
             let (found, expected) = (work.found(), Work::expected());
             let id = self.graph.find(name);

@@ -12,12 +12,12 @@ mod tally;
 mod written;
 
 use crate::failure::Failure;
-use crate::remedies;
-use crate::{frames, interrupt, progress, shell};
+use crate::scale::scaled;
+use crate::{frames, interrupt, progress, shell, warnings};
 pub(crate) use args::Args;
 use chosen::Chosen;
 use job::Job;
-use trochoid::{Form, RunReport, RunStatus};
+use trochoid::{CheckedGraph, Diagnostic, Form, Loaded, RunReport, RunStatus};
 
 /// Renders the requested frames and outputs.
 ///
@@ -46,25 +46,22 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
             None
         }
     };
-    let loaded = match args.files.load(&args.graph, &args.changes.assignments()) {
+    let (graph, warned) = match load(args, &args.assignments()) {
         Ok(loaded) => loaded,
-        Err(error) => {
-            faults.push(error.into());
-            return Failure::all(faults);
-        }
+        Err(failure) => return Failure::all(faults.into_iter().chain([failure])),
     };
-    shell::tell(&remedies::texts(&loaded.warnings));
-    let chosen = Chosen::new(loaded.graph.clone(), args, &mut faults);
+    let chosen = Chosen::new(graph.clone(), args, &mut faults);
     let job = Job::new(&chosen, args, frames.clone(), &mut faults);
-    Failure::all(faults)?;
+    warnings::after(faults, &warnings::of(&graph, &chosen.outputs, warned))?;
     shell::tell(job.warnings().iter().chain(&job.notes()));
     let accuracy = job.accuracy()?;
     // The document is loaded again with the chosen settings.
     let settled = if accuracy.set.is_empty() {
-        loaded.graph.clone()
+        graph
     } else {
-        let assignments = [&args.changes.assignments()[..], &accuracy.set].concat();
-        args.files.load(&args.graph, &assignments).map_err(|error| accuracy.refused(args, error))?.graph
+        let assignments = [&args.assignments()[..], &accuracy.set].concat();
+        let loaded = args.files.load(&args.graph, &assignments).map_err(|error| accuracy.refused(args, error))?;
+        scaled(loaded.graph, args.scale)?
     };
     // The document may have changed on disk since it was first loaded.
     let mut faults = Vec::new();
@@ -83,6 +80,12 @@ fn run_with(args: &Args, evaluate: &job::Evaluate<'_>) -> Result<(), Failure> {
     let status = outcome.as_ref().err().map_or(RunStatus::Done, Failure::status);
     let written = write_report(args, &report, status);
     Failure::all([outcome.err(), written.err()].into_iter().flatten())
+}
+
+/// Loads the document at the size of the run, with its warnings.
+fn load(args: &Args, assignments: &[String]) -> Result<(CheckedGraph, Vec<Diagnostic>), Failure> {
+    let Loaded { graph, warnings } = args.files.load(&args.graph, assignments)?;
+    Ok((scaled(graph, args.scale)?, warnings))
 }
 
 fn write_report(args: &Args, report: &RunReport, status: RunStatus) -> Result<(), Failure> {

@@ -47,9 +47,8 @@ use crate::changes::Changes;
 use crate::failure::{FAILED, Failure, MISSED};
 use crate::files::{self, FileOptions};
 use crate::progress::Progress;
-use crate::remedies;
 use crate::shell::{self, printable};
-use crate::{interrupt, outputs};
+use crate::{interrupt, outputs, remedies, warnings};
 use data::Report;
 use std::path::PathBuf;
 use trochoid::accuracy::{self, Effort, Ladder, LadderRequest, Request, TargetError};
@@ -131,7 +130,6 @@ const FORMS: [Form; 3] = [Form::Report, Form::Table, Form::Page];
 /// whole or not at all.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let loaded = args.files.load(&args.graph, &args.changes.assignments())?;
-    shell::tell(&remedies::texts(&loaded.warnings));
     let graph = &loaded.graph;
     let frame = args.frame.unwrap_or(graph.frames().0);
     let mut faults = Vec::new();
@@ -146,7 +144,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let refusal = |(file, form): (&PathBuf, Form)| args.files.over.refusal(file, form, &inputs);
     faults.extend(files.iter().zip(FORMS).filter_map(refusal));
     faults.extend(args.files.reach.refused(graph, &[output], &[frame], Vec::new()));
-    Failure::all(faults)?;
+    warnings::after(faults, &warnings::of(graph, &[output], loaded.warnings))?;
     interrupt::watch()?;
     let ladder = measure(args, graph, output, frame)?;
     let report = Report::new(graph, &ladder, args.within());

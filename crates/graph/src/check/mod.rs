@@ -10,6 +10,7 @@ mod outputs;
 mod palette;
 mod top;
 mod values;
+mod view;
 mod wiring;
 
 use crate::document::Origin;

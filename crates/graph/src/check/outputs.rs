@@ -25,14 +25,6 @@ impl<'a> Checker<'a> {
 
     fn output(&mut self, entry: &'a Entry, drafts: &[Draft<'a>], names: &Names<'a>) -> Option<OutputSpec> {
         let place = FaultLocation::top(entry.offset, &entry.key);
-        let legal =
-            !entry.key.is_empty() && entry.key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
-        if !legal {
-            let found = format!("the output name \"{}\"", shorten(&entry.key));
-            self.error(place, found, "a–z, A–Z, 0–9, _ and -", "rename the output");
-        }
-        let entries =
-            self.object(&entry.value, place, "an object with \"color\", \"weights\", \"field\" or \"recipe\"")?;
         let mut spec = OutputSpec {
             name: entry.key.clone(),
             node: crate::NodeId(0),
@@ -45,6 +37,17 @@ impl<'a> Checker<'a> {
             require: None,
             place: self.line_and_column(place.offset),
         };
+        if self.document.is_view(entry.offset) {
+            return self.view(spec, entry, drafts, names);
+        }
+        let legal =
+            !entry.key.is_empty() && entry.key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+        if !legal {
+            let found = format!("the output name \"{}\"", shorten(&entry.key));
+            self.error(place, found, "a–z, A–Z, 0–9, _ and -", "rename the output");
+        }
+        let entries =
+            self.object(&entry.value, place, "an object with \"color\", \"weights\", \"field\" or \"recipe\"")?;
         let (mut source, mut required_at) = (None, None);
         let (mut file_at, mut precision_at) = (place, place);
         for item in entries {
@@ -147,7 +150,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Resolves an output of a disabled node, which shows the first input of that node if it has the same kind.
-    fn bypassed(
+    pub(super) fn bypassed(
         &mut self,
         mut spec: OutputSpec,
         draft: &Draft<'a>,

@@ -4,6 +4,7 @@ mod assign;
 mod canonical;
 mod include;
 mod palette;
+mod view;
 
 use crate::spanned::{Json, LineIndex, Spanned, line_and_column, parse, shorten};
 use crate::{Diagnostic, Severity};
@@ -32,6 +33,8 @@ pub struct Document {
     /// Other files of which it consists, in the order in which they were read; their values have offsets from [`FILED`] on.
     files: Vec<ReadFile>,
     includes: Vec<Include>,
+    /// Offsets of outputs that were added to look at nodes.
+    views: Vec<usize>,
 }
 
 /// First offset of assignments: offset − `ASSIGNED` is the index of one.
@@ -85,6 +88,7 @@ impl Document {
             assignments: Vec::new(),
             files: Vec::new(),
             includes: Vec::new(),
+            views: Vec::new(),
         };
         document.find_includes(&root, "");
         document.root = root;

@@ -32,7 +32,7 @@ pub(crate) struct Warp {
     /// Vertical offset of the lookup, in pixels; positive values look down, which moves the image up. 0 by default.
     dy: Optional<port::Scalar>,
     /// Largest displacement along each axis; larger values are clamped to it.
-    #[knob(default = 32.0, range = 0.0..=4096.0, unit = "pixels")]
+    #[knob(default = 32.0, range = 0.0..=4096.0, in_pixels)]
     reach: f64,
 }
 
@@ -44,18 +44,19 @@ impl Stage for Warp {
         Window::new(window.x0 - reach, window.y0 - reach, window.x1 + reach, window.y1 + reach)
     }
 
-    fn depends_on_format(&self) -> bool {
-        false
-    }
-
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        Ok(Box::new(PreparedWarp { node: self.clone(), kind: kind(prepare) }))
+        // Offsets are in pixels of the document, also where a smaller picture is drawn.
+        let [own, meant] =
+            [prepare.frame.format, prepare.frame.document_format].map(|format| f64::from(format.width()));
+        Ok(Box::new(PreparedWarp { node: self.clone(), kind: kind(prepare), scale: own / meant }))
     }
 }
 
 struct PreparedWarp {
     node: Warp,
     kind: Kind,
+    /// Pixels of the picture per pixel of the document.
+    scale: f64,
 }
 
 impl PreparedWarp {
@@ -119,7 +120,7 @@ impl Prepared for PreparedWarp {
         let displacements = |port| inputs.all(port).first().and_then(|connection| connection.planes[0]);
         let (dx, dy) = (displacements(dx), displacements(dy));
         let split =
-            |plane: Option<&[f32]>, index: usize| self.split(plane.map_or(0.0, |plane| f64::from(plane[index])));
+            |plane: Option<&[f32]>, index: usize| self.split(plane.map_or(0.0, |p| f64::from(p[index]) * self.scale));
         let column = |x: i64| (x.clamp(from.x0, from.x1 - 1) - from.x0) as usize;
         let row = |y: i64| (y.clamp(from.y0, from.y1 - 1) - from.y0) as usize * from.width();
         // Lookups of all displaced samples, computed once for all channels.
@@ -161,8 +162,11 @@ impl Prepared for PreparedWarp {
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
         let Warp { image, dx, dy, reach } = &self.node;
-        let displaced =
-            |port, sample: usize| bounding.known(port, 0, sample).unwrap_or(Span::exactly(0.0)).within(-reach, *reach);
+        let displaced = |port, sample: usize| {
+            let span = bounding.known(port, 0, sample).unwrap_or(Span::exactly(0.0));
+            let scaled = Span { low: span.low * self.scale, high: span.high * self.scale, ..span };
+            scaled.within(-reach, *reach)
+        };
         let pixels: Vec<[i64; 2]> = bounding.block.pixels().collect();
         for (image, filled, bounds) in BoundedChannel::channels(bounding, image, self.kind, outputs) {
             for (sample, ((bound, filled), [x, y])) in bounds.iter_mut().zip(filled).zip(&pixels).enumerate() {
@@ -175,7 +179,8 @@ impl Prepared for PreparedWarp {
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let Warp { image, dx, dy, .. } = &self.node;
-        let split = |port: &Optional<_>| self.split(port.as_ref().map_or(0.0, |source| inputs.scalar(source)));
+        let split =
+            |port: &Optional<_>| self.split(port.as_ref().map_or(0.0, |source| inputs.scalar(source) * self.scale));
         let ((dx, u), (dy, v)) = (split(dx), split(dy));
         let at = |right: i64, down: i64| numbers(&inputs.moved((dx + right) as f64, (dy + down) as f64), image);
         let corners = [(0, 0, (1.0 - u) * (1.0 - v)), (1, 0, u * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 1, u * v)];

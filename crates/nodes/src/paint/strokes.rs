@@ -44,7 +44,7 @@ pub(crate) struct Strokes {
     layers: Vec<LayerKnobs>,
     /// Picture height for which the layers' sizes in pixels are chosen. Strokes scale with the actual height, so a
     /// draft at half the size has the same strokes. By default, sizes are in pixels of the picture itself.
-    #[knob(range = 1..=1 << 20, unit = "pixels")]
+    #[knob(range = 1..=1 << 20, unit = "pixels", picture_height)]
     height: Option<i64>,
     /// Space in which strokes are fixed: rest (points of the surface at rest) or screen (the picture). Views from passes
     /// have no points at rest and need screen.

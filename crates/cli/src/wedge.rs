@@ -8,13 +8,13 @@ const MOST: usize = 1024;
 
 /// A knob and its values.
 #[derive(Debug)]
-pub(super) struct Wedge {
+pub(crate) struct Wedge {
     /// Path of the knob, such as `storm.height`.
-    pub(super) knob: String,
+    pub(crate) knob: String,
     /// Values, as `--set` takes them.
-    pub(super) values: Vec<String>,
+    pub(crate) values: Vec<String>,
     /// Names of the folders of the values' pictures, which differ and need no quotes.
-    pub(super) folders: Vec<String>,
+    pub(crate) folders: Vec<String>,
 }
 
 impl Wedge {
@@ -22,7 +22,7 @@ impl Wedge {
     ///
     /// # Errors
     /// The text has another form, or it has too many values or one of them twice.
-    pub(super) fn parse(text: &str) -> Result<Self, Failure> {
+    pub(crate) fn parse(text: &str) -> Result<Self, Failure> {
         let refuse = |found: &str, expected: &str| {
             let message = format!("--wedge {}: found {found}; expected {expected}", trochoid::quoted(text));
             Failure::usage(message, "give a knob and its values, such as storm.height=3,4,5")
@@ -45,13 +45,13 @@ impl Wedge {
     }
 
     /// Returns the assignments, one for each value.
-    pub(super) fn assignments(&self) -> impl Iterator<Item = String> {
+    pub(crate) fn assignments(&self) -> impl Iterator<Item = String> {
         self.values.iter().map(|value| format!("{}={value}", self.knob))
     }
 }
 
 /// Returns the failure of a document with a value of the wedge.
-pub(super) fn refused(error: LoadError) -> Failure {
+pub(crate) fn refused(error: LoadError) -> Failure {
     match error {
         LoadError::Invalid(mut faults) => {
             // The document and --set have been accepted before.
@@ -91,7 +91,7 @@ fn split(text: &str) -> Vec<&str> {
 fn folders(knob: &str, values: &[String]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for value in values {
-        let name = super::work::plain_name(&format!("{knob}={value}"));
+        let name = crate::job::plain_name(&format!("{knob}={value}"));
         let numbered = (2..).map(|number| format!("{name}.{number}"));
         let free = std::iter::once(name.clone()).chain(numbered).find(|name| !names.contains(name));
         names.extend(free);

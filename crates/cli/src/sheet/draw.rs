@@ -1,0 +1,178 @@
+//! Drawing of a sheet: a grid of pictures with captions.
+
+use crate::failure::Failure;
+use crate::shown;
+use plotters::prelude::*;
+use plotters::style::{FontStyle, register_font};
+use std::error::Error;
+
+const FONT: &str = "labels";
+/// Neutral and dark, so that the pictures decide.
+const PAPER: RGBColor = RGBColor(38, 38, 40);
+const INK: RGBColor = RGBColor(226, 226, 226);
+/// Font sizes and heights of lines of text, in pixels.
+const CAPTION: (u32, u32) = (16, 20);
+const TITLE: (u32, u32) = (20, 34);
+/// Space around pictures, in pixels.
+const MARGIN: u32 = 12;
+/// Width over height that a sheet should have.
+const ASPECT: f64 = 1.5;
+/// Most pixels of a sheet.
+const MOST: u64 = 1 << 28;
+
+/// The places of pictures.
+pub(super) struct Layout {
+    /// Width and height of each picture.
+    sizes: Vec<[u32; 2]>,
+    /// Largest width and height.
+    cell: [u32; 2],
+    columns: usize,
+    /// Lines of a caption.
+    lines: usize,
+}
+
+impl Layout {
+    pub(super) fn new(sizes: Vec<[u32; 2]>, cell: [u32; 2], columns: usize, lines: usize) -> Self {
+        Self { sizes, cell, columns: columns.max(1), lines }
+    }
+
+    /// Returns the number of columns with which a sheet is a little wider than high.
+    pub(super) fn columns(count: usize, [width, height]: [u32; 2]) -> usize {
+        let (width, height) = (f64::from(width + MARGIN), f64::from(height + MARGIN + CAPTION.1));
+        let off = |columns: usize| {
+            let aspect = width * columns as f64 / (height * count.div_ceil(columns) as f64);
+            // Rows that are not full count, too.
+            let empty = (columns - 1 - (count - 1) % columns) as f64 / count as f64;
+            (aspect / ASPECT).ln().abs() + empty
+        };
+        (1..=count.max(1)).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(1)
+    }
+
+    /// Returns width and height of the sheet.
+    pub(super) fn size(&self) -> [u32; 2] {
+        let rows = self.sizes.len().div_ceil(self.columns) as u32;
+        let width = MARGIN + self.columns as u32 * (self.cell[0] + MARGIN);
+        [width, TITLE.1 + MARGIN + rows * self.row()]
+    }
+
+    /// Returns the height of a row.
+    fn row(&self) -> u32 {
+        self.cell[1] + MARGIN / 2 + self.lines as u32 * CAPTION.1 + MARGIN
+    }
+
+    /// Returns the failure of a sheet that is too large.
+    pub(super) fn refused(&self) -> Option<Failure> {
+        let rows = self.sizes.len().div_ceil(self.columns) as u64;
+        let width = u64::from(MARGIN) + self.columns as u64 * u64::from(self.cell[0] + MARGIN);
+        let height = rows * u64::from(self.row());
+        (width * height > MOST).then(|| {
+            let message = format!("found a sheet of {width} × {height} pixels; expected at most {MOST} pixels");
+            Failure::usage(message, "show fewer pictures, or smaller ones: --width")
+        })
+    }
+
+    /// Returns the upper left corner of a picture's cell.
+    fn corner(&self, index: usize) -> [u32; 2] {
+        let (column, row) = ((index % self.columns) as u32, (index / self.columns) as u32);
+        [MARGIN + column * (self.cell[0] + MARGIN), TITLE.1 + MARGIN + row * self.row()]
+    }
+}
+
+/// A sheet.
+pub(super) struct Sheet {
+    pub(super) title: String,
+    /// Lines below each picture.
+    pub(super) captions: Vec<Vec<String>>,
+    /// Red, green and blue of each picture, for display.
+    pub(super) pictures: Vec<[Vec<f32>; 3]>,
+    pub(super) layout: Layout,
+}
+
+type Area<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
+
+impl Sheet {
+    /// Draws the sheet; returns interleaved R, G and B.
+    ///
+    /// # Errors
+    /// The font cannot be used.
+    pub(super) fn draw(&self) -> Result<Vec<u8>, Box<dyn Error>> {
+        // The font is part of the program, so that every machine draws the same captions.
+        register_font(FONT, FontStyle::Normal, dejavu::sans::regular()).map_err(|_| "the font cannot be read")?;
+        let [width, height] = self.layout.size();
+        let mut pixels = vec![0; width as usize * height as usize * 3];
+        {
+            let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
+            area.fill(&PAPER)?;
+            write(&area, &self.title, [MARGIN, MARGIN], width - 2 * MARGIN, TITLE.0)?;
+            for (index, lines) in self.captions.iter().enumerate() {
+                let [x, y] = self.layout.corner(index);
+                let below = y + self.layout.sizes[index][1] + MARGIN / 2;
+                for (line, text) in lines.iter().enumerate() {
+                    write(&area, text, [x, below + line as u32 * CAPTION.1], self.layout.cell[0], CAPTION.0)?;
+                }
+            }
+            area.present()?;
+        }
+        for (index, picture) in self.pictures.iter().enumerate() {
+            self.place(index, &shown::bytes(picture), &mut pixels);
+        }
+        Ok(pixels)
+    }
+
+    /// Copies a picture to its place.
+    fn place(&self, index: usize, picture: &[u8], pixels: &mut [u8]) {
+        let ([x, y], [width, _]) = (self.layout.corner(index), self.layout.sizes[index]);
+        let (length, sheet) = (width as usize * 3, self.layout.size()[0] as usize * 3);
+        for (row, samples) in picture.chunks_exact(length).enumerate() {
+            let start = (y as usize + row) * sheet + x as usize * 3;
+            pixels[start..start + length].copy_from_slice(samples);
+        }
+    }
+}
+
+/// Writes a line of text, shortened in its middle if it is wider than `most`.
+fn write(area: &Area<'_>, text: &str, [x, y]: [u32; 2], most: u32, size: u32) -> Result<(), Box<dyn Error>> {
+    let style = (FONT, size).into_font().color(&INK);
+    let letters: Vec<char> = text.chars().collect();
+    let mut shown = text.to_owned();
+    let mut kept = letters.len();
+    while kept > 2 && area.estimate_text_size(&shown, &style)?.0 > most {
+        kept -= 1;
+        let (head, tail) = (kept.div_ceil(2), kept / 2);
+        shown = letters[..head].iter().chain(['…'].iter()).chain(&letters[letters.len() - tail..]).collect();
+    }
+    area.draw(&Text::new(shown, (x as i32, y as i32), style))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sheet_is_a_little_wider_than_high() {
+        let columns = |count| Layout::columns(count, [320, 180]);
+        assert_eq!([1, 2, 3, 8, 12].map(columns), [1, 1, 3, 4, 4].map(|n| n.max(1)));
+    }
+
+    #[test]
+    fn pictures_stand_in_their_places() {
+        let layout = Layout::new(vec![[4, 2], [4, 1], [2, 2]], [4, 2], 2, 1);
+        let [width, height] = layout.size();
+        let picture = |value: f32, count: usize| [0; 3].map(|_| vec![value; count]);
+        let sheet = Sheet {
+            title: String::new(),
+            captions: vec![Vec::new(); 3],
+            pictures: vec![picture(1.0, 8), picture(0.0, 4), picture(0.5, 4)],
+            layout,
+        };
+        let pixels = sheet.draw().unwrap();
+        assert_eq!(pixels.len(), (width * height * 3) as usize);
+        let at = |x: u32, y: u32| pixels[((y * width + x) * 3) as usize];
+        let [[a, b], [c, d], [e, f]] = [0, 1, 2].map(|index| sheet.layout.corner(index));
+        assert_eq!([at(a, b), at(a + 3, b + 1), at(a + 4, b)], [255, 255, PAPER.0]);
+        assert_eq!([at(c + 3, d), at(c + 3, d + 1), at(c - 1, d)], [0, PAPER.0, PAPER.0]);
+        assert_eq!([at(e + 1, f + 1), at(e + 2, f + 1)], [128, PAPER.0]);
+        assert!(b == d && a == e && c > a && f > b + 2);
+    }
+}
