@@ -39,7 +39,7 @@ pub(crate) fn diagnostic(fault: &Diagnostic) -> Diagnostic {
     let mut fault = fault.clone();
     if std::mem::take(&mut fault.is_assigned) {
         fault.file = match fault.file.strip_prefix("view=") {
-            Some(node) => format!("--view {node}"),
+            Some(node) => format!("--view {}", quoted(node)),
             None => format!("--set {}", fault.file),
         };
     }

@@ -36,7 +36,7 @@ impl Accuracy {
             crate::shell::tell(&doubts(path, &plan, graph, frames));
             return Ok(Self { set: plan.assignments(), ..Self::default() });
         }
-        let asked = args.tolerance.or(graph.tolerance()).filter(|_| args.scale.is_none());
+        let asked = args.tolerance(graph);
         let (Some(tolerance), Some(&frame)) = (asked, frames.first()) else { return Ok(Self::default()) };
         if tolerance == Tolerance::Reference {
             return Ok(Self { asked, ..Self::default() });

@@ -5,7 +5,7 @@ use crate::changes::Changes;
 use crate::files::FileOptions;
 use crate::progress::Form as ProgressForm;
 use std::path::PathBuf;
-use trochoid::{Guarantee, Tolerance, Window};
+use trochoid::{CheckedGraph, Guarantee, Tolerance, Window};
 
 /// Options of `trochoid render`.
 #[derive(Debug, Default, clap::Args)]
@@ -32,8 +32,8 @@ pub(crate) struct Args {
     /// view.coverage or blend.weights[1]; may be repeated. A Field is written as it is, into EXR
     #[arg(long, value_name = "NODE[.PORT]", conflicts_with_all = ["output", "certificate"])]
     pub(super) view: Vec<String>,
-    /// Render the same picture smaller, such as 1/2 or 0.25: sizes in pixels shrink with it, and a tolerance of the document
-    /// does not count
+    /// Render the same picture smaller, such as 1/2 or 0.25: sizes in pixels shrink with it. As for --view, a tolerance of
+    /// the document does not count
     #[arg(long, value_name = "FACTOR", value_parser = crate::scale::factor,
           conflicts_with_all = ["certificate", "tolerance"])]
     pub(super) scale: Option<f64>,
@@ -133,6 +133,12 @@ impl Args {
         let mut assignments = self.changes.assignments();
         assignments.extend(self.view.iter().map(|node| format!("view={node}")));
         assignments
+    }
+
+    /// Returns the tolerance of the run. That of a document is for its own outputs, at their own size.
+    pub(super) fn tolerance(&self, graph: &CheckedGraph) -> Option<Tolerance> {
+        let own = graph.tolerance().filter(|_| self.scale.is_none() && self.view.is_empty());
+        self.tolerance.or(own)
     }
 
     /// Whether files that are up to date are skipped.

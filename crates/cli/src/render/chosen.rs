@@ -83,7 +83,7 @@ impl Chosen {
 
     /// Returns failures for what cannot be done with recipes.
     fn refused(&self, args: &Args) -> Vec<Failure> {
-        let asked = args.tolerance.or(self.graph.tolerance()).filter(|_| args.scale.is_none());
+        let asked = args.tolerance(&self.graph);
         let refused = [
             ("--certificate", args.certificate.is_some(), "pictures"),
             ("--error", args.error.is_some(), "pictures"),

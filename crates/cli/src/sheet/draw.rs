@@ -12,11 +12,13 @@ const PAPER: RGBColor = RGBColor(38, 38, 40);
 const INK: RGBColor = RGBColor(226, 226, 226);
 /// Font sizes and heights of lines of text, in pixels.
 const CAPTION: (u32, u32) = (16, 20);
-const TITLE: (u32, u32) = (20, 34);
+const TITLE: (u32, u32) = (20, 30);
+/// Pixels of text, along each axis, that become one.
+const FINE: u32 = 3;
 /// Space around pictures, in pixels.
 const MARGIN: u32 = 12;
 /// Width over height that a sheet should have.
-const ASPECT: f64 = 1.5;
+const ASPECT: f64 = 16.0 / 9.0;
 /// Most pixels of a sheet.
 const MOST: u64 = 1 << 28;
 
@@ -36,7 +38,7 @@ impl Layout {
         Self { sizes, cell, columns: columns.max(1), lines }
     }
 
-    /// Returns the number of columns with which a sheet is a little wider than high.
+    /// Returns the number of columns with which a sheet has about the shape of a screen.
     pub(super) fn columns(count: usize, [width, height]: [u32; 2]) -> usize {
         let (width, height) = (f64::from(width + MARGIN), f64::from(height + MARGIN + CAPTION.1));
         let off = |columns: usize| {
@@ -88,8 +90,6 @@ pub(super) struct Sheet {
     pub(super) layout: Layout,
 }
 
-type Area<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
-
 impl Sheet {
     /// Draws the sheet; returns interleaved R, G and B.
     ///
@@ -99,50 +99,64 @@ impl Sheet {
         // The font is part of the program, so that every machine draws the same captions.
         register_font(FONT, FontStyle::Normal, dejavu::sans::regular()).map_err(|_| "the font cannot be read")?;
         let [width, height] = self.layout.size();
-        let mut pixels = vec![0; width as usize * height as usize * 3];
-        {
-            let area = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
-            area.fill(&PAPER)?;
-            write(&area, &self.title, [MARGIN, MARGIN], width - 2 * MARGIN, TITLE.0)?;
-            for (index, lines) in self.captions.iter().enumerate() {
-                let [x, y] = self.layout.corner(index);
-                let below = y + self.layout.sizes[index][1] + MARGIN / 2;
-                for (line, text) in lines.iter().enumerate() {
-                    write(&area, text, [x, below + line as u32 * CAPTION.1], self.layout.cell[0], CAPTION.0)?;
-                }
+        let paper = [PAPER.0, PAPER.1, PAPER.2];
+        let mut pixels = paper.repeat(width as usize * height as usize);
+        let mut write = |text: &str, at: [u32; 2], most: u32, (size, line): (u32, u32)| -> Result<(), Box<dyn Error>> {
+            copy(&text_of(text, [most, line], size)?, most as usize, &mut pixels, width as usize, at);
+            Ok(())
+        };
+        write(&self.title, [MARGIN, MARGIN / 2], width - 2 * MARGIN, TITLE)?;
+        for (index, lines) in self.captions.iter().enumerate() {
+            let [x, y] = self.layout.corner(index);
+            let below = y + self.layout.sizes[index][1] + MARGIN / 2;
+            for (line, text) in lines.iter().enumerate() {
+                write(text, [x, below + line as u32 * CAPTION.1], self.layout.cell[0], CAPTION)?;
             }
-            area.present()?;
         }
         for (index, picture) in self.pictures.iter().enumerate() {
-            self.place(index, &shown::bytes(picture), &mut pixels);
+            let ([width, _], at) = (self.layout.sizes[index], self.layout.corner(index));
+            copy(&shown::bytes(picture), width as usize, &mut pixels, self.layout.size()[0] as usize, at);
         }
         Ok(pixels)
     }
+}
 
-    /// Copies a picture to its place.
-    fn place(&self, index: usize, picture: &[u8], pixels: &mut [u8]) {
-        let ([x, y], [width, _]) = (self.layout.corner(index), self.layout.sizes[index]);
-        let (length, sheet) = (width as usize * 3, self.layout.size()[0] as usize * 3);
-        for (row, samples) in picture.chunks_exact(length).enumerate() {
-            let start = (y as usize + row) * sheet + x as usize * 3;
-            pixels[start..start + length].copy_from_slice(samples);
-        }
+/// Copies rows of pixels of this width to a place in a wider picture.
+fn copy(from: &[u8], width: usize, pixels: &mut [u8], whole: usize, [x, y]: [u32; 2]) {
+    for (row, samples) in from.chunks_exact(3 * width.max(1)).enumerate() {
+        let start = 3 * ((y as usize + row) * whole + x as usize);
+        pixels[start..start + samples.len()].copy_from_slice(samples);
     }
 }
 
-/// Writes a line of text, shortened in its middle if it is wider than `most`.
-fn write(area: &Area<'_>, text: &str, [x, y]: [u32; 2], most: u32, size: u32) -> Result<(), Box<dyn Error>> {
-    let style = (FONT, size).into_font().color(&INK);
-    let letters: Vec<char> = text.chars().collect();
-    let mut shown = text.to_owned();
-    let mut kept = letters.len();
-    while kept > 2 && area.estimate_text_size(&shown, &style)?.0 > most {
-        kept -= 1;
-        let (head, tail) = (kept.div_ceil(2), kept / 2);
-        shown = letters[..head].iter().chain(['…'].iter()).chain(&letters[letters.len() - tail..]).collect();
+/// Draws a line of text, shortened in its middle if it is too wide; returns interleaved R, G and B.
+///
+/// Letters stand at whole pixels, which would make their distances uneven, so the text is drawn larger and averaged.
+fn text_of(text: &str, [width, height]: [u32; 2], size: u32) -> Result<Vec<u8>, Box<dyn Error>> {
+    let large = [width * FINE, height * FINE];
+    let mut pixels = vec![0; (large[0] * large[1]) as usize * 3];
+    {
+        let area = BitMapBackend::with_buffer(&mut pixels, (large[0], large[1])).into_drawing_area();
+        area.fill(&PAPER)?;
+        let style = (FONT, size * FINE).into_font().color(&INK);
+        let letters: Vec<char> = text.chars().collect();
+        let (mut shown, mut kept) = (text.to_owned(), letters.len());
+        while kept > 2 && area.estimate_text_size(&shown, &style)?.0 > large[0] {
+            kept -= 1;
+            let (head, tail) = (kept.div_ceil(2), kept / 2);
+            shown = letters[..head].iter().chain(['…'].iter()).chain(&letters[letters.len() - tail..]).collect();
+        }
+        area.draw(&Text::new(shown, (0, 0), style))?;
+        area.present()?;
     }
-    area.draw(&Text::new(shown, (x as i32, y as i32), style))?;
-    Ok(())
+    let fine = FINE as usize;
+    let mean = |x: usize, y: usize, channel: usize| {
+        let row = |row: usize| 3 * ((y * fine + row) * large[0] as usize + x * fine) + channel;
+        let samples = (0..fine).flat_map(|r| (0..fine).map(move |column| row(r) + 3 * column));
+        (samples.map(|index| u32::from(pixels[index])).sum::<u32>() / (FINE * FINE)) as u8
+    };
+    let places = (0..height as usize).flat_map(|y| (0..width as usize).map(move |x| (x, y)));
+    Ok(places.flat_map(|(x, y)| [mean(x, y, 0), mean(x, y, 1), mean(x, y, 2)]).collect())
 }
 
 #[cfg(test)]
@@ -150,9 +164,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sheet_is_a_little_wider_than_high() {
+    fn a_sheet_has_the_shape_of_a_screen() {
         let columns = |count| Layout::columns(count, [320, 180]);
-        assert_eq!([1, 2, 3, 8, 12].map(columns), [1, 1, 3, 4, 4].map(|n| n.max(1)));
+        assert_eq!([1, 2, 3, 8, 12].map(columns), [1, 2, 2, 3, 4]);
     }
 
     #[test]

@@ -48,8 +48,8 @@ pub(crate) struct Args {
     /// Width of each picture in pixels; at most that of its document
     #[arg(long, value_name = "PIXELS", default_value_t = 320, value_parser = clap::value_parser!(u32).range(16..=4096))]
     width: u32,
-    /// Number of columns [default: the frames, if there are rows of them; otherwise what makes the sheet a little wider than
-    /// high]
+    /// Number of columns [default: the frames, if there are rows of them; otherwise what gives the sheet the shape of a
+    /// screen]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     columns: Option<u32>,
     /// The file to write, .png

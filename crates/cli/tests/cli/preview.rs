@@ -45,14 +45,14 @@ fn a_movie_gets_all_frames_and_appears_whole() {
     let length = || fs::metadata(scene.path("x.mp4")).unwrap().len() as usize;
     let end = 8 + "Trochoid ".len() + trochoid::VERSION.len();
     assert_eq!(length(), 8 + 3 * 10 * 6 * 3 + end);
-    let arguments = trochoid::io::read_text(&scene.path("arguments"), 10_000).unwrap();
+    let arguments = trochoid::io::read_text(scene.path("arguments"), 10_000).unwrap();
     for word in ["10x6", "24", "rgb24", "libx264"] {
         assert!(arguments.lines().any(|line| line == word), "{word} in {arguments}");
     }
     // It is ours, so it is replaced. Frame 1 stays for 2 frames.
     run(&["--frames", "1,3"]).code(0);
     assert_eq!(length(), 8 + 2 * 10 * 6 * 3 + end);
-    assert!(trochoid::io::read_text(&scene.path("arguments"), 10_000).unwrap().lines().any(|line| line == "12"));
+    assert!(trochoid::io::read_text(scene.path("arguments"), 10_000).unwrap().lines().any(|line| line == "12"));
     fs::write(scene.path("x.mp4"), "theirs").unwrap();
     run(&[]).fails(2, &["x.mp4", "--overwrite"]);
     assert_eq!(scene.files(), ["arguments", "bin/ffmpeg", "x.mp4"]);
@@ -63,6 +63,10 @@ fn a_movie_gets_all_frames_and_appears_whole() {
 fn without_ffmpeg_or_if_it_fails_nothing_is_written() {
     use crate::scene::Run;
     let (scene, mut told) = (Scene::new(SCENE), Told::new("movie"));
+    // A movie that is there stays.
+    let written = "printf '\\000\\000\\000\\010ftyp' > \"$to\"; cat >> \"$to\"";
+    assert_eq!(Run::of(&mut with_ffmpeg(&scene, written, &[])).code, 0);
+    let before = trochoid::io::read_bytes(scene.path("x.mp4"), 1 << 20).unwrap();
     let failing = "cat > \"$to\"; echo \"Unknown encoder 'libx264'\" >&2; exit 1";
     told.stands("failing", 1, &Run::of(&mut with_ffmpeg(&scene, failing, &[])), &scene);
     // One that takes no frames.
@@ -72,7 +76,8 @@ fn without_ffmpeg_or_if_it_fails_nothing_is_written() {
     let mut command = with_ffmpeg(&scene, "", &[]);
     told.stands("missing", 1, &Run::of(command.env("PATH", scene.path("none"))), &scene);
     told.ends();
-    assert_eq!(scene.files(), ["bin/ffmpeg"]);
+    assert_eq!(trochoid::io::read_bytes(scene.path("x.mp4"), 1 << 20).unwrap(), before);
+    assert_eq!(scene.files(), ["bin/ffmpeg", "x.mp4"]);
 }
 
 #[cfg(unix)]
@@ -90,7 +95,7 @@ fn an_interrupted_movie_leaves_nothing() {
     let ended = child.wait_with_output().unwrap();
     assert_eq!(ended.status.code(), Some(130));
     assert!(String::from_utf8_lossy(&ended.stderr).contains("interrupted"));
-    let id = trochoid::io::read_text(&scene.path("running"), 100).unwrap();
+    let id = trochoid::io::read_text(scene.path("running"), 100).unwrap();
     let alive = std::process::Command::new("kill").args(["-0", id.trim()]).output().unwrap();
     assert!(!alive.status.success(), "ffmpeg still runs");
     assert_eq!(scene.files(), ["bin/ffmpeg", "running"]);

@@ -8,7 +8,7 @@ use trochoid::Plane;
 /// Returns the red channel of a PNG.
 fn red(scene: &Scene, file: &str) -> Plane {
     let selection = trochoid::io::Selection::channels(["R"]);
-    trochoid::io::read(scene.path(file), &selection, &Default::default()).unwrap().planes.remove(0)
+    trochoid::io::read(scene.path(file), &selection, &Default::default()).unwrap().channels.remove(0).plane
 }
 
 /// Counts the columns of pixels, each of `height`, that are wholly black or white.

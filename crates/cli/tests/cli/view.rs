@@ -3,6 +3,7 @@
 use crate::scene::{SCENE, Scene};
 use crate::told::Told;
 use std::fs;
+use trochoid::Plane;
 
 /// A document with lists of connections, a Field, a view, and a disabled node.
 const NODES: &str = r##"{ "trochoid": 1, "format": { "width": 16, "height": 8 }, "frames": { "first": 1, "last": 2 },
@@ -19,7 +20,7 @@ const NODES: &str = r##"{ "trochoid": 1, "format": { "width": 16, "height": 8 },
 
 /// A document whose nodes stand in a group, used once.
 const GROUPS: &str = r##"{ "trochoid": 1, "format": { "width": 16, "height": 8 },
-  "groups": { "Half": { "inputs": { "weight": "mask" }, "nodes": { "turned": { "type": "Invert", "weight": "weight" } },
+  "groups": { "Half": { "inputs": { "weight": "Mask" }, "nodes": { "turned": { "type": "Invert", "weight": "weight" } },
                         "outputs": { "mask": "turned" } } },
   "nodes": { "across": { "type": "ScreenX" }, "front": { "type": "Half", "weight": "across" },
              "mix": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "front" } },
@@ -30,7 +31,12 @@ fn only(scene: &Scene, file: &str, channel: &str) -> Vec<f32> {
     let found = trochoid::io::info(scene.path(file), &Default::default()).unwrap();
     let names: Vec<&str> = found.parts[0].channels.iter().map(|channel| channel.full_name.as_str()).collect();
     assert_eq!(names, [channel], "{file}");
-    scene.layers(file).planes[0].samples().to_vec()
+    scene.layers(file).channels[0].plane.samples().to_vec()
+}
+
+/// Returns the planes of an EXR.
+fn planes(scene: &Scene, file: &str) -> Vec<Plane> {
+    scene.layers(file).channels.into_iter().map(|channel| channel.plane).collect()
 }
 
 fn across(x: usize) -> f32 {
@@ -55,7 +61,7 @@ fn any_node_is_written_as_it_is() {
     // A disabled node shows what it passes on.
     view("off");
     view("both");
-    assert_eq!(scene.layers("off.0001.exr").planes, scene.layers("both.0001.exr").planes);
+    assert_eq!(planes(&scene, "off.0001.exr"), planes(&scene, "both.0001.exr"));
     assert_eq!(fs::metadata(scene.path("a.json")).unwrap().len(), NODES.len() as u64);
     assert_eq!(scene.files().len(), 6);
 }
@@ -67,7 +73,7 @@ fn what_feeds_a_port_is_written() {
         for node in [port, same] {
             scene.run(&["render", "a.json", "--frames", "1", "--view", node]).code(0);
         }
-        let [port, same] = [port, same].map(|name| scene.layers(&format!("{name}.0001.exr")).planes);
+        let [port, same] = [port, same].map(|name| planes(&scene, &format!("{name}.0001.exr")));
         assert_eq!(port, same);
     }
     scene.run(&["render", "a.json", "--frames", "1", "--view", "across", "--view", "down", "--out", "{output}.png"]);
@@ -139,7 +145,7 @@ fn in_pixels([width, height]: [u32; 2], [radius, offset, reach, edge]: [f64; 4])
         r##"{{ "trochoid": 1, "format": {{ "width": {width}, "height": {height}, "samples": 4 }},
           "nodes": {{
             "disc": {{ "type": "Shape", "edge": {edge}, "shapes": [{{ "form": "disc", "radius": 0.2 }}] }},
-            "soft": {{ "type": "Blur", "image": "disc", "width": {radius} }},
+            "soft": {{ "type": "Blur", "image": "disc", "size": {radius} }},
             "moved": {{ "type": "Warp", "image": "soft", "dx": {offset}, "reach": {reach} }},
             "mix": {{ "type": "Mix", "a": "#000", "b": "#fff", "weight": "moved" }},
             "painted": {{ "type": "Strokes", "image": "mix", "anchor": "screen", "height": 64,
@@ -150,19 +156,22 @@ fn in_pixels([width, height]: [u32; 2], [radius, offset, reach, edge]: [f64; 4])
 
 #[test]
 fn a_smaller_picture_is_the_one_with_smaller_pixel_sizes() {
-    let whole = Scene::new(&in_pixels([128, 64], [8.0, 12.0, 32.0, 4.0]).replace(r#""height": 64,"#, ""));
+    let whole = Scene::new(
+        &in_pixels([128, 64], [8.0, 12.0, 32.0, 4.0])
+            .replace(r#""anchor": "screen", "height": 64,"#, r#""anchor": "screen","#),
+    );
     whole.run(&["render", "a.json", "--scale", "1/4", "--out", "small.exr"]).code(0);
     let small = Scene::new(&in_pixels([32, 16], [2.0, 3.0, 8.0, 1.0]));
     small.run(&["render", "a.json"]).code(0);
-    assert_eq!(whole.layers("small.exr").planes, small.layers("whole.exr").planes);
+    assert_eq!(planes(&whole, "small.exr"), planes(&small, "whole.exr"));
     // The picture is where it is in the large one.
     whole.run(&["render", "a.json"]).code(0);
-    let (large, small) = (whole.layers("whole.exr"), whole.layers("small.exr"));
+    let (large, small) = (planes(&whole, "whole.exr"), planes(&whole, "small.exr"));
     let mean = |x: usize, y: usize| {
-        let block = (0..16).map(|i| large.planes[0].samples()[(4 * y + i / 4) * 128 + 4 * x + i % 4]);
+        let block = (0..16).map(|i| large[0].samples()[(4 * y + i / 4) * 128 + 4 * x + i % 4]);
         block.sum::<f32>() / 16.0
     };
-    let off = (0..512).map(|i| (small.planes[0].samples()[i] - mean(i % 32, i / 32)).abs());
+    let off = (0..512).map(|i| (small[0].samples()[i] - mean(i % 32, i / 32)).abs());
     let mean = off.sum::<f32>() / 512.0;
     assert!(mean < 0.03, "{mean}");
 }
@@ -181,4 +190,5 @@ fn a_scale_is_a_factor_and_excludes_what_needs_the_whole() {
     let scene = Scene::new(&SCENE.replace("\"nodes\":", "\"tolerance\": 1e-30, \"nodes\":"));
     scene.run(&["render", "a.json", "--frames", "1", "--output", "mask"]).code(3);
     scene.run(&["render", "a.json", "--frames", "1", "--output", "mask", "--scale", "1/2"]).code(0);
+    scene.run(&["render", "a.json", "--frames", "1", "--view", "across", "--out", "x.exr"]).code(0);
 }

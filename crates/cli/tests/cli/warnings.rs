@@ -44,9 +44,8 @@ fn errors_come_first() {
     }
     // Warnings of an invalid document, whatever stands before them in its text.
     let document = r##"{ "trochoid": 1, "format": { "width": 16, "height": 8 },
-      "palette": { "spare": "#123456" },
-      "nodes": { "mix": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "nothing" } },
-      "outputs": { "beauty": { "color": "mix" } } }"##;
+      "nodes": { "across": { "type": "ScreenX" }, "values": { "type": "FieldMath", "a": "across", "expression": "a" } },
+      "outputs": { "v": { "field": "values", "file": "v.exr", "precision": "half" }, "w": { "color": "across" } } }"##;
     for command in ["render", "check"] {
         let run = Scene::new(document).run(&[command, "a.json"]).code(2);
         assert!(run.err.starts_with("error: ") && run.err.contains("\nwarning: "), "{}", run.err);
