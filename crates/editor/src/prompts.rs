@@ -3,8 +3,10 @@
 
 use crate::actions::After;
 use crate::document::Session;
+use crate::document::find::Entry;
 use crate::document::keep::UnsavedCopy;
 use egui_file_dialog::{FileDialog, Filter};
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use trochoid::RefusedFile;
 
@@ -45,6 +47,19 @@ pub(crate) enum Prompt {
         text: String,
         chosen: usize,
     },
+    Find(Search),
+    /// What to do with the colors of a dropped file of this name.
+    Colors(String, Vec<(String, Value)>),
+}
+
+/// An open search in the document.
+pub(crate) struct Search {
+    pub(crate) text: String,
+    pub(crate) chosen: usize,
+    /// Everything that can be found.
+    pub(crate) entries: Vec<Entry>,
+    /// Indices of what fits the text, best first.
+    pub(crate) found: Vec<usize>,
 }
 
 impl Prompts {
@@ -110,6 +125,17 @@ impl Prompts {
     /// Opens the command palette.
     pub(crate) fn palette(&mut self) {
         self.open = Some(Prompt::Palette { text: String::new(), chosen: 0 });
+    }
+
+    /// Opens the search in the document, which has these places.
+    pub(crate) fn find(&mut self, entries: Vec<Entry>) {
+        let found = crate::document::find::matching(&entries, "");
+        self.open = Some(Prompt::Find(Search { text: String::new(), chosen: 0, entries, found }));
+    }
+
+    /// Asks what to do with the colors of a dropped file.
+    pub(crate) fn take_palette(&mut self, file: String, colors: Vec<(String, Value)>) {
+        self.open = Some(Prompt::Colors(file, colors));
     }
 
     /// Asks for a document to open.

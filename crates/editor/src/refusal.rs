@@ -13,28 +13,6 @@ struct Refusal {
     pass: u64,
 }
 
-/// A text that is no number, or none that is legal.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("found {}; expected {}", quoted(found), self.expected())]
-pub(crate) struct NoNumber {
-    pub(crate) found: String,
-    pub(crate) whole: bool,
-    /// The ends of the range, as numbers are shown.
-    pub(crate) range: [Option<String>; 2],
-}
-
-impl NoNumber {
-    fn expected(&self) -> String {
-        let what = if self.whole { "a whole number" } else { "a number" };
-        match &self.range {
-            [Some(least), Some(most)] => format!("{what} from {least} to {most}"),
-            [Some(least), None] => format!("{what} of at least {least}"),
-            [None, Some(most)] => format!("{what} of at most {most}"),
-            [None, None] => what.into(),
-        }
-    }
-}
-
 /// Maximum width of the popup, in points.
 const WIDTH: f32 = 280.0;
 

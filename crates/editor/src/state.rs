@@ -66,11 +66,14 @@ pub struct Look {
     pub region: Option<[f32; 4]>,
     /// Inspected pixel, in fractions of the picture.
     pub pick: Option<[f32; 2]>,
+    /// Whether the frames beside the current one are mixed over it.
+    pub onion: bool,
 }
 
 impl Default for Look {
     fn default() -> Self {
-        Self { node: None, slots: Default::default(), display: Display::default(), proxy: 1, region: None, pick: None }
+        let (slots, display) = Default::default();
+        Self { node: None, slots, display, proxy: 1, region: None, pick: None, onion: false }
     }
 }
 

@@ -85,3 +85,10 @@ pub(crate) fn unseen_in(session: Session, size: [f32; 2]) -> Window {
     window.step();
     window
 }
+
+/// Returns the place of the graph, whose menu and tab are called so, too.
+pub(crate) fn graph(window: &Window) -> egui::Rect {
+    use egui_kittest::kittest::Queryable;
+    let all = window.query_all_by_label("Graph").map(|node| node.rect());
+    all.max_by(|a, b| a.area().total_cmp(&b.area())).unwrap()
+}

@@ -43,6 +43,11 @@ pub(crate) fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, a
             number.response.clone().on_hover_text(help);
             number.value().map(|frame| frame as i64)
         };
+        let mut onion = state.look.onion;
+        let toggle = ui.toggle_value(&mut onion, "Onion");
+        if toggle.on_hover_text("Mix the frames before and after over the picture (Shift+O)").clicked() {
+            actions.push(Action::Onion(onion));
+        }
         if let Some(frame) = frame_ui(ui, state.frame, (-FAR, FAR), "Frame") {
             actions.push(Action::Frame(frame));
         }

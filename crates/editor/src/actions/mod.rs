@@ -13,6 +13,7 @@ pub use grant::Grant;
 pub use line::Line;
 pub use pane::Pane;
 
+use crate::document::find::Target;
 use crate::document::swatches::SwatchKey;
 use crate::document::{Edit, Path, Point};
 use crate::evaluate::Display;
@@ -41,6 +42,10 @@ pub enum Action {
     Select(BTreeSet<String>),
     /// Select only this node and bring it into view in the graph.
     Visit(String),
+    /// Ask what to find in the document.
+    Find,
+    /// Go to a place in the document: select it, bring it into view, and show its properties.
+    GoTo(Target),
     /// View an output of a node.
     Look(String, usize),
     /// View the node assigned to a number key (slot 0 is key 1, slot 8 is key 9); if a node is selected, assign it to
@@ -74,6 +79,8 @@ pub enum Action {
     AddColor,
     /// Replace colors of the palette by those of the same names in a file of this name.
     TakePalette(Vec<(String, serde_json::Value)>, String),
+    /// Take all colors of a file into the palette.
+    JoinPalette(Vec<(String, serde_json::Value)>),
     /// Give all colors of the document names.
     NameColors,
     /// Write the palette that the document reads from a file into the document.
@@ -82,6 +89,8 @@ pub enum Action {
     Frame(i64),
     /// Start or stop playback.
     Play(bool),
+    /// Mix the frames beside the current one over it, or not.
+    Onion(bool),
     /// Set the first and last frame to play and render.
     Range(i64, i64),
     /// Start a new document.
@@ -175,6 +184,7 @@ impl Action {
             Self::Select(_)
                 | Self::Output(_)
                 | Self::Visit(_)
+                | Self::GoTo(_)
                 | Self::New
                 | Self::Open
                 | Self::OpenFile(_)
@@ -200,4 +210,6 @@ pub enum Switch {
     Hull,
     /// Toggle the overlay that marks pixels near the hull's faces.
     Near,
+    /// Toggle histogram, waveform and vectorscope.
+    Scopes,
 }

@@ -230,7 +230,7 @@ pub(super) fn suits(sheet: &Sheet, declaration: &Declaration, wanted: &NewNodeLi
         NewNodeLink::Nothing | NewNodeLink::Below(..) => true,
         NewNodeLink::Takes(name, output) => {
             let kind = sheet.find(name).and_then(|node| kind(sheet, (node, *output)));
-            kind.is_some_and(|kind| taken(declaration.items, kind))
+            kind.is_some_and(|kind| taken(declaration.items, kind) || converter(declaration, kind).is_some())
         }
         NewNodeLink::Feeds(name, pin) => {
             let pin = sheet.node(name).and_then(|node| node.pins.get(*pin));
@@ -247,6 +247,49 @@ fn taken(items: &[Item], kind: Kind) -> bool {
     })
 }
 
+/// Returns the standard conversion with which a node type takes a kind that it does not take itself.
+fn converter(declaration: &Declaration, kind: Kind) -> Option<&'static Declaration> {
+    let ty = registry().iter().map(|ty| ty.declaration()).find(|ty| ty.role == Some(Role::Threshold))?;
+    let made = ty.outputs.first()?.kind;
+    let fits = |items: &[Item], kind: Kind| kind != Kind::ANY && taken(items, kind);
+    (!taken(declaration.items, kind) && fits(ty.items, kind) && fits(declaration.items, made)).then_some(ty)
+}
+
+/// Returns the conversion that a new node of this type would get before it.
+pub(super) fn conversion(
+    sheet: &Sheet,
+    declaration: &Declaration,
+    wanted: &NewNodeLink,
+) -> Option<&'static Declaration> {
+    let (NewNodeLink::Takes(name, output) | NewNodeLink::Below(name, output)) = wanted else { return None };
+    converter(declaration, kind(sheet, (sheet.find(name)?, *output))?)
+}
+
+/// Adds a node and the conversion that it needs to take an output; also returns its name. `None` if it needs none.
+fn converted(
+    session: &Session,
+    declaration: &'static Declaration,
+    at: Point,
+    wanted: &NewNodeLink,
+) -> Option<(Edit, String)> {
+    let old = session.sheet();
+    let ty = conversion(old, declaration, wanted)?;
+    let (NewNodeLink::Takes(above, output) | NewNodeLink::Below(above, output)) = wanted else { return None };
+    let (first, between) = edit::added(old, ty, at);
+    let below = [at[0], at[1] + super::place::HEAD + super::place::PICTURE + 40.0];
+    let (second, name) = edit::added(&session.after(&first).ok()?.sheet, declaration, below);
+    let edit = first.then(second);
+    let sheet = session.after(&edit).ok()?.sheet;
+    let from = (sheet.find(above)?, *output);
+    let (between, node) = (sheet.find(&between)?, sheet.find(&name)?);
+    let pin = |node: usize, kind: Kind| sheet.nodes[node].pins.iter().position(|pin| takes(pin.accepts, kind));
+    let made = sheet.nodes[between].makes.first()?.1?;
+    let edit = edit
+        .then(edit::connected(&sheet, from, (between, pin(between, kind(&sheet, from)?)?)))
+        .then(edit::connected(&sheet, (between, 0), (node, pin(node, made)?)));
+    Some((Edit { label: format!("Add {} and {}", ty.name, declaration.name), ..edit }, name))
+}
+
 /// Adds a node and connects it as requested, as far as it fits; also returns its name.
 pub(super) fn added(
     session: &Session,
@@ -254,6 +297,9 @@ pub(super) fn added(
     at: Point,
     wanted: &NewNodeLink,
 ) -> (Edit, String) {
+    if let Some(converted) = converted(session, declaration, at, wanted) {
+        return converted;
+    }
     let (edit, name) = edit::added(session.sheet(), declaration, at);
     let joined = session.after(&edit).ok().and_then(|after| joins(&after.sheet, &name, wanted));
     match joined {

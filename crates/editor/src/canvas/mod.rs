@@ -50,6 +50,8 @@ pub struct Canvas {
     menu: Option<menu::Menu>,
     writing: Option<backdrop::TextDraft>,
     wants_frame: bool,
+    /// Backdrop to frame on the next draw.
+    wants_backdrop: Option<String>,
     wants_search: bool,
     wants_replacement: bool,
     /// Whether the next paste was requested from a menu, so it applies wherever the pointer is.
@@ -76,6 +78,11 @@ impl Canvas {
     /// Frames the selected nodes, or all nodes, on the next draw.
     pub fn frame(&mut self) {
         self.wants_frame = true;
+    }
+
+    /// Frames a backdrop on the next draw.
+    pub fn frame_backdrop(&mut self, name: String) {
+        self.wants_backdrop = Some(name);
     }
 
     /// Opens the search for a node to add on the next draw.
@@ -107,6 +114,14 @@ impl Canvas {
     pub fn note(&self, sheet: &Sheet) -> (Edit, String, &'static str) {
         let (edit, name) = backdrop::note(sheet, self.view.canvas(self.view.rect.center()));
         (edit, name, backdrop::NOTE)
+    }
+
+    /// Returns a free place for a new node near a place on the screen; if that is not in the panel, in its middle.
+    pub fn free_place(&self, sheet: &Sheet, at: Option<egui::Pos2>) -> Point {
+        let at = at.filter(|at| self.view.rect.contains(*at)).unwrap_or(self.view.rect.center());
+        let size = vec2(place::WIDTH, place::HEAD + place::PICTURE);
+        let own = Rect::from_center_size(self.view.canvas(at), size);
+        place::nearest(own, &place::boxes(sheet, &mut place::GraphLayout::default())).min.into()
     }
 
     /// Adds a dot in the middle of a node's first outgoing wire, or otherwise its first incoming wire.
@@ -155,7 +170,8 @@ impl Canvas {
             }
         }
         let framed = std::mem::take(&mut self.wants_frame).then(|| plan.area(&state.selection)).flatten();
-        if let Some(area) = framed {
+        let backdrop = self.wants_backdrop.take().and_then(|name| plan.sheet.backdrops.get(&name).map(backdrop::area));
+        if let Some(area) = backdrop.or(framed) {
             self.view.show(area);
         }
         if std::mem::take(&mut self.wants_search) {

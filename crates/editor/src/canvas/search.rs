@@ -51,8 +51,19 @@ impl Search {
                 all.filter(|known| Some(known.name) != own).collect()
             }
         };
+        // Those that take the output themselves come first.
+        let mut all = all;
+        all.sort_by_key(|known| self.conversion(plan, known).is_some());
         let names = all.iter().enumerate().map(|(index, known)| (index, known.name));
         matches(&self.text, names).into_iter().map(|index| all[index]).collect()
+    }
+
+    /// Returns the conversion that a node of this type would get before it.
+    fn conversion(&self, plan: &Plan, declaration: &Declaration) -> Option<&'static Declaration> {
+        match &self.purpose {
+            Purpose::Add(wanted) => connect::conversion(&plan.sheet, declaration, wanted),
+            Purpose::Replace(_) => None,
+        }
     }
 
     fn title(&self) -> String {
@@ -148,7 +159,10 @@ fn list_ui(search: &mut Search, plan: &Plan, ui: &mut Ui) -> Option<&'static Dec
     ScrollArea::vertical().max_height(260.0).auto_shrink([false, true]).show(ui, |ui| {
         for (index, known) in found.iter().enumerate() {
             let kind = known.outputs.first().map(|output| output.kind);
-            let button = Button::selectable(index == search.chosen, format!("    {}", known.name));
+            let mut button = Button::selectable(index == search.chosen, format!("    {}", known.name));
+            if let Some(ty) = search.conversion(plan, known) {
+                button = button.shortcut_text(format!("with {}", ty.name));
+            }
             let row = ui.add(button.min_size(vec2(ui.available_width(), 0.0)));
             ui.painter().circle_filled(row.rect.left_center() + vec2(9.0, 0.0), 3.5, theme::kind(kind));
             row.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, index == search.chosen, known.name));

@@ -3,6 +3,7 @@
 use super::change::style;
 use super::color::is_color;
 use super::json::{Path, quoted};
+use super::link::is_link;
 use super::sheet::{Node, Point, Sheet, point};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, HashMap};
@@ -90,7 +91,7 @@ fn redirect_items(items: &[trochoid::Item], body: &mut Value, to: &dyn Fn(&str) 
 /// Renames a reference; returns whether it still refers to a node.
 fn renamed(value: &mut Value, to: &dyn Fn(&str) -> Option<String>) -> bool {
     let Value::String(text) = value else { return true };
-    if is_color(text) {
+    if is_color(text) || is_link(text) {
         return true;
     }
     let (node, output) = text.split_once('.').map_or((text.as_str(), None), |(node, output)| (node, Some(output)));

@@ -4,7 +4,7 @@ use super::change::{Edit, style};
 use super::clip;
 use super::decor;
 use super::json::{Op, Path, quoted};
-
+use super::link;
 use super::sheet::{Node, Point, Sheet, Wire};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -261,6 +261,13 @@ pub fn renamed(sheet: &Sheet, from: &str, to: &str) -> Edit {
             }
         }
     }
+    let new_name = |name: &str| (name == from).then(|| to.to_string());
+    for (path, text) in sheet.get(&Path::default().to("nodes")).map_or_else(Vec::new, all_links) {
+        let new = link::renamed(text, &new_name);
+        if new != text {
+            ops.push(Op::Set(path, quoted(&new)));
+        }
+    }
     if sheet.nodes[node].placed {
         ops.push(Op::Rename(placed(from), to.into()));
     }
@@ -269,10 +276,20 @@ pub fn renamed(sheet: &Sheet, from: &str, to: &str) -> Edit {
     Edit::new(format!("Rename {from} to {to}"), ops)
 }
 
+/// Returns all links in the nodes of a document.
+fn all_links(nodes: &Value) -> Vec<(Path, &str)> {
+    link::links(nodes, &Path::default().to("nodes"))
+}
+
 /// Bypasses nodes, or re-enables them if all are bypassed.
 pub fn disabled(sheet: &Sheet, names: &[String]) -> Edit {
+    switched(sheet, names, !names.iter().filter_map(|name| sheet.node(name)).any(|node| !node.disabled))
+}
+
+/// Re-enables nodes, or bypasses them.
+pub fn switched(sheet: &Sheet, names: &[String], on: bool) -> Edit {
+    let off = !on;
     let nodes: Vec<&Node> = names.iter().filter_map(|name| sheet.node(name)).collect();
-    let off = nodes.iter().any(|node| !node.disabled);
     let ops = nodes.iter().filter(|node| node.disabled != off).map(|node| {
         let path = Path::node(&node.name).to("disabled");
         if off { Op::Set(path, "true".into()) } else { Op::Remove(path) }
@@ -330,6 +347,7 @@ pub fn pasted(sheet: &Sheet, text: &str, at: Point) -> Option<(Edit, Vec<String>
             Some(new) => Some(new.clone()),
             None => sheet.find(node).map(|_| node.to_string()),
         });
+        link::redirect(&mut body, &|node| names.get(node).cloned());
         ops.push(Op::Set(Path::node(&names[name.as_str()]), style(&body)));
         let place = clip.positions.get(name).copied().unwrap_or([24.0 * index as f32, 90.0 * index as f32]);
         let place = [at[0] + place[0] - corner[0], at[1] + place[1] - corner[1]];

@@ -177,6 +177,15 @@ pub fn replaced(sheet: &Sheet, all: &[Swatch], by: &[(String, Value)]) -> Result
     Ok((edit, (!strange.is_empty()).then(|| listed(&strange))))
 }
 
+/// Takes all colors of another palette: those of the same names are replaced, the others added.
+///
+/// # Errors
+/// The palette is in a file.
+pub fn joined(sheet: &Sheet, by: &[(String, Value)]) -> Result<Edit, Refused> {
+    within(sheet)?;
+    Ok(Edit::new(format!("Take {}", count(by.len(), "color")), with_entries(sheet, by)))
+}
+
 /// Returns the names in the palette.
 pub fn names(all: &[Swatch]) -> impl Iterator<Item = &str> {
     all.iter().filter_map(|own| match &own.key {

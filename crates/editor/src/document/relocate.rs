@@ -3,6 +3,7 @@
 use super::change::Edit;
 use super::edit::count;
 use super::json::{Op, Path as ValuePath, quoted};
+use super::link::is_link;
 use super::sheet::Sheet;
 use serde_json::Value;
 use std::path::{Component, Path, PathBuf};
@@ -55,6 +56,16 @@ pub fn carried(text: &str, from: &Path, to: &Path) -> Option<String> {
     Some(edit.applied(text).ok()?.0)
 }
 
+/// Returns the path of a file as a document in a folder has it: relative to the folder, with placeholders escaped.
+///
+/// # Errors
+/// Fails if the path would lead through a folder whose name is not Unicode, or the file's is not.
+pub fn relative(file: &Path, folder: &Path) -> Result<String, NoText> {
+    let file = std::path::absolute(file).unwrap_or_else(|_| file.into());
+    let name = file.file_name().and_then(|name| name.to_str()).ok_or_else(|| NoText { path: file.clone() })?;
+    rewritten(&escape_frame(name), &real(file.parent().unwrap_or(&file)), &real(folder))
+}
+
 /// Returns every path in a document: of files it reads and, on request, of its outputs.
 fn paths(sheet: &Sheet, outputs: bool) -> Vec<(ValuePath, String)> {
     let mut found = Vec::new();
@@ -76,7 +87,7 @@ fn paths(sheet: &Sheet, outputs: bool) -> Vec<(ValuePath, String)> {
 fn collect(items: &[Item], body: &Value, place: &ValuePath, found: &mut Vec<(ValuePath, String)>) {
     for item in items {
         match (item, body.get(item.name())) {
-            (Item::Knob(knob), Some(Value::String(path))) if matches!(knob.takes, KnobType::Path) => {
+            (Item::Knob(knob), Some(Value::String(path))) if matches!(knob.takes, KnobType::Path) && !is_link(path) => {
                 found.push((place.to(knob.name), path.clone()));
             }
             (Item::List(list), Some(Value::Array(records))) => {

@@ -160,7 +160,9 @@ fn gather(items: &[Item], body: &Value, at: &Path, takes_knobs: bool, found: &mu
     for item in items {
         let (Some(value), place) = (body.get(item.name()), at.to(item.name())) else { continue };
         match item {
-            Item::Knob(knob) if takes_knobs && matches!(knob.takes, KnobType::Color) => found.push(place),
+            Item::Knob(knob) if takes_knobs && matches!(knob.takes, KnobType::Color) && !is_linked(value) => {
+                found.push(place);
+            }
             Item::Port(port) if port.accepts.takes_color() => match port.arity {
                 Arity::Many { .. } => {
                     let elements = value.as_array().map_or(&[][..], Vec::as_slice).iter().enumerate();
@@ -178,6 +180,11 @@ fn gather(items: &[Item], body: &Value, at: &Path, takes_knobs: bool, found: &mu
             _ => {}
         }
     }
+}
+
+/// Returns whether a value is taken from another knob.
+fn is_linked(value: &Value) -> bool {
+    value.as_str().is_some_and(super::link::is_link)
 }
 
 /// Returns whether the value of a port is a color, and no node.

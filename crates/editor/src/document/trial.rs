@@ -5,18 +5,21 @@ use super::json::{Op, Path, Step};
 use super::meaning::Meaning;
 use trochoid::Diagnostic;
 
-/// Returns the new fault that an edit causes in the edited node, or in the edited entry outside of nodes. Returns none
+/// Returns the new fault that an edit causes in the edited nodes, or in the edited entry outside of nodes. Returns none
 /// if that place already had a fault, or if the edit fixes another fault: then it may be a step toward a valid
 /// document.
 pub(super) fn fault(edit: &Edit, before: &Meaning, after: &Meaning) -> Option<Diagnostic> {
-    let [Op::Set(path, _), ..] = edit.ops.as_slice() else { return None };
-    let place = Part::of(path)?;
+    let [Op::Set(..), ..] = edit.ops.as_slice() else { return None };
+    // An edit of several nodes sets a value in each.
+    let sets = edit.ops.iter().filter_map(|op| if let Op::Set(path, _) = op { Part::of(path) } else { None });
+    let places: Vec<Part<'_>> = sets.collect();
+    let holds = |fault: &Diagnostic| places.iter().any(|place| place.holds(fault));
     let is_known = |fault: &Diagnostic| before.errors().any(|known| is_same(known, fault));
     let stays = |known: &Diagnostic| after.errors().any(|fault| is_same(known, fault));
-    if before.errors().any(|fault| place.holds(fault)) || !before.errors().all(stays) {
+    if before.errors().any(holds) || !before.errors().all(stays) {
         return None;
     }
-    after.errors().find(|fault| place.holds(fault) && !is_known(fault)).cloned()
+    after.errors().find(|fault| holds(fault) && !is_known(fault)).cloned()
 }
 
 /// Part of the document that an edit concerns.

@@ -24,6 +24,8 @@ impl Editor {
             Action::Select(names) => self.choose(names),
             Action::Output(name) => self.choose_output(name),
             Action::Visit(name) => self.visit(name),
+            Action::Find => self.find(),
+            Action::GoTo(target) => self.go_to_target(target),
             Action::Look(node, output) => self.look_at(node, output),
             Action::Slot(slot) => self.view_slot(slot),
             Action::Display(display) => state.look.display = display,
@@ -40,10 +42,12 @@ impl Editor {
             Action::ComparePalette(compared) => state.colors.compared = compared,
             Action::AddColor => self.add_color(),
             Action::TakePalette(entries, file) => self.take_palette(&entries, &file),
+            Action::JoinPalette(entries) => self.join_palette(&entries),
             Action::NameColors => self.name_colors(),
             Action::BringPalette => self.bring_palette(),
             Action::Frame(frame) => self.go_to(frame),
             Action::Play(playing) => self.set_playing(playing),
+            Action::Onion(on) => state.look.onion = on,
             Action::Range(first, last) => state.range = (first.min(last), first.max(last)),
             Action::New => self.leave(After::New, context),
             Action::Open => self.leave(After::Ask, context),
@@ -115,7 +119,7 @@ impl Editor {
         self.state.selection = self.state.sheet().nodes.iter().map(|node| node.name.clone()).collect();
     }
 
-    fn choose_output(&mut self, name: Option<String>) {
+    pub(super) fn choose_output(&mut self, name: Option<String>) {
         let state = &mut self.state;
         if name.as_ref().is_some_and(|name| output::find(state.sheet(), name).is_none()) {
             return;
@@ -125,7 +129,7 @@ impl Editor {
         state.output = name;
     }
 
-    fn visit(&mut self, name: String) {
+    pub(super) fn visit(&mut self, name: String) {
         let state = &mut self.state;
         state.selection = [name].into();
         state.dropper = None;

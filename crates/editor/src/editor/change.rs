@@ -14,7 +14,10 @@ impl Editor {
     pub(super) fn give(&mut self, edit: Edit, field: Id, context: &Context) {
         if let Some(fault) = self.make(edit, Session::give).flatten() {
             self.forgive(context);
-            refusal::refuse(context, field, &format_args!("found {}; expected {}", fault.found, fault.expected));
+            // What to do is shown where it names something else to type.
+            let near =
+                if fault.remedy.starts_with("did you mean") { format!("; {}", fault.remedy) } else { String::new() };
+            refusal::refuse(context, field, &format_args!("found {}; expected {}{near}", fault.found, fault.expected));
         }
     }
 

@@ -3,6 +3,8 @@
 mod act;
 mod change;
 mod colors;
+mod dropped;
+mod find;
 mod leave;
 mod painting;
 mod pictures;
@@ -240,6 +242,7 @@ impl Editor {
     /// Prepares a frame before drawing: receives news and returns the actions of pressed keys.
     pub(crate) fn before(&mut self, context: &Context) -> Vec<Action> {
         self.hear(context);
+        self.take_dropped(context);
         self.forgive(context);
         // A drag of a color whose end nothing has seen, because its panel is hidden, counts as cancelled.
         if self.state.colors.tint.is_some()

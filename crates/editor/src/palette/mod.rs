@@ -138,17 +138,20 @@ fn told_ui(ui: &mut Ui, state: &State, all: &[Swatch]) {
         rest => format!("{} with names, {rest} without", crate::document::edit::count(named, "color")),
     };
     let seen = &state.evaluated;
-    ui.horizontal_wrapped(|ui| {
+    // One line whatever it says, so that no color moves under the pointer.
+    ui.horizontal(|ui| {
+        ui.set_height(ui.spacing().interact_size.y);
         ui.weak(text);
         if let Some(share) = seen.mixing {
             ui.add(egui::Spinner::new().size(12.0));
             let share = if share > 0.0 { format!(", {:.0} %", 100.0 * share) } else { String::new() };
-            ui.weak(format!("weighing the picture{share}")).on_hover_text(
+            let weighing = RichText::new(format!("weighing the picture{share}")).weak();
+            ui.add(egui::Label::new(weighing).truncate()).on_hover_text(
                 "Once the picture's weights are known, it follows a dragged color at once; until then it is evaluated",
             );
         } else if let Some(why) = &seen.unmixed {
             let text = RichText::new("no shares").color(ui.visuals().warn_fg_color);
-            ui.label(text).on_hover_text(why);
+            ui.add(egui::Label::new(text).truncate()).on_hover_text(why);
         }
     });
 }

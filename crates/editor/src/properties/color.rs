@@ -3,6 +3,7 @@
 use super::context::{Properties, WidgetContext};
 use crate::actions::{Action, Pane, Tint};
 use crate::document::color::{hex, is_name, rgb};
+use crate::document::link;
 use crate::document::swatches::{SwatchKey, space};
 use crate::document::{Edit, spoken};
 use crate::evaluate::Screen;
@@ -49,12 +50,18 @@ pub(super) fn color_ui(
     let text = field::draft_ui(ui, &salt, &written, read_color, |text| {
         TextEdit::singleline(text).desired_width(72.0).font(egui::TextStyle::Monospace)
     });
+    let given = swatch.given.or(text.given);
+    let response = field::joined(swatch.response, text.response);
+    // One place takes the color that is picked.
+    if !place.also.is_empty() {
+        return FieldResponse { response, given };
+    }
     let mut taking = place.state.dropper.as_ref() == Some(&place.path);
     let dropper = ui.toggle_value(&mut taking, "Pick");
     if dropper.on_hover_text("Pick the next color clicked in the picture or the reference painting").clicked() {
         actions.push(Action::Dropper(taking.then(|| place.path.clone())));
     }
-    FieldResponse { response: field::joined(swatch.response, text.response), given: swatch.given.or(text.given) }
+    FieldResponse { response, given }
 }
 
 /// Draws the color as a button that opens a picker, with the document's other colors. The color of a name is changed in
@@ -67,7 +74,7 @@ pub(super) fn swatch_ui(
     actions: &mut Vec<Action>,
 ) -> FieldResponse<Value> {
     let state = place.state;
-    let controls = vec![spoken(&place.path)];
+    let controls: Vec<String> = place.places().map(spoken).collect();
     let tint = state.colors.tint.as_ref().filter(|tint| tint.controls == controls);
     let shown = tint.map(|tint| tint.color).or_else(|| display(value, state)).unwrap_or_default();
     // A color picked here would be a color without the name.
@@ -113,11 +120,14 @@ pub(super) fn swatch_ui(
 
 /// Error in a typed color: what was expected.
 #[derive(Debug, thiserror::Error)]
-#[error("a color as #rrggbb, [r, g, b] in the working space, or palette.NAME")]
-struct NoColor;
+#[error("a color as #rrggbb, [r, g, b] in the working space, or palette.NAME; or a link, such as = sky.a")]
+pub(super) struct NoColor;
 
-/// Parses a typed color.
-fn read_color(text: &str) -> Result<Value, NoColor> {
+/// Parses a typed color, or a link to one.
+pub(super) fn read_color(text: &str) -> Result<Value, NoColor> {
+    if let Some(link) = link::written(text) {
+        return Ok(link.into());
+    }
     let text = text.trim();
     if is_name(text) {
         return Ok(text.into());

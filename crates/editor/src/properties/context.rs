@@ -1,12 +1,13 @@
 //! Context shared by the widgets of the properties panel.
 
 use crate::actions::Action;
-use crate::document::{Edit, Path};
+use crate::document::change::style;
+use crate::document::{Edit, Op, Path, edit};
 use crate::evaluate::Screen;
 use crate::field::Gesture;
 use crate::prose::explained;
 use crate::state::State;
-use egui::{RichText, Ui};
+use egui::{Align, Response, RichText, Stroke, StrokeKind, Ui};
 use serde_json::Value;
 use std::collections::HashSet;
 
@@ -19,6 +20,69 @@ pub(crate) struct Properties {
     pub(crate) reference: Option<(String, Screen)>,
     pub(super) texture: Option<egui::TextureHandle>,
     pub(super) dialog: Option<egui_file_dialog::FileDialog>,
+    /// Value that is being linked, before it has a link.
+    pub(super) linking: Option<Linking>,
+    sought: Option<Sought>,
+}
+
+/// A value for which a link is being typed.
+pub(super) struct Linking {
+    pub(super) path: Path,
+    /// What was typed before its field was there.
+    pub(super) typed: Option<String>,
+}
+
+/// A value that was gone to: it is brought into view, and marked for a while.
+struct Sought {
+    path: Path,
+    /// Time at which the panel was first drawn since.
+    since: Option<f64>,
+}
+
+/// Seconds for which lists open and the panel scrolls to the sought value, and for which it is marked.
+const SCROLLS: f64 = 0.4;
+const MARKED: f64 = 2.5;
+
+impl Properties {
+    /// Brings a value into view when the panel is drawn.
+    pub(crate) fn seek(&mut self, path: Path) {
+        self.sought = Some(Sought { path, since: None });
+    }
+
+    /// Returns whether a link is being typed for a value.
+    pub(super) fn links(&self, path: &Path) -> bool {
+        self.linking.as_ref().is_some_and(|linking| linking.path == *path)
+    }
+
+    /// Starts the time of the sought value, and ends it.
+    pub(super) fn pass(&mut self, ui: &Ui) {
+        let now = ui.input(|input| input.time);
+        if let Some(sought) = &mut self.sought {
+            let since = *sought.since.get_or_insert(now);
+            ui.ctx().request_repaint();
+            if now - since > MARKED {
+                self.sought = None;
+            }
+        }
+    }
+
+    /// Returns whether a list must be open: the sought value is in it.
+    pub(super) fn opens(&self, ui: &Ui, list: &Path) -> Option<bool> {
+        let sought = self.sought.as_ref().filter(|sought| sought.path.0.starts_with(&list.0))?;
+        let age = ui.input(|input| input.time) - sought.since?;
+        (age <= SCROLLS).then_some(true)
+    }
+
+    /// Marks the label of a value if it is sought.
+    pub(super) fn mark(&self, ui: &Ui, path: &Path, label: &Response) {
+        let Some(sought) = self.sought.as_ref().filter(|sought| sought.path == *path) else { return };
+        let Some(since) = sought.since else { return };
+        if ui.input(|input| input.time) - since <= SCROLLS {
+            label.scroll_to_me(Some(Align::Center));
+        }
+        let stroke = Stroke::new(1.5, ui.visuals().warn_fg_color);
+        ui.painter().rect_stroke(label.rect.expand2(egui::vec2(3.0, 1.0)), 3.0, stroke, StrokeKind::Outside);
+    }
 }
 
 /// Path and value that a widget edits.
@@ -27,18 +91,48 @@ pub(super) struct WidgetContext<'p> {
     pub(super) path: Path,
     /// Value in the document.
     pub(super) value: Option<&'p Value>,
+    /// The same knob of other selected nodes, which is changed together with this one.
+    pub(super) also: Vec<Path>,
 }
 
-impl WidgetContext<'_> {
+impl<'p> WidgetContext<'p> {
+    /// Returns the context of a value.
+    pub(super) fn new(state: &'p State, path: Path, value: Option<&'p Value>) -> Self {
+        Self { state, path, value, also: Vec::new() }
+    }
+
+    /// Returns all places that are changed together.
+    pub(super) fn places(&self) -> impl Iterator<Item = &Path> {
+        std::iter::once(&self.path).chain(&self.also)
+    }
+
     /// Creates an edit that sets the value; edits during one gesture merge into one undo step.
     pub(super) fn set(&self, value: &Value) -> Edit {
-        Edit::set(self.path.clone(), value).merging(self.path.to_string())
+        self.set_each(|_| value.clone())
+    }
+
+    /// Creates an edit that sets each place to a value of its own.
+    pub(super) fn set_each(&self, value: impl Fn(&Path) -> Value) -> Edit {
+        let ops = self.places().map(|path| Op::Set(path.clone(), style(&value(path)))).collect();
+        Edit::new(self.label("Set"), ops).merging(self.path.to_string())
     }
 
     /// Requests a reset to the default.
     pub(super) fn reset(&self, gesture: Gesture, actions: &mut Vec<Action>) {
-        if self.value.is_some() {
-            gesture.edit(Edit::reset(self.path.clone()), actions);
+        let set = self.places().filter(|path| self.state.sheet().get(path).is_some());
+        let ops: Vec<Op> = set.map(|path| Op::Remove(path.clone())).collect();
+        if !ops.is_empty() {
+            gesture.edit(Edit::new(self.label("Reset"), ops), actions);
+        }
+    }
+
+    /// Returns the label of an edit: `Set storm.height`, `Set height of 3 nodes`.
+    fn label(&self, what: &str) -> String {
+        match (self.also.len(), self.path.0.last()) {
+            (1.., Some(crate::document::Step::Key(knob))) => {
+                format!("{what} {knob} of {}", edit::count(self.also.len() + 1, "node"))
+            }
+            _ => format!("{what} {}", crate::document::spoken(&self.path)),
         }
     }
 }

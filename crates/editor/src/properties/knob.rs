@@ -1,13 +1,13 @@
 //! Knob fields: a widget for each type of value.
 
-use super::context::{Properties, WidgetContext, label_ui};
-use super::{color, key};
+use super::context::{Linking, Properties, WidgetContext, label_ui};
+use super::{color, key, link};
 use crate::actions::Action;
 use crate::document::edit::default_value;
 use crate::field::{self, FieldResponse, Gesture, Number};
 use egui::{ComboBox, TextEdit, Ui};
 use serde_json::{Value, json};
-use trochoid::{Knob, KnobType, expected};
+use trochoid::{Item, Knob, KnobDefault, KnobType, expected};
 
 /// Draws a knob, with its keys if it can be animated.
 pub(super) fn knob_ui(
@@ -26,12 +26,23 @@ pub(super) fn knob_ui(
     let shown = at(place.state.frame as f64);
     ui.horizontal_wrapped(|ui| {
         let label = label_ui(ui, knob.name, &help(knob, &default), place.value.is_some());
-        label.context_menu(|ui| menu_ui(ui, knob, place, &shown, actions));
-        let unset = place.value.is_none() && matches!(knob.default, Some(trochoid::KnobDefault::Unset));
-        let (told, frame) =
+        label.context_menu(|ui| menu_ui(panel, ui, knob, place, &shown, actions));
+        panel.mark(ui, &place.path, &label);
+        if link::of(place.value).is_some() || panel.links(&place.path) {
+            let present = link::present(place.state, &place.path, &Item::Knob(*knob));
+            return link::link_ui(panel, ui, place, present, |typed| typed_value(typed, knob), actions);
+        }
+        let unset = place.value.is_none() && matches!(knob.default, Some(KnobDefault::Unset));
+        let (mut told, frame) =
             key::typed_ui(ui, place, |ui, frame| widget_ui(ui, knob, &at(frame), unset, place, actions));
+        // Each letter of a text takes effect, but a link only when it is complete.
+        if matches!(knob.takes, KnobType::Text | KnobType::Path)
+            && let Some((Value::String(typed), _)) = told.given.take_if(|(value, _)| link::of(Some(value)).is_some())
+        {
+            panel.linking = Some(Linking { path: place.path.clone(), typed: Some(typed) });
+        }
         key::tell(told, keyed.as_ref(), frame, place, actions);
-        if matches!(knob.default, Some(trochoid::KnobDefault::Unset))
+        if matches!(knob.default, Some(KnobDefault::Unset))
             && place.value.is_some()
             && let Some(gesture) = Gesture::click(&ui.small_button("×").on_hover_text("Remove this value"))
         {
@@ -47,22 +58,30 @@ pub(super) fn knob_ui(
 }
 
 /// Returns the tooltip of a knob: help, range, unit, and default.
-fn help(knob: &Knob, default: &Value) -> String {
+pub(super) fn help(knob: &Knob, default: &Value) -> String {
     let default = match knob.default {
         None => "required".into(),
-        Some(trochoid::KnobDefault::Unset) => "unset by default".into(),
+        Some(KnobDefault::Unset) => "unset by default".into(),
         Some(_) => format!("{} by default", crate::document::change::style(default)),
     };
     format!("{}\n\n{}; {default}.", knob.help, knob.takes_in_words())
 }
 
-fn menu_ui(ui: &mut Ui, knob: &'static Knob, place: &WidgetContext<'_>, shown: &Value, actions: &mut Vec<Action>) {
+fn menu_ui(
+    panel: &mut Properties,
+    ui: &mut Ui,
+    knob: &'static Knob,
+    place: &WidgetContext<'_>,
+    shown: &Value,
+    actions: &mut Vec<Action>,
+) {
     let has_default = knob.default.is_some();
     let reset = ui.add_enabled(has_default && place.value.is_some(), egui::Button::new("Reset to default"));
     if let Some(gesture) = Gesture::click(&reset) {
         place.reset(gesture, actions);
         ui.close();
     }
+    link::menu_ui(panel, ui, place);
     if ui.button("Copy value").clicked() {
         ui.ctx().copy_text(crate::document::change::style(shown));
         ui.close();
@@ -89,15 +108,13 @@ fn widget_ui(
         (KnobType::Number { min, max }, Value::Number(_)) => number_ui(ui, value, (*min, *max), &suffix),
         (KnobType::Integer { min, max }, Value::Number(number)) => {
             let number = Number::new(number.as_f64().unwrap_or_default()).whole();
-            number.range(*min as f64, *max as f64).suffix(&suffix).ui(ui).map(whole)
+            number.range(*min as f64, *max as f64).suffix(&suffix).value_ui(ui).map(whole)
         }
         (KnobType::Bool, Value::Bool(on)) => field::switch_ui(ui, *on, "").map(Value::from),
         (KnobType::Choice(words), Value::String(chosen)) => choice_ui(ui, words, chosen, place),
         (KnobType::Color, _) => color::color_ui(ui, value, place, actions),
-        (KnobType::Vector(count), Value::Array(items))
-            if items.len() == *count && items.iter().all(Value::is_number) =>
-        {
-            vector_ui(ui, items)
+        (KnobType::Vector(count), Value::Array(items)) if items.len() == *count && items.iter().all(is_number) => {
+            vector_ui(ui, items, place)
         }
         (KnobType::Text | KnobType::Path, Value::String(text)) => {
             field::text_ui(ui, text, |text| TextEdit::singleline(text).desired_width(180.0)).map(Value::from)
@@ -114,12 +131,15 @@ struct Unfit<'t>(&'t KnobType);
 /// Parses typed text as a value of a knob.
 fn read<'t>(text: &str, takes: &'t KnobType) -> Result<Value, Unfit<'t>> {
     let wanted = || Unfit(takes);
+    if let Some(link) = crate::document::link::written(text) {
+        return Ok(link.into());
+    }
     match takes {
         KnobType::Text | KnobType::Path | KnobType::Choice(_) => Ok(text.into()),
         _ => {
             let value: Value = serde_json::from_str(text).map_err(|_| wanted())?;
             let fits = match takes {
-                KnobType::Numbers { .. } => value.as_array().is_some_and(|items| items.iter().all(Value::is_number)),
+                KnobType::Numbers { .. } => value.as_array().is_some_and(|items| items.iter().all(is_number)),
                 KnobType::Texts { .. } => value.as_array().is_some_and(|items| items.iter().all(Value::is_string)),
                 KnobType::Vector(count) => value.as_array().is_some_and(|items| items.len() == *count),
                 KnobType::Bool => value.is_boolean(),
@@ -131,9 +151,34 @@ fn read<'t>(text: &str, takes: &'t KnobType) -> Result<Value, Unfit<'t>> {
     }
 }
 
-/// Returns a whole number in the form documents store.
-fn whole(number: f64) -> Value {
-    if number.abs() < 9e15 { json!(number as i64) } else { json!(number) }
+/// Returns whether a value is a number, or a link to one.
+fn is_number(value: &Value) -> bool {
+    value.is_number() || link::of(Some(value)).is_some()
+}
+
+/// Returns a value with whole numbers in the form documents store.
+fn whole(value: Value) -> Value {
+    match value.as_f64() {
+        Some(number) if number.abs() < 9e15 => json!(number as i64),
+        _ => value,
+    }
+}
+
+/// Parses a value of a knob that is typed as text; numbers may be formulas.
+///
+/// # Errors
+/// It is none; the error is what was expected.
+pub(super) fn typed_value(text: &str, knob: &Knob) -> Result<Value, String> {
+    let suffix = unit(knob.unit);
+    let number = |number: Number<'_>| number.suffix(&suffix).read(text).map_err(|why| why.expected);
+    match &knob.takes {
+        KnobType::Number { min, max } => number(Number::new(0.0).range(*min, *max)).map(Value::from),
+        KnobType::Integer { min, max } => {
+            number(Number::new(0.0).whole().range(*min as f64, *max as f64)).map(|number| whole(number.into()))
+        }
+        KnobType::Color => color::read_color(text).map_err(|why| why.to_string()),
+        takes => read(text, takes).map_err(|why| why.to_string()),
+    }
 }
 
 fn choice_ui(ui: &mut Ui, words: &[&str], chosen: &str, place: &WidgetContext<'_>) -> FieldResponse<Value> {
@@ -151,11 +196,14 @@ fn choice_ui(ui: &mut Ui, words: &[&str], chosen: &str, place: &WidgetContext<'_
     FieldResponse { response: response.response, given }
 }
 
-fn vector_ui(ui: &mut Ui, items: &[Value]) -> FieldResponse<Value> {
+fn vector_ui(ui: &mut Ui, items: &[Value], place: &WidgetContext<'_>) -> FieldResponse<Value> {
     let mut all: Option<FieldResponse<Value>> = None;
     for (index, item) in items.iter().enumerate() {
         // Each component has its own id, so that widgets that come and go nearby do not disturb typing.
-        let own = ui.push_id(("component", index), |ui| number_ui(ui, item, (f64::NEG_INFINITY, f64::INFINITY), ""));
+        let own = ui.push_id(("component", index), |ui| match link::of(Some(item)) {
+            Some(_) => link::component_ui(ui, &place.path.to(index), item),
+            None => number_ui(ui, item, (f64::NEG_INFINITY, f64::INFINITY), ""),
+        });
         let own = own.inner.map(|component| {
             let mut items = items.to_vec();
             items[index] = component;
@@ -194,5 +242,5 @@ pub(super) fn number_ui(ui: &mut Ui, value: &Value, (min, max): (f64, f64), suff
         ui.spacing_mut().slider_width = room.min(120.0);
         number = number.slider(min..=max, false);
     }
-    number.ui(ui).map(|number| json!(number))
+    number.value_ui(ui)
 }

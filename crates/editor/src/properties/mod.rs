@@ -4,11 +4,13 @@ mod color;
 mod context;
 mod key;
 mod knob;
+mod link;
 mod notes;
 mod output;
 mod port;
 mod ramp;
 mod record;
+mod several;
 mod surface;
 
 use crate::actions::Action;
@@ -24,6 +26,7 @@ use trochoid::{Role, Severity};
 
 /// Draws the properties of the selected node or output, or of the document if nothing is selected.
 pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    panel.pass(ui);
     color::reference_ui(panel, ui, state, actions);
     if !state.session.meaning().readable {
         // Only the text can be edited.
@@ -47,10 +50,10 @@ pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, 
         match state.chosen() {
             Some(name) => node_ui(panel, ui, state, name, actions),
             None if state.selection.is_empty() => match &state.output {
-                Some(name) => output::output_ui(ui, state, name, actions),
-                None => document_ui(ui, state, actions),
+                Some(name) => output::output_ui(panel, ui, state, name, actions),
+                None => document_ui(panel, ui, state, actions),
             },
-            None => drop(ui.weak(format!("{} selected", edit::count(state.selection.len(), "node")))),
+            None => several::several_ui(panel, ui, state, actions),
         }
         if state.chosen().is_some() && faulty.is_none() {
             ui.add_space(height - ui.spacing().item_spacing.y);
@@ -123,6 +126,7 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
     });
     ui.separator();
     let path = Path::node(name);
+    panel.linking.take_if(|linking| !linking.path.0.starts_with(&path.0));
     let body = sheet.get(&path);
     // The field keeps the focus whatever widgets come and go above it.
     let own = egui::UiBuilder::new().id(ui.id().with(("knobs", name)));
@@ -135,7 +139,7 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
         }
         record::items_ui(panel, ui, state, declaration.items, &path, body, actions);
         ui.separator();
-        notes::notes_ui(ui, state, &path, actions);
+        notes::notes_ui(panel, ui, state, &path, actions);
     });
 }
 
@@ -158,7 +162,7 @@ fn wrong_name(name: &str, sheet: &crate::document::Sheet) -> Option<WrongName> {
 }
 
 /// Draws the properties of the document: format, frames, and working space.
-fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+fn document_ui(panel: &Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
     ui.label(RichText::new("Document").heading());
     ui.weak("Select a node to see its knobs.");
@@ -166,7 +170,7 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let narrow = ui.available_width() < 280.0;
     let number = |ui: &mut Ui, label: &str, path: Path, number: Number<'_>, actions: &mut Vec<Action>| {
         ui.label(label);
-        let place = WidgetContext { state, path, value: None };
+        let place = WidgetContext::new(state, path, None);
         number.ui(ui).edit(actions, |number| place.set(&number.into()));
         if narrow {
             ui.end_row();
@@ -218,5 +222,5 @@ fn document_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     ui.separator();
     output::outputs_ui(ui, state, actions);
     ui.separator();
-    notes::notes_ui(ui, state, &Path::default(), actions);
+    notes::notes_ui(panel, ui, state, &Path::default(), actions);
 }

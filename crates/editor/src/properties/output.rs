@@ -1,5 +1,6 @@
 //! The outputs of the document, and the settings of the selected output.
 
+use super::context::Properties;
 use crate::actions::Action;
 use crate::document::{Sheet, output};
 use crate::field::{self, Gesture};
@@ -45,7 +46,7 @@ pub(super) fn outputs_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) 
 }
 
 /// Draws the settings of one output.
-pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
+pub(super) fn output_ui(panel: &Properties, ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
     let Some(known) = output::find(sheet, name) else { return };
     ui.horizontal_wrapped(|ui| {
@@ -114,7 +115,7 @@ pub(super) fn output_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Ve
         }
     });
     ui.separator();
-    super::notes::notes_ui(ui, state, &output::path(name), actions);
+    super::notes::notes_ui(panel, ui, state, &output::path(name), actions);
 }
 
 /// Returns all results that can be rendered.

@@ -1,14 +1,14 @@
 //! Port fields: the connection, or the constant used in its place.
 
 use super::context::{Properties, WidgetContext, label_ui};
-use super::{color, key, knob};
+use super::{color, key, knob, link};
 use crate::actions::Action;
 use crate::document::color::is_color;
 use crate::document::{Edit, Path, edit};
-use crate::field::Gesture;
+use crate::field::{Gesture, Number};
 use egui::{Button, RichText, Ui};
 use serde_json::{Value, json};
-use trochoid::{Arity, Port};
+use trochoid::{Arity, Item, Port};
 
 /// Draws a port with all of its connections.
 pub(super) fn port_ui(
@@ -24,7 +24,7 @@ pub(super) fn port_ui(
     }
     let elements = place.value.and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
     for (index, element) in elements.iter().enumerate() {
-        let own = WidgetContext { state: place.state, path: place.path.to(index), value: Some(element) };
+        let own = WidgetContext::new(place.state, place.path.to(index), Some(element));
         source_ui(panel, ui, port, &format!("{}[{index}]", port.name), &own, actions);
     }
     let Arity::Many { max, .. } = port.arity else { return };
@@ -56,7 +56,15 @@ fn source_ui(
                 place.reset(gesture, actions);
                 ui.close();
             }
+            if port.accepts.takes_color() || port.accepts.takes_number() {
+                link::menu_ui(panel, ui, place);
+            }
         });
+        panel.mark(ui, &place.path, &label);
+        if link::of(place.value).is_some() || panel.links(&place.path) {
+            let present = link::present(place.state, &place.path, &Item::Port(*port));
+            return link::link_ui(panel, ui, place, present, |typed| constant(typed, port), actions);
+        }
         match (connected, place.value) {
             (Some(text), _) => {
                 let known = sheet.source(text);
@@ -91,9 +99,7 @@ fn source_ui(
                 let (told, frame) = key::typed_ui(ui, place, |ui, frame| {
                     let value = at(frame);
                     if value.is_number() {
-                        let mask = port.accepts == trochoid::Accepts::Mask || port.accepts.takes_color();
-                        let range = if mask { (0.0, 1.0) } else { (f64::NEG_INFINITY, f64::INFINITY) };
-                        knob::number_ui(ui, &value, range, "")
+                        knob::number_ui(ui, &value, range(port), "")
                     } else {
                         color::color_ui(ui, &value, place, actions)
                     }
@@ -106,6 +112,25 @@ fn source_ui(
     });
     if let Some(keyed) = curve.filter(|_| panel.curves.contains(&place.path)) {
         key::curve_ui(ui, &keyed, "", place, actions);
+    }
+}
+
+/// Returns the range of numbers that a port takes.
+fn range(port: &Port) -> (f64, f64) {
+    let mask = port.accepts == trochoid::Accepts::Mask || port.accepts.takes_color();
+    if mask { (0.0, 1.0) } else { (f64::NEG_INFINITY, f64::INFINITY) }
+}
+
+/// Parses a typed constant of a port.
+///
+/// # Errors
+/// It is none; the error is what was expected.
+pub(super) fn constant(typed: &str, port: &Port) -> Result<Value, String> {
+    let (min, max) = range(port);
+    let number = || Number::new(0.0).range(min, max).read(typed).map(Value::from).map_err(|why| why.expected);
+    match port.accepts.takes_color() {
+        true => color::read_color(typed).map_err(|why| why.to_string()).or_else(|why| number().map_err(|_| why)),
+        false => number(),
     }
 }
 

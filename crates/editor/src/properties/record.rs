@@ -23,7 +23,8 @@ pub(super) fn list_ui(
     let title = format!("{} ({})", list.name.replace('_', " "), records.len());
     let header = CollapsingHeader::new(RichText::new(title).strong())
         .id_salt(place.path.to_string())
-        .default_open(records.len() <= 6);
+        .default_open(records.len() <= 6)
+        .open(panel.opens(ui, &place.path));
     let shown = header.show(ui, |ui| {
         for (index, record) in records.iter().enumerate() {
             let path = place.path.to(index);
@@ -68,8 +69,7 @@ pub(super) fn items_ui(
     actions: &mut Vec<Action>,
 ) {
     for item in items {
-        let place =
-            WidgetContext { state, path: path.to(item.name()), value: body.and_then(|body| body.get(item.name())) };
+        let place = WidgetContext::new(state, path.to(item.name()), body.and_then(|body| body.get(item.name())));
         match item {
             Item::Knob(knob) => knob::knob_ui(panel, ui, knob, &place, actions),
             Item::Port(port) => port::port_ui(panel, ui, port, &place, actions),

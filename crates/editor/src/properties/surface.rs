@@ -62,7 +62,7 @@ pub(super) fn patch_ui(ui: &mut Ui, state: &State, path: &Path, actions: &mut Ve
         }
         let mut own = ui.new_child(egui::UiBuilder::new().max_rect(spot).id_salt(index));
         own.spacing_mut().interact_size = vec2(18.0, 18.0);
-        let own_place = WidgetContext { state, path: place.to(index), value: Some(value) };
+        let own_place = WidgetContext::new(state, place.to(index), Some(value));
         let told = color::swatch_ui(&mut own, value, &own_place, 18.0, actions);
         told.edit(actions, |color| own_place.set(&color));
     }

@@ -1,4 +1,7 @@
+mod drops;
 mod files;
+mod find;
+mod formulas;
 mod graph;
 mod keys;
 mod lasting;
@@ -10,6 +13,7 @@ mod panels;
 mod play;
 mod reach;
 mod safety;
+mod several;
 #[cfg(feature = "snapshots")]
 mod snapshots;
 mod told;

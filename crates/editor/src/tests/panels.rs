@@ -331,3 +331,34 @@ fn the_timeline_of_a_still_has_its_one_frame() {
         assert_eq!(editor(&window).state().frame, 1);
     }
 }
+
+#[test]
+fn nothing_moves_under_the_pointer_when_something_is_said_late() {
+    // A fault of the selected node.
+    let mut window = unseen(dusk());
+    choose(&mut window, "dusk");
+    let weight = |window: &Window| super::typing::fields(window, "weight");
+    let before = weight(&window);
+    assert_eq!(before.len(), 1);
+    act(&mut window, Action::Rewrite(DUSK.replace("\"a\": \"sky\"", "\"a\": \"skyy\"")));
+    window.get_by_label_contains("found a reference to \"skyy\"");
+    assert_eq!(weight(&window), before);
+    act(&mut window, Action::Undo);
+    assert_eq!(weight(&window), before);
+    // The weighing of the picture, in a narrow palette.
+    let mut window = crate::testing::unseen_in(dusk(), [800.0, 640.0]);
+    act(&mut window, Action::Panel(Pane::Palette));
+    let color = |window: &Window| window.get_by_label("Swatch #14262e").rect();
+    let before = color(&window);
+    let say = |window: &mut Window, mixing: Option<f32>, unmixed: Option<&str>| {
+        let seen = &mut window.state_mut().as_mut().unwrap().state.evaluated;
+        (seen.mixing, seen.unmixed) = (mixing, unmixed.map(String::from));
+        window.step();
+    };
+    say(&mut window, Some(0.25), None);
+    window.get_by_label("weighing the picture, 25 %");
+    assert_eq!(color(&window), before);
+    say(&mut window, None, Some("The picture has no weights."));
+    window.get_by_label("no shares");
+    assert_eq!(color(&window), before);
+}

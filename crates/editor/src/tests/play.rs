@@ -150,3 +150,29 @@ fn the_range_and_the_frame_may_change_while_frames_are_played() {
     assert_eq!(frames, wanted(frames[0], (1, FRAMES), 10));
     assert!(frames[0] == 2 || frames[0] == 3, "playback continues at the selected frame: {frames:?}");
 }
+
+#[test]
+fn onion_skin_mixes_the_frames_that_are_ready_over_the_picture() {
+    use egui_kittest::kittest::Queryable;
+    let mut window = window(super::dusk(), None);
+    finished(&mut window);
+    let none = "Onion skin: no other frame is ready. Step through frames, or play.";
+    assert!(window.query_by_label(none).is_none());
+    window.get_by_label("Onion").click();
+    window.run_steps(3);
+    assert!(editor(&window).state().look.onion);
+    window.get_by_label(none);
+    window.key_press(egui::Key::ArrowRight);
+    finished(&mut window);
+    window.run_steps(2);
+    assert!(window.query_by_label(none).is_none(), "the first frame is still there");
+    // What is mixed over the picture is no part of it, and nothing is evaluated for it.
+    let pixel = editor(&window).state().evaluated.result.as_ref().unwrap().screen.pixels[..3].to_vec();
+    let frames = editor(&window).state().evaluated.frames.len();
+    window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::O);
+    window.run_steps(3);
+    let state = editor(&window).state();
+    assert!(!state.look.onion && state.evaluated.frames.len() == frames);
+    assert_eq!(state.evaluated.result.as_ref().unwrap().screen.pixels[..3].to_vec(), pixel);
+    assert_eq!(state.range, (1, 8), "the keys did not set the end of the range");
+}

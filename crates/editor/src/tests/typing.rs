@@ -40,7 +40,7 @@ pub(super) fn fields(window: &Window, name: &str) -> Vec<Rect> {
     all.filter(|field| field.left() > row.left() && (field.center().y - row.center().y).abs() < 8.0).collect()
 }
 
-fn click(window: &mut Window, at: egui::Pos2) {
+pub(super) fn click(window: &mut Window, at: egui::Pos2) {
     window.hover_at(at);
     for pressed in [true, false] {
         let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
@@ -50,7 +50,7 @@ fn click(window: &mut Window, at: egui::Pos2) {
 }
 
 /// Replaces the text of a field, and presses Enter.
-fn enter(window: &mut Window, field: Rect, text: &str) {
+pub(super) fn enter(window: &mut Window, field: Rect, text: &str) {
     click(window, field.center());
     window.event(Event::Text(text.into()));
     window.key_press(Key::Enter);
@@ -77,7 +77,8 @@ fn an_invalid_number_is_refused_with_a_message_and_changes_nothing() {
         ("noise", "octaves", "999", "found \"999\"; expected a whole number from 1 to"),
         ("noise", "octaves", "many", "found \"many\"; expected a whole number from 1 to"),
         ("sky", "weight", "1.5", "found \"1.5\"; expected a number from 0 to 1"),
-        ("sky", "weight", "1/2", "found \"1/2\"; expected a number from 0 to 1"),
+        ("sky", "weight", "3/2", "found 1.5, the value of \"3/2\"; expected a number from 0 to 1"),
+        ("sky", "weight", "2*(3", "found the end at column 5 of \"2*(3\"; expected ')'"),
     ] {
         let mut window = open(NOISE, node);
         let before: Vec<Rect> = fields(&window, knob);

@@ -5,8 +5,10 @@ mod handles;
 mod hull;
 mod inspector;
 mod near;
+mod onion;
 mod origin;
 mod picture;
+mod scopes;
 mod switch;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -24,7 +26,9 @@ use egui::{
 };
 use hull::Space;
 use near::Near;
+use onion::Onion;
 use picture::{Image, Stage, View, part, place, share};
+use scopes::Scopes;
 use serde_json::json;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -38,6 +42,8 @@ pub(crate) struct Viewer {
     compare: Compare,
     space: Space,
     near: Near,
+    scopes: Scopes,
+    onion: Onion,
     /// Whether handles of seas are hidden.
     no_handles: bool,
     /// Whether the next drag in the picture draws the region.
@@ -49,6 +55,8 @@ pub(crate) struct Viewer {
     before: Option<[f32; 2]>,
     /// Whether the inspector is shown beside the picture.
     has_strip: bool,
+    /// Whether the scopes are.
+    has_scopes: bool,
 }
 
 impl Viewer {
@@ -98,7 +106,12 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
         None => state.sheet().format,
     };
     let size = vec2(size[0] as f32, size[1] as f32).max(vec2(1.0, 1.0));
-    let whole_stage = Stage { area, size, density: ui.ctx().pixels_per_point() };
+    let stage = Stage { area, size, density: ui.ctx().pixels_per_point() };
+    let scopes = viewer.scopes_strip(ui, &stage);
+    if let Some(strip) = scopes {
+        area.min.x = strip.max.x;
+    }
+    let whole_stage = Stage { area, ..stage };
     let strip = viewer.strip(ui, &whole_stage, state);
     if let Some(strip) = strip {
         area.max.x = strip.min.x;
@@ -116,6 +129,9 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
     if hovered != state.colors.hover {
         actions.push(Action::Hover(hovered));
     }
+    if let (Some(strip), Some(result)) = (scopes, result.or(state.evaluated.last.as_deref())) {
+        viewer.scopes.ui(ui, strip, state, &result.screen);
+    }
     if let Some(strip) = strip {
         strip_ui(ui, strip, |ui| {
             if let Some(([x, y], result)) = state.look.pick.zip(result) {
@@ -132,6 +148,20 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
 }
 
 impl Viewer {
+    /// Returns the area of the scopes beside the picture, if they are shown, and adapts the view to the remaining area.
+    fn scopes_strip(&mut self, ui: &Ui, stage: &Stage) -> Option<Rect> {
+        let area = stage.area;
+        let wanted = self.scopes.shown && area.width() > NARROW + scopes::WIDTH;
+        let mut rest = *stage;
+        rest.area.min.x += scopes::WIDTH;
+        if wanted != self.has_scopes && !ui.input(|input| input.pointer.any_down()) {
+            self.has_scopes = wanted;
+            let (from, to) = if wanted { (stage, &rest) } else { (&rest, stage) };
+            self.view.keep(from, to);
+        }
+        self.has_scopes.then(|| Rect::from_min_max(area.min, rest.area.left_bottom()))
+    }
+
     /// Returns the area of the inspector beside the picture, if it is shown, and adapts the view to the remaining area.
     fn strip(&mut self, ui: &Ui, stage: &Stage, state: &State) -> Option<Rect> {
         let area = stage.area;
@@ -184,6 +214,9 @@ fn keys(viewer: &mut Viewer, ui: &Ui, state: &State, actions: &mut Vec<Action>) 
     if pressed(Key::N) {
         viewer.near.toggle();
     }
+    if pressed(Key::S) {
+        viewer.scopes.shown = !viewer.scopes.shown;
+    }
     if pressed(Key::Q) {
         viewer.no_handles = !viewer.no_handles;
     }
@@ -229,8 +262,10 @@ fn picture_ui(
     let zoom = viewer.view.zoom(stage);
     let own = part(result);
     let shown = viewer.compare.shown(result);
-    viewer.image.upload(ui.ctx(), &shown, zoom * own.width() * stage.size.x / shown.size[0].max(1) as f32);
+    let scale = zoom * own.width() * stage.size.x / shown.size[0].max(1) as f32;
+    viewer.image.upload(ui.ctx(), &shown, scale);
     viewer.image.paint(&painter, Rect::from_min_max(place(rect, own.min), place(rect, own.max)));
+    let onion = state.look.onion && viewer.onion.paint(ui.ctx(), &painter, rect, scale, state, result);
     if viewer.compare.held.as_ref().is_none_or(|held| held.mode == Mode::Wipe) {
         viewer.near.paint(ui.ctx(), &painter, rect, result);
     }
@@ -246,6 +281,8 @@ fn picture_ui(
         && let Some(text) = near::objection(result)
     {
         note(ui, stage.area, text);
+    } else if state.look.onion && !onion {
+        note(ui, stage.area, onion::NONE);
     }
     response.hover_pos().map(|at| share(rect, at))
 }

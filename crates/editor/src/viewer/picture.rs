@@ -165,12 +165,17 @@ impl Image {
 
     /// Draws the picture into a rectangle.
     pub(super) fn paint(&self, painter: &Painter, rect: Rect) {
+        self.paint_tinted(painter, rect, Color32::WHITE);
+    }
+
+    /// Draws the picture into a rectangle, multiplied by a color.
+    pub(super) fn paint_tinted(&self, painter: &Painter, rect: Rect, tint: Color32) {
         // Averages in the last row and column may cover fewer pixels and extend beyond the edge.
         let painter = painter.with_clip_rect(painter.clip_rect().intersect(rect));
         for (handle, part) in &self.tiles {
             let part = Rect::from_min_max(place(rect, part.min), place(rect, part.max));
             let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-            painter.image(handle.id(), part, whole, Color32::WHITE);
+            painter.image(handle.id(), part, whole, tint);
         }
     }
 }

@@ -468,8 +468,42 @@ fn every_switch_of_the_viewer_is_a_command() {
                 assert!(shows(&window, "The palette is flat: every color lies on its face."));
                 run(&mut window, switch);
                 assert!(!shows(&window, "The palette is flat: every color lies on its face."));
+                Some(Switch::Scopes)
+            }
+            Switch::Scopes => {
+                assert!(shows(&window, "Vectorscope"));
+                run(&mut window, switch);
+                assert!(!shows(&window, "Vectorscope"));
                 None
             }
         };
     }
+}
+
+#[test]
+fn scopes_stand_beside_the_picture_and_follow_it() {
+    let mut window = open(MIXED, WINDOW);
+    let before = picture(&window);
+    hover(&mut window, before.center());
+    press(&mut window, Key::S);
+    let beside = picture(&window);
+    for name in ["Histogram", "Waveform", "Vectorscope"] {
+        let scope = window.get_by_label(name).rect();
+        assert!(scope.right() <= beside.left() && scope.left() >= before.left(), "{name}: {scope:?} {beside:?}");
+        assert!(scope.top() >= before.top() && scope.bottom() <= before.bottom() + 1.0, "{name}: {scope:?}");
+        assert!(scope.width() > 100.0 && scope.height() > 60.0, "{name}: {scope:?}");
+    }
+    // A click in a scope picks no pixel.
+    let scope = window.get_by_label("Histogram").rect().center();
+    click(&mut window, scope);
+    assert_eq!(editor(&window).state().look.pick, None);
+    hover(&mut window, beside.center());
+    press(&mut window, Key::S);
+    assert_eq!(picture(&window), before);
+    // A panel that is too narrow keeps its picture.
+    let mut window = open(MIXED, [480.0, 640.0]);
+    let before = picture(&window);
+    hover(&mut window, before.center());
+    press(&mut window, Key::S);
+    assert!(window.query_by_label("Histogram").is_none() && picture(&window) == before);
 }

@@ -136,6 +136,7 @@ fn space_ui(viewer: &mut Viewer, ui: &mut Ui) {
     if near.clicked() {
         viewer.near.toggle();
     }
+    ui.toggle_value(&mut viewer.scopes.shown, "Scopes").on_hover_text("Show histogram, waveform and vectorscope (S)");
     if viewer.near.shown {
         let distance = &mut viewer.near.distance;
         let number = shown_as(*distance).speed(0.0005).range(0.0005, 1.0);

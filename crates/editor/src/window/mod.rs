@@ -2,6 +2,7 @@
 //! all of them.
 
 mod allowed;
+mod find;
 mod leave;
 mod modal;
 mod palette;
@@ -44,6 +45,20 @@ fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
     let context = ui.ctx().clone();
     questions::prompts_ui(editor, &context, actions);
     editor.notices.show(&context);
+    hovered_ui(&context);
+}
+
+/// Says what can be dropped while files are held over the window.
+fn hovered_ui(context: &egui::Context) {
+    if context.input(|input| input.raw.hovered_files.is_empty()) {
+        return;
+    }
+    let area = egui::Area::new("hovered files".into()).order(egui::Order::Tooltip).interactable(false);
+    area.anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO).show(context, |ui| {
+        egui::Frame::popup(ui.style()).inner_margin(16).show(ui, |ui| {
+            ui.label(RichText::new("Drop to open a document, or to add a picture, a model or a palette").heading());
+        });
+    });
 }
 
 /// Draws the contents of the panels.

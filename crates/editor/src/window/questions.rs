@@ -1,11 +1,14 @@
 //! Draws the open prompt and performs the answer.
 
 use super::modal::titled;
-use super::{allowed, leave, palette, recover};
-use crate::actions::{Action, After};
+use super::{allowed, find, leave, palette as commands, recover};
+use crate::actions::{Action, After, Pane};
+use crate::document::edit::count;
+use crate::document::{palette, palette_file, swatches};
 use crate::editor::Editor;
 use crate::prompts::{FileQuestion, Prompt};
 use egui::{Context, Modal, ScrollArea};
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use trochoid::RefusedFile;
 
@@ -22,7 +25,9 @@ pub(super) fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut V
         Prompt::Recover(kept) => recover::recover_ui(editor, context, kept),
         Prompt::Replace(file, after) => replace_ui(editor, context, file, after),
         Prompt::Allowed => allowed::allowed_ui(editor, context).then_some(Prompt::Allowed),
-        Prompt::Palette { text, chosen } => palette::palette_ui(editor, context, text, chosen, actions),
+        Prompt::Palette { text, chosen } => commands::palette_ui(editor, context, text, chosen, actions),
+        Prompt::Colors(file, colors) => colors_ui(editor, context, file, colors, actions),
+        Prompt::Find(search) => find::find_ui(context, search, actions),
     };
     // An answer may have opened another prompt.
     editor.prompts.open = next.or(editor.prompts.open.take());
@@ -101,6 +106,49 @@ fn reach_ui(editor: &mut Editor, context: &Context, refused: Vec<RefusedFile>) -
         return None;
     }
     (!cancel && !modal.should_close()).then_some(Prompt::Reach(refused))
+}
+
+fn colors_ui(
+    editor: &Editor,
+    context: &Context,
+    file: String,
+    colors: Vec<(String, Value)>,
+    actions: &mut Vec<Action>,
+) -> Option<Prompt> {
+    let (mut all, mut known, mut cancel) = (false, false, false);
+    let own = editor.state().swatches();
+    let own: Vec<&str> = palette::names(&own).collect();
+    let alike = colors.iter().filter(|(name, _)| own.contains(&name.as_str())).count();
+    let modal = Modal::new("colors".into()).show(context, |ui| {
+        titled(ui, "Use these colors?");
+        let text =
+            format!("“{file}” has {}. {alike} of their names are in the document.", count(colors.len(), "color"));
+        ui.add(egui::Label::new(text).wrap());
+        ui.add_space(4.0);
+        let space = swatches::space(editor.state().sheet());
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing = egui::vec2(2.0, 2.0);
+            for [r, g, b] in palette_file::displayed(&colors, space, editor.state().frame) {
+                let [r, g, b] = [r, g, b].map(|channel| (255.0 * channel).round() as u8);
+                let (spot, _) = ui.allocate_exact_size(egui::vec2(16.0, 16.0), egui::Sense::hover());
+                ui.painter().rect_filled(spot, 2.0, egui::Color32::from_rgb(r, g, b));
+            }
+        });
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            let help = "Replace the document's colors of the same names, and add the others to its palette";
+            all = ui.button("Take all").on_hover_text(help).clicked();
+            let replace = ui.add_enabled(alike > 0, egui::Button::new("Only those of the same names"));
+            known = replace.on_hover_text("Replace the document's colors of the same names").clicked();
+            cancel = ui.button("Cancel").clicked();
+        });
+    });
+    if all || known {
+        actions.push(Action::Panel(Pane::Palette));
+        actions.push(if all { Action::JoinPalette(colors) } else { Action::TakePalette(colors, file) });
+        return None;
+    }
+    (!cancel && !modal.should_close()).then_some(Prompt::Colors(file, colors))
 }
 
 #[cfg(test)]

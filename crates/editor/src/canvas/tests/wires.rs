@@ -128,6 +128,50 @@ fn tab_finds_a_node_and_puts_it_below_the_chosen_one() {
 }
 
 #[test]
+fn a_field_goes_to_what_takes_a_mask_by_the_standard_conversion() {
+    // "curved" is a Field, which a Ramp takes only as a mask.
+    let text = GRAPH.replace(
+        r#""other": { "type""#,
+        r#""curved": { "type": "FieldMath", "expression": "a*a", "a": "down" },
+    "other": { "type""#,
+    );
+    let text = text.replace(r#""other": ["#, r#""curved": [420, 170], "other": ["#);
+    let is_made = |harness: &egui_kittest::Harness<'_, super::Driver>| {
+        let driver = harness.state();
+        assert_eq!(driver.text("/nodes/clamp/field"), "\"curved\"");
+        assert_eq!(driver.text("/nodes/ramp/weight"), "\"clamp\"");
+        assert_eq!(driver.chosen(), ["ramp"]);
+        assert!(driver.state.session.meaning().graph.is_some());
+        let [between, below] = ["clamp", "ramp"].map(|name| driver.at(name));
+        assert!(between[1] + 60.0 < below[1], "{between:?} {below:?}");
+    };
+    // By a wire that is let go in space: what takes the Field itself comes first.
+    let mut harness = open(&text);
+    let (from, to) = (place(&harness, "Output of curved"), nowhere(&harness));
+    drag(&mut harness, from.center(), to);
+    let rows = ["Clamp", "Ramp"].map(|name| harness.query_all_by_label(name).next().map(|row| row.rect()));
+    assert!(rows[0].unwrap().top() < rows[1].unwrap().top(), "{rows:?}");
+    harness.get_by_label("Node type").type_text("ramp");
+    harness.run_ok();
+    harness.key_press(Key::Enter);
+    harness.run_ok();
+    is_made(&harness);
+    harness.state_mut().state.session.undo();
+    assert_eq!(harness.state().state.session.text(), text);
+    // By Tab with the node selected.
+    let mut harness = open(&text);
+    let at = place(&harness, "Node curved, FieldMath").center();
+    click(&mut harness, at, PointerButton::Primary, Modifiers::NONE);
+    harness.state_mut().canvas.search();
+    harness.run_ok();
+    harness.get_by_label("Node type").type_text("ramp");
+    harness.run_ok();
+    harness.key_press(Key::Enter);
+    harness.run_ok();
+    is_made(&harness);
+}
+
+#[test]
 fn esc_closes_the_search_and_arrows_choose_in_it() {
     let mut harness = open(GRAPH);
     harness.state_mut().canvas.search();

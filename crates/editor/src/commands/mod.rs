@@ -1,8 +1,12 @@
 //! Table of all commands; menus, shortcuts, and the command palette are built from it.
 
+mod space;
+
 use crate::actions::{Action, Line, Pane, Switch};
 use crate::state::State;
 use egui::{Key, KeyboardShortcut, Modifiers};
+use space::PLAY;
+pub use space::{Space, moves_view};
 
 /// A command: menu entry, shortcut, and action.
 #[derive(Clone, Copy)]
@@ -24,43 +28,6 @@ pub struct Command {
 const NONE: Modifiers = Modifiers::NONE;
 const COMMAND: Modifiers = Modifiers::COMMAND;
 const SHIFTED: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
-
-/// The play shortcut. Holding the same key pans, so the key acts on release, see [`Space`].
-const PLAY: KeyboardShortcut = KeyboardShortcut::new(NONE, Key::Space);
-
-/// State of the space bar: dragging while it is held pans; releasing it without a drag starts or stops playback.
-#[derive(Debug, Default)]
-pub struct Space {
-    held: bool,
-    dragged: bool,
-}
-
-impl Space {
-    /// Processes the input since the last call; returns whether the bar was released without a drag in between.
-    pub fn plays(&mut self, context: &egui::Context) -> bool {
-        let typing = context.egui_wants_keyboard_input();
-        context.input_mut(|input| {
-            if input.key_pressed(PLAY.logical_key) && !typing && input.modifiers.is_none() && !self.held {
-                *self = Self { held: true, dragged: false };
-            }
-            if !self.held {
-                return false;
-            }
-            // Consumed, so that the key does not also press a focused button.
-            input.consume_key(NONE, PLAY.logical_key);
-            self.dragged |= input.pointer.any_down();
-            let released = input.key_released(PLAY.logical_key);
-            // If the window loses the keyboard focus, no release event arrives.
-            self.held = !released && input.key_down(PLAY.logical_key);
-            released && !self.dragged
-        })
-    }
-}
-
-/// Returns whether a drag that begins now pans: the space bar is held.
-pub fn moves_view(context: &egui::Context) -> bool {
-    !context.egui_wants_keyboard_input() && context.input(|input| input.key_down(PLAY.logical_key))
-}
 
 const fn keys(modifiers: Modifiers, key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(modifiers, key))
@@ -173,6 +140,14 @@ pub static COMMANDS: &[Command] = &[
         "Delete the selected nodes and connect wires past them.",
         |_| Action::Delete,
         chosen,
+    ),
+    command(
+        "Edit",
+        "Find …",
+        keys(COMMAND, Key::F),
+        "Find nodes, knobs, colors and notes of the document by name or value.",
+        |_| Action::Find,
+        always,
     ),
     command("Edit", "Select all", keys(COMMAND, Key::A), "Select all nodes.", |_| Action::SelectAll, always),
     command(
@@ -358,6 +333,14 @@ pub static COMMANDS: &[Command] = &[
         |state| Action::Range(state.range.0.min(state.frame), state.frame),
         always,
     ),
+    command(
+        "Viewer",
+        "Onion skin",
+        keys(Modifiers::SHIFT, Key::O),
+        "Mix the frames before and after over the picture, as far as they are ready.",
+        |state| Action::Onion(!state.look.onion),
+        always,
+    ),
     command("Viewer", "Full size", None, "Evaluate every pixel.", |_| Action::Proxy(1), always),
     command("Viewer", "Half size", None, "Evaluate a quarter of the pixels.", |_| Action::Proxy(2), always),
     command("Viewer", "Quarter size", None, "Evaluate a sixteenth of the pixels.", |_| Action::Proxy(4), always),
@@ -409,6 +392,14 @@ pub static COMMANDS: &[Command] = &[
         "Toggle marks on pixels near the hull's faces (N).",
         |_| Action::Viewer(Switch::Near),
         seen,
+    ),
+    command(
+        "Viewer",
+        "Scopes",
+        None,
+        "Toggle histogram, waveform and vectorscope of the picture (S).",
+        |_| Action::Viewer(Switch::Scopes),
+        always,
     ),
     command(
         "Viewer",
