@@ -15,6 +15,7 @@ const NODES: &str = r##"{ "trochoid": 1, "format": { "width": 16, "height": 8 },
     "camera": { "type": "Camera" }, "sea": { "type": "RippleSea" },
     "render": { "type": "Render", "camera": "camera", "surfaces": ["sea"] },
     "depth": { "type": "Depth", "view": "render" },
+    "parts": { "type": "Bands", "field": "across", "thresholds": [0.3, 0.6], "width": 0.1 },
     "mix": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "off" } },
   "outputs": { "beauty": { "color": "mix", "file": "out/beauty.####.exr" } } }"##;
 
@@ -64,6 +65,11 @@ fn any_node_is_written_as_it_is() {
     assert_eq!(planes(&scene, "off.0001.exr"), planes(&scene, "both.0001.exr"));
     assert_eq!(fs::metadata(scene.path("a.json")).unwrap().len(), NODES.len() as u64);
     assert_eq!(scene.files().len(), 6);
+    // All weights, and one of them.
+    view("parts");
+    view("parts.2");
+    let weights = planes(&scene, "parts.0001.exr");
+    assert_eq!((weights.len(), &weights[2..]), (3, &planes(&scene, "parts.2.0001.exr")[..]));
 }
 
 #[test]

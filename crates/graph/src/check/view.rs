@@ -1,6 +1,6 @@
 //! Outputs that show any node, or what feeds one of its ports.
 
-use super::items::Names;
+use super::items::{Names, node_and_output};
 use super::kinds::kind_of;
 use super::{Checker, Draft, FaultLocation};
 use crate::spanned::{Entry, Json, shorten};
@@ -57,7 +57,8 @@ impl<'a> Checker<'a> {
         drafts: &[Draft<'a>],
         names: &Names<'a>,
     ) -> Option<Source> {
-        let known = text.split_once('.').and_then(|(name, item)| Some((name, item, names.get(name)?)));
+        let (name, item) = node_and_output(text, names);
+        let known = item.and_then(|item| Some((name, item, names.get(name)?)));
         let Some((name, item, &(node, Some(declaration)))) = known else {
             return self.reference(text, place, names, false);
         };
