@@ -78,7 +78,7 @@ enum Command {
     /// Open the graph editor
     Edit(EditArgs),
     /// Render outputs of a document to files
-    Render(render::Args),
+    Render(Box<render::Args>),
     /// Join tiles of a picture to the whole
     Join(join::Args),
     /// Write the folder with which a render farm takes a document's frames: Open Job Description or Slurm

@@ -180,8 +180,8 @@ impl Preview<'_> {
         };
         match kind {
             Kind::Still | Kind::Sequence => {
-                for index in 0..frames.len() {
-                    self.write_png(&kind.path(&args.out, frames[index]), small(index)?)?;
+                for (index, frame) in frames.iter().enumerate() {
+                    self.write_png(&kind.path(&args.out, *frame), small(index)?)?;
                 }
             }
             Kind::Animation => {

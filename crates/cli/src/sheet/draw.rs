@@ -12,7 +12,7 @@ const PAPER: RGBColor = RGBColor(38, 38, 40);
 const INK: RGBColor = RGBColor(226, 226, 226);
 /// Font sizes and heights of lines of text, in pixels.
 const CAPTION: (u32, u32) = (16, 20);
-const TITLE: (u32, u32) = (20, 30);
+const TITLE: (u32, u32) = (20, 32);
 /// Pixels of text, along each axis, that become one.
 const FINE: u32 = 3;
 /// Space around pictures, in pixels.
@@ -146,7 +146,9 @@ fn text_of(text: &str, [width, height]: [u32; 2], size: u32) -> Result<Vec<u8>, 
             let (head, tail) = (kept.div_ceil(2), kept / 2);
             shown = letters[..head].iter().chain(['…'].iter()).chain(&letters[letters.len() - tail..]).collect();
         }
-        area.draw(&Text::new(shown, (0, 0), style))?;
+        // The baseline is drawn half a size below the place; letters reach from 0.8 sizes above it to 0.2 below it.
+        let top = (large[1] / 2) as i32 - (size * FINE / 5) as i32;
+        area.draw(&Text::new(shown, (0, top), style))?;
         area.present()?;
     }
     let fine = FINE as usize;
@@ -167,6 +169,22 @@ mod tests {
     fn a_sheet_has_the_shape_of_a_screen() {
         let columns = |count| Layout::columns(count, [320, 180]);
         assert_eq!([1, 2, 3, 8, 12].map(columns), [1, 2, 2, 3, 4]);
+    }
+
+    #[test]
+    fn letters_are_whole_and_long_texts_are_shortened() {
+        register_font(FONT, FontStyle::Normal, dejavu::sans::regular()).ok().unwrap();
+        for (size, line) in [CAPTION, TITLE] {
+            for text in ["Ålfg|_{", "storm.json, a name that is longer than the picture above it"] {
+                let pixels = text_of(text, [160, line], size).unwrap();
+                let rows: Vec<&[u8]> = pixels.chunks_exact(3 * 160).collect();
+                let has_ink = |row: &&[u8]| row.iter().any(|sample| *sample > 150);
+                assert!(rows.iter().filter(|row| has_ink(row)).count() >= size as usize / 2, "{text}");
+                assert!(!has_ink(&rows[0]) && !has_ink(&rows[line as usize - 1]), "{text} is cut at {size}");
+                let edge = |row: &&[u8]| row[3 * 159..].iter().any(|sample| *sample > 150);
+                assert!(!rows.iter().any(edge), "{text} is cut at its end");
+            }
+        }
     }
 
     #[test]
