@@ -2,6 +2,7 @@
 
 use super::json::Path;
 use serde_json::Value;
+use std::cell::RefCell;
 
 /// Returns whether a text in the place of a value is a link.
 pub fn is_link(text: &str) -> bool {
@@ -24,10 +25,21 @@ pub fn renamed(link: &str, to: &dyn Fn(&str) -> Option<String>) -> String {
         text.push_str(&rest[..start]);
         rest = &rest[start + word.len()..];
         // A word after a dot is a knob, or picks components.
-        let is_node = rest.starts_with('.') && !text.ends_with('.');
+        let is_name = !word.starts_with(|c: char| c.is_ascii_digit());
+        let is_node = is_name && rest.starts_with('.') && !text.ends_with('.');
         text.push_str(&is_node.then(|| to(word)).flatten().unwrap_or_else(|| word.into()));
     }
     text + rest
+}
+
+/// Returns the names before the dots in a link: of nodes, and `knobs`.
+pub fn nodes(link: &str) -> Vec<String> {
+    let found = RefCell::new(Vec::new());
+    renamed(link, &|name| {
+        found.borrow_mut().push(name.to_string());
+        None
+    });
+    found.into_inner()
 }
 
 /// Returns all links in a value, with their places.
@@ -72,6 +84,12 @@ mod tests {
         // Other names that begin or end so, knobs of that name, and functions stay.
         let others = "= hull2.x + my_hull.x + sail.hull + hull(1) + knobs.hull.x";
         assert_eq!(renamed(others, &to), others);
+    }
+
+    #[test]
+    fn a_link_names_the_nodes_that_it_follows() {
+        assert_eq!(nodes("= 2*hull.x + sin(time)*knobs.storm + (sail.a).y"), ["hull", "knobs", "sail"]);
+        assert!(nodes("= frame/1.5").is_empty());
     }
 
     #[test]

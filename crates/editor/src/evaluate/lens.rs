@@ -2,7 +2,7 @@
 //! matter.
 
 use super::subject::Subject;
-use crate::document::{Path, Sheet, json as text};
+use crate::document::{Path, Sheet, json as text, link};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use trochoid::{
@@ -136,9 +136,10 @@ pub fn lens(subject: &Subject) -> Result<Lens, LensError> {
         }
         None => return Err(LensError::Unknown(shown.name.clone())),
     };
+    follow(sheet, &mut nodes);
     let clay = matches!(kind, Some(Kind::View | Kind::Surface));
     let mut document = Map::new();
-    for key in ["trochoid", "format", "working_space", "palette", "frames", "tolerance"] {
+    for key in ["trochoid", "format", "working_space", "palette", "knobs", "frames", "tolerance"] {
         if let Some(value) = sheet.value.get(key) {
             document.insert(key.into(), value.clone());
         }
@@ -156,6 +157,27 @@ pub fn lens(subject: &Subject) -> Result<Lens, LensError> {
             Err(worst.map_or_else(none, |fault| LensError::Fault(Box::new(fault))))
         }
         Err(error) => Err(LensError::Load(error)),
+    }
+}
+
+/// Adds the nodes whose knobs others follow by links, and all that these depend on.
+fn follow(sheet: &Sheet, nodes: &mut Map<String, Value>) {
+    let linked = |value: &Value| -> Vec<usize> {
+        let links = link::links(value, &Path::default());
+        let names = links.into_iter().flat_map(|(_, link)| link::nodes(link));
+        names.filter_map(|name| sheet.find(&name)).collect()
+    };
+    let mut open: Vec<usize> = sheet.value.get("knobs").map(linked).unwrap_or_default();
+    open.extend(nodes.values().flat_map(linked));
+    while let Some(node) = open.pop() {
+        for index in sheet.upstream([node]) {
+            let name = &sheet.nodes[index].name;
+            if !nodes.contains_key(name) {
+                let body = sheet.get(&Path::node(name)).cloned().unwrap_or_default();
+                open.extend(linked(&body));
+                nodes.insert(name.clone(), body);
+            }
+        }
     }
 }
 

@@ -154,7 +154,7 @@ fn a_palette_is_offered_and_taken_whole_or_by_the_names_that_are_there() {
         assert!(editor(&window).state().session.meaning().graph.is_some());
         let colors = |window: &Window| editor(window).state().sheet().value["palette"].clone();
         drop_file(&mut window, &file);
-        window.get_by_label_contains("has 2 colors. 1 of their names are in the document.");
+        window.get_by_label_contains("has 2 colors. Names that the document has, too: 1.");
         window.get_by_label("Cancel").click();
         window.run_steps(3);
         assert_eq!(editor(&window).state().session.text(), named);

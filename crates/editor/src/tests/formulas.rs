@@ -3,7 +3,7 @@
 use super::typing::{click, enter, fields};
 use crate::actions::{Action, Pane};
 use crate::document::{Path, Session, edit};
-use crate::testing::{Window, act, editor, unseen_in};
+use crate::testing::{Window, act, editor, finished, unseen_in, window};
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use serde_json::{Value, json};
@@ -205,4 +205,17 @@ fn links_follow_renamed_and_copied_nodes() {
     assert_eq!(value(&window, "sky2", "b"), Some(json!("= knobs.ink")), "a linked port stays linked");
     act(&mut window, Action::Panel(Pane::Text));
     assert!(editor(&window).state().session.meaning().graph.is_some());
+}
+
+#[test]
+fn what_follows_other_nodes_and_knobs_is_viewed() {
+    // Neither node that the weight follows is connected to what is viewed.
+    let text = SHADE.replace("\"weight\": \"range\"", "\"weight\": \"= eye.position.y/8 + eye.position.x\"");
+    let text = text.replace("\"width\": 1280, \"height\": 720", "\"width\": 16, \"height\": 9");
+    let mut window = window(Session::new(text, None), None);
+    finished(&mut window);
+    let seen = &editor(&window).state().evaluated;
+    assert_eq!(seen.failed, None);
+    // The middle between #2d3f52 and #102030.
+    assert_eq!(seen.result.as_ref().unwrap().screen.pixels[..3], [0x1f, 0x30, 0x41]);
 }

@@ -230,6 +230,30 @@ fn a_ramp() {
     compare("ramp", [380.0, 480.0], state, Properties::default, properties_ui, |_| {});
 }
 
+/// Returns the state of a document with links, and with nodes selected.
+fn linked(chosen: &[&str]) -> State {
+    let text = KINDS.replace(
+        r#""eye": {"#,
+        r#""low": { "type": "Clamp", "field": "curved", "min": "= knobs.depth/4", "max": "= low.min + 0.5" },
+    "eye": {"#,
+    );
+    let text = text.replace(r#""nodes": {"#, r#""knobs": { "depth": 0.5 }, "nodes": {"#);
+    let mut state = seen(&text);
+    assert!(state.session.meaning().graph.is_some());
+    state.selection = chosen.iter().map(|name| (*name).to_string()).collect();
+    state
+}
+
+#[test]
+fn linked_knobs() {
+    compare("linked", [380.0, 300.0], || linked(&["low"]), Properties::default, properties_ui, |_| {});
+}
+
+#[test]
+fn several_nodes() {
+    compare("several", [380.0, 200.0], || linked(&["low", "band"]), Properties::default, properties_ui, |_| {});
+}
+
 #[test]
 fn a_curve() {
     let state = || {
@@ -296,6 +320,11 @@ fn the_difference_of_two_pictures() {
 #[test]
 fn pixels_near_the_faces_of_the_hull() {
     compare_viewer("picture_near", || seen(SOLID), |harness| switch(harness, Switch::Near));
+}
+
+#[test]
+fn the_scopes() {
+    compare_viewer("picture_scopes", || seen(SOLID), |harness| switch(harness, Switch::Scopes));
 }
 
 #[test]

@@ -6,8 +6,8 @@ use crate::state::State;
 use egui::{Color32, Context, Painter, Rect};
 use std::sync::Arc;
 
-/// Tints of the frame before and the frame after, with their strengths.
-const TINTS: [[u8; 4]; 2] = [[255, 170, 160, 90], [160, 255, 180, 70]];
+/// Strengths of the frame before and the frame after. What stays the same over the frames looks the same.
+const STRENGTHS: [u8; 2] = [85, 75];
 
 /// What is shown if there is no other frame.
 pub(super) const NONE: &str = "Onion skin: no other frame is ready. Step through frames, or play.";
@@ -40,14 +40,13 @@ impl Onion {
         shown: &Result,
     ) -> bool {
         let mut any = false;
-        for ((image, other), tint) in self.images.iter_mut().zip(beside(state, shown)).zip(TINTS) {
+        for ((image, other), strength) in self.images.iter_mut().zip(beside(state, shown)).zip(STRENGTHS) {
             let Some(other) = other else { continue };
             any = true;
             image.upload(context, &other.screen, scale);
-            let [r, g, b, a] = tint;
             let own = part(&other);
             let area = Rect::from_min_max(place(rect, own.min), place(rect, own.max));
-            image.paint_tinted(painter, area, Color32::from_rgba_unmultiplied(r, g, b, a));
+            image.paint_tinted(painter, area, Color32::from_white_alpha(strength));
         }
         any
     }

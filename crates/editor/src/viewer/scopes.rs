@@ -15,6 +15,8 @@ pub(super) const WIDTH: f32 = 190.0;
 const SAMPLES: usize = 1 << 18;
 /// Levels of an 8-bit channel.
 const LEVELS: usize = 256;
+/// Rows of a histogram.
+const BARS: usize = 96;
 /// Columns and rows of a waveform, and side of a vectorscope.
 const WAVE: [usize; 2] = [256, 128];
 const SIDE: usize = 192;
@@ -32,7 +34,7 @@ pub(super) struct Scopes {
 
 /// The scopes of a picture.
 struct Drawn {
-    counts: Counts,
+    bars: TextureHandle,
     wave: TextureHandle,
     vectors: TextureHandle,
 }
@@ -57,11 +59,13 @@ impl Counts {
         for y in (0..height).step_by(step) {
             let row = &screen.pixels[4 * y * width..4 * (y + 1) * width];
             for (x, pixel) in row.chunks_exact(4).enumerate().step_by(step) {
+                // A pixel of a small picture, such as a coarse one, is as wide as several columns.
                 let column = x * WAVE[0] / width;
-                for channel in 0..3 {
-                    let level = pixel[channel];
-                    counts.levels[channel][usize::from(level)] += 1;
-                    counts.wave[row_of(level) * WAVE[0] + column][channel] += 1;
+                let columns = column..((x + step) * WAVE[0] / width).clamp(column + 1, WAVE[0]);
+                for (channel, level) in pixel[..3].iter().enumerate() {
+                    counts.levels[channel][usize::from(*level)] += 1;
+                    let row = row_of(*level) * WAVE[0];
+                    counts.wave[row + columns.start..row + columns.end].iter_mut().for_each(|cell| cell[channel] += 1);
                 }
                 let at = vector([0, 1, 2].map(|channel| f32::from(pixel[channel]) / 255.0));
                 let cell = |share: f32| ((share * SIDE as f32) as usize).min(SIDE - 1);
@@ -115,7 +119,7 @@ impl Scopes {
             response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, name));
             response.on_hover_text(help);
         }
-        histogram_ui(&ui.painter().with_clip_rect(areas[0]), areas[0], &drawn.counts);
+        image_ui(&ui.painter().with_clip_rect(areas[0]), areas[0], &drawn.bars);
         wave_ui(&ui.painter().with_clip_rect(areas[1]), areas[1], &drawn.wave);
         vectors_ui(&ui.painter().with_clip_rect(areas[2]), areas[2], &drawn.vectors, &state.swatches());
         self.made = Some((screen.clone(), drawn));
@@ -130,16 +134,10 @@ impl Drawn {
             0 => 0.0,
             count => 0.25 + 0.75 * (count as f32).ln_1p() / (most.max(1) as f32).ln_1p(),
         };
+        let bars = context.load_texture("histogram", histogram(&counts), TextureOptions::LINEAR);
         let most = counts.wave.iter().flatten().copied().max().unwrap_or(1);
-        let pixel = |cell: &[u32; 3]| {
-            let mut sum = [0.0_f32; 3];
-            for (count, color) in cell.iter().zip(CHANNELS) {
-                let strength = strength(*count, most);
-                sum.iter_mut().zip(color).for_each(|(sum, value)| *sum += strength * f32::from(value));
-            }
-            let [r, g, b] = sum.map(|value| value.min(255.0) as u8);
-            Color32::from_rgb_additive(r, g, b)
-        };
+        // Where all channels are, the sum is not yet white.
+        let pixel = |cell: &[u32; 3]| additive(cell.map(|count| 0.6 * strength(count, most)));
         let wave = ColorImage::new(WAVE, counts.wave.iter().map(pixel).collect());
         let most = counts.vectors.iter().copied().max().unwrap_or(1);
         let gray = |count: &u32| Color32::from_white_alpha((255.0 * strength(*count, most)) as u8);
@@ -147,32 +145,44 @@ impl Drawn {
         Self {
             wave: context.load_texture("waveform", wave, TextureOptions::LINEAR),
             vectors: context.load_texture("vectorscope", vectors, TextureOptions::LINEAR),
-            counts,
+            bars,
         }
     }
 }
 
-fn histogram_ui(painter: &Painter, area: Rect, counts: &Counts) {
+/// Draws the bars of all channels over each other.
+fn histogram(counts: &Counts) -> ColorImage {
     // The highest bar is not that of black or white alone, which flat parts of pictures fill.
     let inner = counts.levels.iter().flat_map(|levels| &levels[1..LEVELS - 1]).copied().max().unwrap_or(0);
     let most = if inner > 0 { inner } else { counts.levels.iter().flatten().copied().max().unwrap_or(1) };
-    let width = area.width() / LEVELS as f32;
-    for (levels, [r, g, b]) in counts.levels.iter().zip(CHANNELS) {
-        let color = Color32::from_rgb_additive(r / 2, g / 2, b / 2);
-        for (level, count) in levels.iter().enumerate().filter(|(_, count)| **count > 0) {
-            let share = (*count as f32 / most.max(1) as f32).min(1.0).sqrt();
-            let left = area.left() + level as f32 * width;
-            let top = area.bottom() - share * area.height();
-            painter.rect_filled(Rect::from_min_max(pos2(left, top), pos2(left + width, area.bottom())), 0.0, color);
-        }
+    let share = |count: u32| (count as f32 / most.max(1) as f32).min(1.0).sqrt();
+    let pixel = |at: usize| {
+        let (level, above) = (at % LEVELS, 1.0 - (at / LEVELS) as f32 / BARS as f32);
+        let filled = |channel: usize| if share(counts.levels[channel][level]) >= above { 1.0 } else { 0.0 };
+        additive([0, 1, 2].map(|channel| 0.5 * filled(channel)))
+    };
+    ColorImage::new([LEVELS, BARS], (0..LEVELS * BARS).map(pixel).collect())
+}
+
+/// Returns the light of the three channels in these strengths.
+fn additive(strengths: [f32; 3]) -> Color32 {
+    let mut sum = [0.0_f32; 3];
+    for (strength, color) in strengths.into_iter().zip(CHANNELS) {
+        sum.iter_mut().zip(color).for_each(|(sum, value)| *sum += strength * f32::from(value));
     }
+    let [r, g, b] = sum.map(|value| value.min(255.0) as u8);
+    Color32::from_rgb_additive(r, g, b)
+}
+
+fn image_ui(painter: &Painter, area: Rect, texture: &TextureHandle) {
+    painter.image(texture.id(), area, Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
 }
 
 fn wave_ui(painter: &Painter, area: Rect, texture: &TextureHandle) {
     for share in [0.25, 0.5, 0.75] {
         painter.hline(area.x_range(), area.top() + share * area.height(), Stroke::new(1.0, Color32::from_gray(0x2c)));
     }
-    painter.image(texture.id(), area, Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
+    image_ui(painter, area, texture);
 }
 
 fn vectors_ui(painter: &Painter, area: Rect, texture: &TextureHandle, swatches: &[Swatch]) {
@@ -194,7 +204,7 @@ fn vectors_ui(painter: &Painter, area: Rect, texture: &TextureHandle, swatches: 
         let at = place(pos2(0.5, 0.5) + 0.86 * (vector(color) - pos2(0.5, 0.5)));
         painter.text(at, Align2::CENTER_CENTER, name, FontId::proportional(9.0), Color32::from_gray(0x70));
     }
-    painter.image(texture.id(), area, Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
+    image_ui(painter, area, texture);
     let named = swatches.iter().filter(|swatch| matches!(swatch.key, SwatchKey::Named(_)));
     for color in named.filter_map(|swatch| swatch.color) {
         let [r, g, b] = color.map(|channel| (255.0 * channel).round() as u8);

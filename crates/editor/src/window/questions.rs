@@ -121,8 +121,7 @@ fn colors_ui(
     let alike = colors.iter().filter(|(name, _)| own.contains(&name.as_str())).count();
     let modal = Modal::new("colors".into()).show(context, |ui| {
         titled(ui, "Use these colors?");
-        let text =
-            format!("“{file}” has {}. {alike} of their names are in the document.", count(colors.len(), "color"));
+        let text = format!("“{file}” has {}. Names that the document has, too: {alike}.", count(colors.len(), "color"));
         ui.add(egui::Label::new(text).wrap());
         ui.add_space(4.0);
         let space = swatches::space(editor.state().sheet());
