@@ -118,6 +118,27 @@ fn groups_nest_and_links_lead_anywhere() {
     same(&document(more, nodes, outputs), &document("", &by_hand, hand_outputs));
 }
 
+/// Whoever looks at a node of a group names it by its path, which may end at a node, at a use within, or at an input.
+#[test]
+fn paths_lead_into_uses() {
+    let more = BAND.replacen(
+        "\"groups\": {",
+        r#""groups": { "Two": { "inputs": { "ground": "Color" },
+        "nodes": { "one": { "type": "Band", "under": "ground" }, "two": { "type": "Band", "under": "one", "at": 0.6 } },
+        "outputs": { "color": "two", "edge": "one.edge" } },"#,
+        1,
+    );
+    let nodes = r##""y": { "type": "ScreenY" }, "ground": { "type": "Mix", "a": "#102030", "b": "#8090a0", "weight": "y" },
+        "pair": { "type": "Two", "ground": "ground" }"##;
+    let by_paths = r#""node": { "weights": "pair/one/edge" }, "use": { "color": "pair/two" }, "input": { "color": "pair/ground" },
+        "output": { "weights": "pair/one.edge" }, "deep": { "color": "pair/one/under" }"#;
+    let outside = r#""node": { "weights": "pair.edge" }, "use": { "color": "pair" }, "input": { "color": "ground" },
+        "output": { "weights": "pair.edge" }, "deep": { "color": "ground" }"#;
+    same(&document(&more, nodes, by_paths), &document(&more, nodes, outside));
+    let told = faults(&document(&more, nodes, r#""o": { "color": "pair/three" }"#));
+    assert!(told.contains("pair/three"), "{told}");
+}
+
 /// The document's knobs are set from outside, as nodes' are.
 #[test]
 fn knobs_of_the_document_are_set() {

@@ -106,7 +106,7 @@ fn nodes_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     Grid::new("nodes").num_columns(3).striped(true).show(ui, |ui| {
         for node in nodes.iter().filter(|node| node.seconds > 0.002 * longest).take(40) {
             if ui.link(&node.name).on_hover_text(node.ty).clicked() {
-                actions.push(Action::Select([node.name.clone()].into()));
+                actions.push(Action::Visit(node.name.clone()));
             }
             let (rect, response) = ui.allocate_exact_size(vec2(110.0, 12.0), Sense::hover());
             let width = rect.width() * (node.seconds / longest) as f32;
@@ -137,7 +137,7 @@ fn left_out_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let mut any = false;
     Grid::new("left out").num_columns(2).striped(true).show(ui, |ui| {
         for node in &state.sheet().nodes {
-            let Some(report) = state.evaluated.nodes.get(&node.name) else { continue };
+            let Some(report) = state.report(node) else { continue };
             let Became::LeftOut(why) = &report.state else { continue };
             any = true;
             if ui.link(&node.name).clicked() {

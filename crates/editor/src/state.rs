@@ -1,19 +1,39 @@
 //! Shared state of the panels: the document, the selection, and the evaluated pictures. Independent of drawing.
 
 use crate::actions::{OtherPalette, Tint};
+use crate::document::group::NoGroup;
+use crate::document::json::Misplaced;
+use crate::document::meaning::Meaning;
 use crate::document::swatches::{Swatch, SwatchKey, swatches};
-use crate::document::{Path, Session, Sheet};
+use crate::document::{Edit, Node, Path, Session, Sheet, decor, group};
 use crate::evaluate::{Blamed, Display, Mixture, Result, Screen};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use std::time::Instant;
-use trochoid::{NodeReport, RefusedFile};
+use trochoid::{NodeReport, RefusedFile, State as Became};
+
+/// Why an edit cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum NoEdit {
+    /// It names a place that does not exist.
+    #[error(transparent)]
+    Misplaced(#[from] Misplaced),
+    /// It changes a group that cannot be changed.
+    #[error(transparent)]
+    Group(#[from] NoGroup),
+}
 
 /// Shared state that panels draw. Panels do not modify it; they request changes by [`Action`](crate::actions::Action)s.
 #[derive(Debug)]
 pub struct State {
     /// The document.
     pub session: Session,
+    /// Names of the uses that are entered, from the outermost one; empty at the top of the document.
+    pub scope: Vec<String>,
+    /// The inside of the innermost entered use.
+    inner: Option<Arc<Sheet>>,
+    /// The inside of the use that has the viewed node; `None` if the document itself has it.
+    around: Option<Arc<Sheet>>,
     /// Names of the selected nodes.
     pub selection: BTreeSet<String>,
     /// Selected output, if no node is selected.
@@ -54,7 +74,7 @@ pub struct Colors {
 /// Subject and display of the viewer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
-    /// Viewed node and index of its output; `None` shows nothing.
+    /// Viewed node, by its name in the expanded document, and index of its output; `None` shows nothing.
     pub node: Option<(String, usize)>,
     /// Nodes assigned to the keys 1 to 9.
     pub slots: [Option<String>; 9],
@@ -156,6 +176,9 @@ impl State {
     pub fn new(session: Session) -> Self {
         let mut state = Self {
             session,
+            scope: Vec::new(),
+            inner: None,
+            around: None,
             selection: BTreeSet::new(),
             output: None,
             look: Look::default(),
@@ -180,6 +203,7 @@ impl State {
         for (slot, output) in self.look.slots.iter_mut().zip(&sheet.outputs) {
             *slot = sheet.source(&output.source).map(|(node, _)| sheet.nodes[node].name.clone());
         }
+        self.read_insides();
     }
 
     /// Returns the result that the document's first output renders.
@@ -188,21 +212,122 @@ impl State {
         source.map(|(node, output)| (sheet.nodes[node].name.clone(), output))
     }
 
-    /// Updates the viewed, assigned, and selected nodes after nodes were renamed.
-    pub fn rename(&mut self, names: &[(String, String)]) {
+    /// Updates the viewed, assigned, and selected nodes after nodes beside each other were renamed; `prefix` stands before
+    /// their names in the expanded document.
+    pub fn rename(&mut self, names: &[(String, String)], prefix: &str) {
         for (old, new) in names {
+            let (whole, inside) = (format!("{prefix}{old}"), format!("{prefix}{old}/"));
             let looked = self.look.node.iter_mut().map(|(name, _)| name);
-            let all = looked.chain(self.look.slots.iter_mut().flatten());
-            all.filter(|name| *name == old).for_each(|name| name.clone_from(new));
+            for name in looked.chain(self.look.slots.iter_mut().flatten()) {
+                if *name == whole {
+                    *name = format!("{prefix}{new}");
+                } else if let Some(rest) = name.strip_prefix(&inside) {
+                    *name = format!("{prefix}{new}/{rest}");
+                }
+            }
             if self.selection.remove(old) {
                 self.selection.insert(new.clone());
             }
         }
     }
 
-    /// Returns the sheet that the canvas draws.
+    /// Returns the sheet that the canvas draws: the document, or the inside of the use that is entered.
     pub fn sheet(&self) -> &Arc<Sheet> {
-        self.session.sheet()
+        self.inner.as_ref().unwrap_or(self.session.sheet())
+    }
+
+    /// Reads the insides of uses again, after a change of the document, the scope or the view. Uses that are gone are
+    /// left.
+    pub fn read_insides(&mut self) {
+        let meaning = self.session.meaning();
+        let (root, graph) = (&meaning.sheet, meaning.graph.as_deref());
+        let entered = |names: &[String]| group::enter(root, names, graph).map(Arc::new);
+        self.inner = None;
+        while !self.scope.is_empty() && self.inner.is_none() {
+            self.inner = entered(&self.scope);
+            if self.inner.is_none() {
+                self.scope.pop();
+            }
+        }
+        let path = self.look.node.as_ref().and_then(|(name, _)| name.rsplit_once('/')).map(|(path, _)| path);
+        self.around = path.and_then(|path| {
+            let names: Vec<String> = path.split('/').map(String::from).collect();
+            if names == self.scope { self.inner.clone() } else { entered(&names) }
+        });
+    }
+
+    /// Updates the names of entered uses after nodes of the document were renamed.
+    pub fn rename_scope(&mut self, names: &[(String, String)]) {
+        if let Some(first) = self.scope.first_mut()
+            && let Some((_, new)) = names.iter().find(|(old, _)| old == first)
+        {
+            first.clone_from(new);
+        }
+    }
+
+    /// Returns an edit of the sheet that the canvas draws as one of the document.
+    ///
+    /// # Errors
+    /// The sheet is that of a group whose definition is in another file.
+    pub fn in_document(&self, edit: Edit) -> std::result::Result<Edit, NoGroup> {
+        let sheet = self.sheet();
+        match &sheet.within {
+            Some(within) => within.rebased(&sheet.library, decor::following(sheet, edit)),
+            None => Ok(edit),
+        }
+    }
+
+    /// Returns what the sheet that the canvas draws would be after an edit of it, with the meaning of the document.
+    ///
+    /// # Errors
+    /// The edit names a place that does not exist, or the group's definition is in another file.
+    pub fn after(&self, edit: &Edit) -> std::result::Result<(Meaning, Arc<Sheet>), NoEdit> {
+        let meaning = self.session.after(&self.in_document(edit.clone())?)?;
+        let inside = group::enter(&meaning.sheet, &self.scope, meaning.graph.as_deref());
+        let sheet = inside.map_or_else(|| meaning.sheet.clone(), Arc::new);
+        Ok((meaning, sheet))
+    }
+
+    /// Returns the name in the expanded document of a node of the sheet that the canvas draws.
+    pub fn whole_name(&self, name: &str) -> String {
+        format!("{}{name}", self.sheet().prefix())
+    }
+
+    /// Returns the node of the sheet that the canvas draws which has this name in the expanded document, or is the use that
+    /// has it.
+    pub fn own_name<'n>(&self, whole: &'n str) -> Option<&'n str> {
+        let own = whole.strip_prefix(&self.sheet().prefix())?;
+        Some(own.split_once('/').map_or(own, |(name, _)| name))
+    }
+
+    /// Returns the viewed node with the sheet that has it, and the index of its output.
+    pub fn looked(&self) -> Option<(&Arc<Sheet>, usize, usize)> {
+        let (name, output) = self.look.node.as_ref()?;
+        let (sheet, own) = match name.rsplit_once('/') {
+            Some((_, own)) => (self.around.as_ref()?, own),
+            None => (self.session.sheet(), name.as_str()),
+        };
+        Some((sheet, sheet.find(own)?, *output))
+    }
+
+    /// Returns what the last evaluation tells of a node of the sheet that the canvas draws; of a use, the sum of its nodes.
+    pub fn report(&self, node: &Node) -> Option<NodeReport> {
+        let whole = self.whole_name(&node.name);
+        if !node.is_use {
+            return self.evaluated.nodes.get(&whole).cloned();
+        }
+        let inside = format!("{whole}/");
+        let mut all = self.evaluated.nodes.iter().filter(|(name, _)| name.starts_with(&inside)).map(|(_, own)| own);
+        let mut sum = all.next()?.clone();
+        for own in all {
+            sum.seconds += own.seconds;
+            sum.estimated |= own.estimated;
+            // Left out as a whole only if every node is.
+            if matches!(sum.state, Became::LeftOut(_)) || matches!(own.state, Became::Evaluated) {
+                sum.state = own.state.clone();
+            }
+        }
+        Some(sum)
     }
 
     /// Returns the colors of the document at the current frame.
@@ -214,6 +339,20 @@ impl State {
     pub fn chosen_controls(&self) -> Option<Vec<String>> {
         let chosen = self.colors.chosen.as_ref()?;
         self.swatches().iter().find(|swatch| swatch.key == *chosen).map(Swatch::controls)
+    }
+
+    /// Returns the selected node if it is a use of a group, and the only selected one.
+    pub fn chosen_use(&self) -> Option<&str> {
+        self.chosen().filter(|name| self.sheet().node(name).is_some_and(|node| node.is_use))
+    }
+
+    /// Returns the group of an included file that is meant: the outermost one that is entered, since what is inside of it is
+    /// used by that file, or else that of the selected use.
+    pub fn foreign(&self) -> Option<&str> {
+        let sheet = self.sheet();
+        let entered = sheet.within.iter().flat_map(|within| &within.uses).map(|(_, group)| group.as_str());
+        let used = self.chosen_use().and_then(|name| sheet.node(name)).map(|node| node.ty.as_str());
+        entered.chain(used).find(|name| sheet.library.group(name).is_some_and(|group| group.file.is_some()))
     }
 
     /// Returns the selected node if exactly one is selected.
@@ -233,6 +372,11 @@ impl State {
         (!known).then_some((culprit, failed))
     }
 
+    /// Returns whether a fault belongs to a node of the sheet that the canvas draws, or to one inside of it.
+    pub fn is_of(&self, fault: &trochoid::Diagnostic, name: &str) -> bool {
+        fault.node.as_deref().and_then(|whole| self.own_name(whole)) == Some(name)
+    }
+
     /// Returns the first fault of a node, or of the nearest faulty node above it, with the name of that node.
     pub fn fault_of(&self, node: usize) -> Option<(&str, &trochoid::Diagnostic)> {
         let sheet = self.sheet();
@@ -240,8 +384,8 @@ impl State {
         let own = |node: usize| {
             let name = &sheet.nodes[node].name;
             let errors = faults.iter().filter(|fault| fault.severity == trochoid::Severity::Error);
-            let fault = errors.into_iter().find(|fault| fault.node.as_deref() == Some(name.as_str()))?;
-            Some((fault.node.as_deref()?, fault))
+            let fault = errors.into_iter().find(|fault| self.is_of(fault, name))?;
+            Some((name.as_str(), fault))
         };
         if faults.is_empty() {
             return None;

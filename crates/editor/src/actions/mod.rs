@@ -24,8 +24,10 @@ use std::sync::Arc;
 /// Request to the editor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// Change the document.
+    /// Change the document; inside of a group, its nodes.
     Edit(Edit),
+    /// Change the document as a whole, whatever group is entered.
+    Whole(Edit),
     /// Change a value of the document; if the document rejects the value, this field shows the reason.
     Give(Edit, egui::Id),
     /// End the gesture: the next change becomes an undo step of its own.
@@ -40,13 +42,23 @@ pub enum Action {
     Rewire(Edit),
     /// Select exactly these nodes.
     Select(BTreeSet<String>),
-    /// Select only this node and bring it into view in the graph.
+    /// Select only the node of this name in the expanded document, and bring it into view in the graph.
     Visit(String),
     /// Ask what to find in the document.
     Find,
     /// Go to a place in the document: select it, bring it into view, and show its properties.
     GoTo(Target),
-    /// View an output of a node.
+    /// Show the inside of a use of a group: names of uses from the outermost one; none of them is the document itself.
+    Enter(Vec<String>),
+    /// Make a group of the selected nodes.
+    Group,
+    /// Put the nodes of the selected use in its place.
+    Unpack,
+    /// Copy the group that is entered, or that the selected node uses, from an included file into the document.
+    MakeLocal,
+    /// Make the value at this place a knob of the group that is entered.
+    Promote(Path),
+    /// View an output of the node of this name in the expanded document.
     Look(String, usize),
     /// View the node assigned to a number key (slot 0 is key 1, slot 8 is key 9); if a node is selected, assign it to
     /// the key first.
@@ -182,6 +194,7 @@ impl Action {
         matches!(
             self,
             Self::Select(_)
+                | Self::Enter(_)
                 | Self::Output(_)
                 | Self::Visit(_)
                 | Self::GoTo(_)

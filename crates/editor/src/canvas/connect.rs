@@ -1,9 +1,9 @@
 //! Checks which ends of wires fit together, and suggests what to do if they do not.
 
 use super::plan::End;
-use crate::document::json::Misplaced;
 use crate::document::meaning::Meaning;
-use crate::document::{Edit, Path, Point, Session, Sheet, decor, edit};
+use crate::document::{Edit, Path, Pin, Point, Sheet, decor, edit};
+use crate::state::{NoEdit, State};
 use std::collections::HashSet;
 use trochoid::{Accepts, Declaration, Diagnostic, Item, Kind, Role, registry};
 
@@ -30,7 +30,7 @@ pub(super) enum NoWire {
     #[error("The output is a {kind}; the pin accepts a {accepts}.\n{}.", sentence(&accepts.remedy(*kind)))]
     Kind { kind: Kind, accepts: Accepts },
     #[error(transparent)]
-    Misplaced(#[from] Misplaced),
+    Edit(#[from] NoEdit),
     /// The connection would give the lower node this fault.
     #[error("Found {}; expected {}.\n{}", .0.found, .0.expected, sentence(&.0.remedy))]
     Fault(Diagnostic),
@@ -53,6 +53,11 @@ pub(super) fn takes(accepts: Accepts, kind: Kind) -> bool {
     if kind == Kind::ANY { image } else { accepts.takes(kind) }
 }
 
+/// Returns whether a pin accepts a kind, as far as the kind is known.
+fn admits(pin: &Pin, kind: Kind) -> bool {
+    pin.takes_all || takes(pin.accepts, kind)
+}
+
 /// Returns the kind of an output; `None` if the node's type is unknown.
 pub(super) fn kind(sheet: &Sheet, from: (usize, usize)) -> Option<Kind> {
     sheet.nodes[from.0].makes.get(from.1)?.1
@@ -73,8 +78,8 @@ pub(super) fn fits(sheet: &Sheet, held: End, other: End, barred: &HashSet<usize>
         (End::Pin(below, pin), End::Output(node, output)) => ((node, output), (below, pin)),
         _ => return false,
     };
-    let accepts = sheet.nodes[to.0].pins[to.1].accepts;
-    !barred.contains(&other.node()) && kind(sheet, from).is_some_and(|kind| takes(accepts, kind))
+    let pin = &sheet.nodes[to.0].pins[to.1];
+    !barred.contains(&other.node()) && kind(sheet, from).is_some_and(|kind| admits(pin, kind))
 }
 
 /// Returns the end of a node where the dragged wire would go: preferably one that fits, and of those one that is free.
@@ -102,13 +107,13 @@ pub(super) fn best_end(sheet: &Sheet, held: End, node: usize, barred: &HashSet<u
 /// # Errors
 /// The graph would become invalid.
 pub(super) fn connect(
-    session: &Session,
+    state: &State,
     from: (usize, usize),
     to: (usize, usize),
     old: Option<(usize, usize)>,
     at: Point,
 ) -> Result<Edit, Box<Refusal>> {
-    let sheet = session.sheet();
+    let sheet = state.sheet();
     let (above, below) = (&sheet.nodes[from.0], &sheet.nodes[to.0]);
     let pin = &below.pins[to.1];
     let source = sheet.reference(from.0, from.1);
@@ -124,20 +129,20 @@ pub(super) fn connect(
     let Some(kind) = kind(sheet, from) else {
         return refuse(NoWire::UnknownType(above.ty.clone()), None);
     };
-    if !takes(pin.accepts, kind) {
+    if !admits(pin, kind) {
         let why = NoWire::Kind { kind, accepts: pin.accepts };
-        return refuse(why, bridge(session, from, to, kind, at));
+        return refuse(why, bridge(state, from, to, kind, at));
     }
     let mut edit = edit::connected(sheet, from, to);
     if let Some(old) = old.filter(|old| *old != to) {
         edit = edit.then(edit::disconnected(sheet, old));
     }
-    match new_fault(session, &edit, &below.name) {
+    match new_fault(state, &edit, &below.name) {
         Some(why) => {
             // While the document is invalid, the kind of an output is only a guess.
             let declared = above.declaration.and_then(|known| Some(known.outputs.get(from.1)?.kind));
             let guessed = declared == Some(Kind::ANY) && !pin.accepts.takes(Kind::Field(1));
-            refuse(why, guessed.then(|| bridge(session, from, to, Kind::Field(1), at)).flatten())
+            refuse(why, guessed.then(|| bridge(state, from, to, Kind::Field(1), at)).flatten())
         }
         None => Ok(edit),
     }
@@ -149,17 +154,17 @@ fn sentence(text: &str) -> String {
     chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
 }
 
-fn errors<'m>(meaning: &'m Meaning, node: &str) -> Vec<&'m Diagnostic> {
-    meaning.errors().filter(|error| error.node.as_deref() == Some(node)).collect()
+fn errors<'m>(state: &State, meaning: &'m Meaning, node: &str) -> Vec<&'m Diagnostic> {
+    meaning.errors().filter(|error| state.is_of(error, node)).collect()
 }
 
 /// Returns the fault that a change would add to a node, if any.
-fn new_fault(session: &Session, change: &Edit, node: &str) -> Option<NoWire> {
-    let after = match session.after(change) {
-        Ok(after) => after,
+fn new_fault(state: &State, change: &Edit, node: &str) -> Option<NoWire> {
+    let after = match state.after(change) {
+        Ok((after, _)) => after,
         Err(error) => return Some(error.into()),
     };
-    let (old, new) = (errors(session.meaning(), node), errors(&after, node));
+    let (old, new) = (errors(state, state.session.meaning(), node), errors(state, &after, node));
     // A fault that another one hid before is not new.
     if new.len() <= old.len() {
         return None;
@@ -179,36 +184,36 @@ fn leads(declaration: &Declaration, kind: Kind, accepts: Accepts) -> bool {
 }
 
 /// Finds a node type that makes a connection valid when inserted.
-fn bridge(session: &Session, from: (usize, usize), to: (usize, usize), kind: Kind, at: Point) -> Option<Bridge> {
-    let accepts = session.sheet().nodes[to.0].pins[to.1].accepts;
+fn bridge(state: &State, from: (usize, usize), to: (usize, usize), kind: Kind, at: Point) -> Option<Bridge> {
+    let accepts = state.sheet().nodes[to.0].pins[to.1].accepts;
     let mut types: Vec<&'static Declaration> =
         registry().iter().map(|ty| ty.declaration()).filter(|ty| leads(ty, kind, accepts)).collect();
     types.sort_by_key(|ty| (ty.role != Some(Role::Threshold), ty.items.len(), ty.name));
     // Each candidate is tried on the whole document.
-    types.into_iter().take(6).find_map(|ty| between(session, ty, from, to, kind, at))
+    types.into_iter().take(6).find_map(|ty| between(state, ty, from, to, kind, at))
 }
 
 fn between(
-    session: &Session,
+    state: &State,
     ty: &'static Declaration,
     from: (usize, usize),
     to: (usize, usize),
     kind: Kind,
     at: Point,
 ) -> Option<Bridge> {
-    let old = session.sheet();
+    let old = state.sheet();
     let (edit, name) = edit::added(old, ty, at);
-    let sheet = session.after(&edit).ok()?.sheet;
+    let sheet = state.after(&edit).ok()?.1;
     let node = sheet.find(&name)?;
     let pin = sheet.nodes[node].pins.iter().position(|pin| pin.accepts.takes(kind))?;
     let from = (sheet.find(&old.nodes[from.0].name)?, from.1);
     let to = (sheet.find(&old.nodes[to.0].name)?, to.1);
     let edit = edit.then(edit::connected(&sheet, from, (node, pin))).then(edit::connected(&sheet, (node, 0), to));
     let edit = Edit { label: format!("Insert {}", ty.name), ..edit };
-    let after = session.after(&edit).ok()?;
+    let (after, _) = state.after(&edit).ok()?;
     let below = &sheet.nodes[to.0].name;
-    let worse = errors(&after, below).len() > errors(session.meaning(), below).len();
-    (!worse && errors(&after, &name).is_empty()).then_some(Bridge { ty: ty.name, edit, name })
+    let worse = errors(state, &after, below).len() > errors(state, state.session.meaning(), below).len();
+    (!worse && errors(state, &after, &name).is_empty()).then_some(Bridge { ty: ty.name, edit, name })
 }
 
 /// Connection requested for a new node.
@@ -234,7 +239,7 @@ pub(super) fn suits(sheet: &Sheet, declaration: &Declaration, wanted: &NewNodeLi
         }
         NewNodeLink::Feeds(name, pin) => {
             let pin = sheet.node(name).and_then(|node| node.pins.get(*pin));
-            pin.is_some_and(|pin| declaration.outputs.iter().any(|output| takes(pin.accepts, output.kind)))
+            pin.is_some_and(|pin| declaration.outputs.iter().any(|output| admits(pin, output.kind)))
         }
     }
 }
@@ -267,19 +272,19 @@ pub(super) fn conversion(
 
 /// Adds a node and the conversion that it needs to take an output; also returns its name. `None` if it needs none.
 fn converted(
-    session: &Session,
+    state: &State,
     declaration: &'static Declaration,
     at: Point,
     wanted: &NewNodeLink,
 ) -> Option<(Edit, String)> {
-    let old = session.sheet();
+    let old = state.sheet();
     let ty = conversion(old, declaration, wanted)?;
     let (NewNodeLink::Takes(above, output) | NewNodeLink::Below(above, output)) = wanted else { return None };
     let (first, between) = edit::added(old, ty, at);
     let below = [at[0], at[1] + super::place::HEAD + super::place::PICTURE + 40.0];
-    let (second, name) = edit::added(&session.after(&first).ok()?.sheet, declaration, below);
+    let (second, name) = edit::added(&state.after(&first).ok()?.1, declaration, below);
     let edit = first.then(second);
-    let sheet = session.after(&edit).ok()?.sheet;
+    let sheet = state.after(&edit).ok()?.1;
     let from = (sheet.find(above)?, *output);
     let (between, node) = (sheet.find(&between)?, sheet.find(&name)?);
     let pin = |node: usize, kind: Kind| sheet.nodes[node].pins.iter().position(|pin| takes(pin.accepts, kind));
@@ -292,16 +297,16 @@ fn converted(
 
 /// Adds a node and connects it as requested, as far as it fits; also returns its name.
 pub(super) fn added(
-    session: &Session,
+    state: &State,
     declaration: &'static Declaration,
     at: Point,
     wanted: &NewNodeLink,
 ) -> (Edit, String) {
-    if let Some(converted) = converted(session, declaration, at, wanted) {
+    if let Some(converted) = converted(state, declaration, at, wanted) {
         return converted;
     }
-    let (edit, name) = edit::added(session.sheet(), declaration, at);
-    let joined = session.after(&edit).ok().and_then(|after| joins(&after.sheet, &name, wanted));
+    let (edit, name) = edit::added(state.sheet(), declaration, at);
+    let joined = state.after(&edit).ok().and_then(|(_, sheet)| joins(&sheet, &name, wanted));
     match joined {
         Some(joined) => (Edit { label: edit.label.clone(), ..edit.then(joined) }, name),
         None => (edit, name),
@@ -315,8 +320,8 @@ fn joins(sheet: &Sheet, name: &str, wanted: &NewNodeLink) -> Option<Edit> {
         NewNodeLink::Nothing => None,
         NewNodeLink::Feeds(below, pin) => {
             let below = sheet.find(below)?;
-            let accepts = sheet.nodes[below].pins.get(*pin)?.accepts;
-            let output = new.makes.iter().position(|(_, made)| made.is_some_and(|made| takes(accepts, made)))?;
+            let taking = sheet.nodes[below].pins.get(*pin)?;
+            let output = new.makes.iter().position(|(_, made)| made.is_some_and(|made| admits(taking, made)))?;
             Some(edit::connected(sheet, (node, output), (below, *pin)))
         }
         NewNodeLink::Takes(above, output) | NewNodeLink::Below(above, output) => {
@@ -328,7 +333,7 @@ fn joins(sheet: &Sheet, name: &str, wanted: &NewNodeLink) -> Option<Edit> {
                 let made = new.makes.first().and_then(|(_, made)| *made)?;
                 let made = if made == Kind::ANY { kind } else { made };
                 let below = sheet.wires.iter().filter(|wire| wire.from == from);
-                for wire in below.filter(|wire| takes(sheet.nodes[wire.to.0].pins[wire.to.1].accepts, made)) {
+                for wire in below.filter(|wire| admits(&sheet.nodes[wire.to.0].pins[wire.to.1], made)) {
                     edit = edit.then(edit::connected(sheet, (node, 0), wire.to));
                 }
                 edit = edit.then(outputs(sheet, from, name, kind == made));

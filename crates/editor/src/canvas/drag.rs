@@ -369,7 +369,7 @@ impl Canvas {
         }
         let ends = [plan.end(End::Output(from.0, from.1)), plan.end(End::Pin(to.0, to.1))];
         let middle = ends[0].lerp(ends[1], 0.5) - vec2(60.0, 45.0);
-        match connect::connect(&state.session, from, to, old, middle.into()) {
+        match connect::connect(state, from, to, old, middle.into()) {
             Ok(edit) => actions.extend([Action::Edit(plan.freezing(edit)), Action::Seal]),
             Err(refusal) => self.refusal = Some((*refusal, at)),
         }

@@ -142,6 +142,7 @@ impl Canvas {
 fn look(plan: &Plan, name: &str, actions: &mut Vec<Action>) {
     let known = output::find(&plan.sheet, name);
     if let Some((node, index)) = known.and_then(|output| plan.sheet.source(&output.source)) {
+        // Outputs are at the top of the document, where names are whole.
         actions.push(Action::Look(plan.sheet.nodes[node].name.clone(), index));
     }
 }

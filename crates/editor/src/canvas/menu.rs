@@ -114,8 +114,11 @@ impl Canvas {
         let nodes: Vec<usize> = state.selection.iter().filter_map(|name| plan.sheet.find(name)).collect();
         if let [node] = nodes[..] {
             let name = &plan.sheet.nodes[node].name;
+            if plan.sheet.nodes[node].is_use && ui.button("Enter group").clicked() {
+                actions.push(Action::Enter(state.scope.iter().cloned().chain([name.clone()]).collect()));
+            }
             if ui.button("View").clicked() {
-                actions.push(Action::Look(name.clone(), 0));
+                actions.push(Action::Look(state.whole_name(name), 0));
             }
             ui.menu_button("Assign to viewer key", |ui| {
                 for slot in 0..9 {
@@ -130,6 +133,15 @@ impl Canvas {
             if ui.button("Replace with …").clicked() {
                 self.search = Some(Search::replacing(name, at));
             }
+            if plan.sheet.nodes[node].is_use {
+                let button = ui.button("Unpack").on_hover_text("Put the nodes of the group in the place of this use.");
+                if button.clicked() {
+                    actions.push(Action::Unpack);
+                }
+                if state.foreign().is_some() && ui.button("Make local").clicked() {
+                    actions.push(Action::MakeLocal);
+                }
+            }
             ui.separator();
         }
         if nodes.len() > 1 {
@@ -142,6 +154,9 @@ impl Canvas {
                 actions.push(Action::Arrange);
             }
             ui.separator();
+        }
+        if ui.button("Group").on_hover_text("Make a group of the selected nodes.").clicked() {
+            actions.push(Action::Group);
         }
         if ui.button("Backdrop").clicked() {
             actions.push(Action::Backdrop);

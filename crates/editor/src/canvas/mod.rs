@@ -11,6 +11,7 @@ mod mark;
 mod menu;
 mod minimap;
 mod node;
+mod path;
 mod picture;
 mod pin;
 mod place;
@@ -30,7 +31,7 @@ use drag::Gesture;
 use egui::{Align2, Color32, Event, FontId, Key, Modifiers, MouseWheelUnit, PointerButton, Rect, Response, Sense};
 use egui::{Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2};
 use plan::Plan;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 /// State of the graph panel that no other panel shares.
@@ -44,6 +45,8 @@ pub struct Canvas {
     /// The pin that was clicked, unless the click ended a gesture.
     clicked: Option<plan::End>,
     has_plugged: bool,
+    /// Whether there was no gesture and nothing was open when the frame began.
+    was_idle: bool,
     search: Option<search::Search>,
     /// Reason why the last wire was refused, and where it would have gone.
     refusal: Option<(connect::Refusal, egui::Pos2)>,
@@ -62,6 +65,8 @@ pub struct Canvas {
     menus: u64,
     /// Whether the view has been initialized.
     is_shown: bool,
+    /// Views of the document and of uses that were left, by the path of the use.
+    views: HashMap<String, view::View>,
     /// Whether scrolling pans (touchpad) instead of zooming (mouse wheel).
     wheel_moves: bool,
 }
@@ -150,6 +155,9 @@ impl Canvas {
             Some(plan) if Arc::ptr_eq(&plan.sheet, state.sheet()) => plan,
             old => {
                 let plan = Plan::new(state, &mut self.laid);
+                if let Some(old) = &old {
+                    self.turn(&old.sheet.prefix(), &plan.sheet.prefix());
+                }
                 let names =
                     |plan: &Plan| plan.sheet.nodes.iter().map(|node| node.name.clone()).collect::<Vec<String>>();
                 // A moved node may lose its wires during the drag and must stay grabbed.
@@ -165,7 +173,7 @@ impl Canvas {
         if !self.is_shown && rect.is_positive() {
             self.is_shown = true;
             if let Some(area) = plan.area(&BTreeSet::new()) {
-                let looked = state.look.node.as_ref().and_then(|(name, _)| plan.sheet.find(name));
+                let looked = state.look.node.as_ref().and_then(|(name, _)| plan.sheet.find(state.own_name(name)?));
                 self.view.open(area, looked.map_or(area.center(), |node| plan.boxes[node].center()));
             }
         }
@@ -184,6 +192,20 @@ impl Canvas {
             self.search = Some(search::Search::replacing(&plan.sheet.nodes[node].name, at));
         }
         plan
+    }
+
+    /// Keeps the view of the sheet that is left, and takes that of the other one if it was shown before.
+    fn turn(&mut self, from: &str, to: &str) {
+        if from == to {
+            return;
+        }
+        self.forget_cursor();
+        (self.search, self.writing) = (None, None);
+        self.views.insert(from.into(), self.view);
+        match self.views.get(to) {
+            Some(view) => (self.view.pan, self.view.zoom) = (view.pan, view.zoom),
+            None => self.is_shown = false,
+        }
     }
 
     /// Pans and zooms the view.
@@ -276,6 +298,12 @@ impl Canvas {
                     self.view.center(plan.boxes[next].center());
                 }
             }
+        }
+        // Esc first ends what is being done.
+        let is_covered = egui::Popup::is_any_open(ui.ctx()) || ui.memory(|memory| memory.top_modal_layer().is_some());
+        let is_idle = self.was_idle && state.dropper.is_none() && !is_covered;
+        if is_idle && !state.scope.is_empty() && ui.input(|input| input.key_pressed(Key::Escape)) {
+            actions.push(Action::Enter(state.scope[..state.scope.len() - 1].to_vec()));
         }
         let over = ui.rect_contains_pointer(self.view.rect);
         if over || self.wants_paste {
@@ -406,11 +434,13 @@ pub fn backdrop_of<'s>(sheet: &'s Sheet, chosen: &BTreeSet<String>) -> Option<&'
 
 /// Draws the graph.
 pub fn canvas_ui(canvas: &mut Canvas, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
-    let rect = ui.available_rect_before_wrap();
-    ui.allocate_rect(rect, Sense::hover());
+    let area = ui.available_rect_before_wrap();
+    ui.allocate_rect(area, Sense::hover());
+    let rect = path::path_ui(ui, area, state, actions);
     let mut ui = ui.new_child(UiBuilder::new().id_salt("canvas").max_rect(rect));
     ui.shrink_clip_rect(rect);
     let ui = &mut ui;
+    canvas.was_idle = canvas.explains() && canvas.writing.is_none();
     let mut plan = canvas.prepare(ui, state, rect);
     let background = ui.interact(rect, ui.id().with("background"), Sense::click_and_drag());
     background.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "Graph"));

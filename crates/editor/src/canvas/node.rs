@@ -8,6 +8,7 @@ use super::plan::Plan;
 use super::wire::{faded, left_out};
 use crate::actions::Action;
 use crate::document::Node;
+use crate::document::sheet::Side;
 use crate::state::State;
 use crate::{format, theme};
 use egui::epaint::RectShape;
@@ -15,7 +16,7 @@ use egui::text::{LayoutJob, TextFormat, TextWrapping};
 use egui::{Align2, Color32, CornerRadius, FontId, PointerButton, Pos2, Rect, RichText, Sense, Stroke, StrokeKind};
 use egui::{Ui, WidgetInfo, WidgetType, pos2, vec2};
 use std::collections::BTreeSet;
-use trochoid::{End as Side, State as Fate};
+use trochoid::{End, State as Fate};
 
 /// Share of the total time above which a node displays its time.
 const COSTLY: f64 = 0.02;
@@ -75,7 +76,11 @@ impl Canvas {
             let response = ui.interact(seen, id, Sense::click_and_drag());
             let chosen = state.selection.contains(&node.name);
             response.widget_info(|| {
-                let label = format!("Node {}, {}", node.name, node.ty);
+                let label = match node.side {
+                    Some(Side::Input) => format!("Input {} of the group", node.name),
+                    Some(Side::Output) => format!("Output {} of the group", node.called()),
+                    None => format!("Node {}, {}", node.name, node.ty),
+                };
                 WidgetInfo::selected(WidgetType::Button, true, chosen, label)
             });
             self.draw_node(plan, ui, state, index, &paint, total);
@@ -88,13 +93,16 @@ impl Canvas {
                 }
             }
             self.marks_ui(plan, ui, state, index, actions);
-            self.fault_ui(plan, ui, index, actions);
+            self.fault_ui(plan, ui, state, index, actions);
             self.pins_ui(plan, ui, index, response.hovered());
             if response.clicked() {
                 actions.push(Action::Select(picked(ui, state, &node.name)));
             }
             if response.double_clicked() {
-                actions.push(Action::Look(node.name.clone(), 0));
+                actions.push(match node.is_use {
+                    true => Action::Enter(state.scope.iter().cloned().chain([node.name.clone()]).collect()),
+                    false => Action::Look(state.whole_name(&node.name), 0),
+                });
             }
             if response.secondary_clicked() {
                 if !chosen {
@@ -133,15 +141,21 @@ impl Canvas {
         let seen = self.view.area(plan.boxes[index]);
         let painter = ui.painter();
         let kind = theme::kind(node.makes.first().and_then(|(_, kind)| *kind));
-        let out = node.disabled || left_out(state, &node.name);
+        let out = node.disabled || left_out(state, node);
         let dim = out || plan.idle.contains(&index);
         // Dimmed nodes keep their place and let the others stand out.
         let tone = |color: Color32| if dim { faded(color, ui.visuals().panel_fill, 0.55) } else { color };
         let ink = |color: Color32| if dim { faded(color, ui.visuals().panel_fill, 0.3) } else { color };
         let chosen = state.selection.contains(&node.name);
-        let round = CornerRadius::same((5.0 * zoom).clamp(1.0, 12.0) as u8);
+        // The boxes of a group's inputs and outputs are round at their outer ends.
+        let (soft, plain) = ((16.0 * zoom).clamp(2.0, 30.0) as u8, (5.0 * zoom).clamp(1.0, 12.0) as u8);
+        let round = match node.side {
+            Some(Side::Input) => CornerRadius { nw: soft, ne: soft, ..CornerRadius::same(plain) },
+            Some(Side::Output) => CornerRadius { sw: soft, se: soft, ..CornerRadius::same(plain) },
+            None => CornerRadius::same(plain),
+        };
         let head = Rect::from_min_size(seen.min, vec2(seen.width(), HEAD * zoom));
-        let front = node.declaration.is_some_and(|known| known.end == Side::Front);
+        let front = node.declaration.is_some_and(|known| known.end == End::Front);
         let family = faded(kind, paint.fill, if front { 0.82 } else { 0.55 });
         if zoom < 0.25 {
             painter.rect_filled(seen, 0.0, tone(faded(kind, paint.fill, 0.4)));
@@ -150,14 +164,30 @@ impl Canvas {
                 let shadow = egui::Shadow { offset: [0, 2], blur: 6, spread: 0, color: Color32::from_black_alpha(60) };
                 painter.add(shadow.as_shape(seen, round));
             }
+            if node.is_use {
+                // Like a pile, of which the upper one is seen.
+                for by in [6.0, 3.0] {
+                    let behind = seen.translate(vec2(by * zoom, by * zoom));
+                    painter.rect_filled(behind, round, tone(paint.fill));
+                    painter.rect_stroke(behind, round, Stroke::new(1.0, tone(paint.edge)), StrokeKind::Outside);
+                }
+            }
             painter.rect_filled(seen, round, tone(paint.fill));
             let top = if has_picture(node) { CornerRadius { sw: 0, se: 0, ..round } } else { round };
             painter.rect_filled(head, top, tone(family));
             // Stripe in the color of the kind: the head itself may be almost gray.
             let stripe = Rect::from_min_size(head.min, vec2((4.0 * zoom).max(2.0), head.height()));
-            painter.rect_filled(stripe, CornerRadius { ne: 0, se: 0, ..top }, tone(kind));
+            if node.side.is_none() {
+                painter.rect_filled(stripe, CornerRadius { ne: 0, se: 0, ..top }, tone(kind));
+            }
             if has_picture(node) {
-                self.draw_picture(ui, state, &node.name, Rect::from_min_max(head.left_bottom(), seen.max), out);
+                self.draw_picture(
+                    ui,
+                    state,
+                    &state.whole_name(&node.name),
+                    Rect::from_min_max(head.left_bottom(), seen.max),
+                    out,
+                );
             }
         }
         let fault = plan.faults.get(&index);
@@ -177,7 +207,7 @@ impl Canvas {
     }
 
     /// Draws the error badge for a fault in this node or above it; clicking it goes to the node at fault.
-    fn fault_ui(&self, plan: &Plan, ui: &Ui, index: usize, actions: &mut Vec<Action>) {
+    fn fault_ui(&self, plan: &Plan, ui: &Ui, state: &State, index: usize, actions: &mut Vec<Action>) {
         let Some(fault) = plan.faults.get(&index) else { return };
         let name = &plan.sheet.nodes[index].name;
         let own = fault.culprit == *name;
@@ -193,7 +223,7 @@ impl Canvas {
         let color = if own { theme::error(ui.visuals()) } else { Color32::from_rgb(0xe0, 0x92, 0x3c) };
         badge(ui, at, own, color, if response.hovered() { 1.25 * zoom } else { zoom });
         if response.clicked() {
-            actions.push(Action::Visit(fault.culprit.clone()));
+            actions.push(Action::Visit(state.whole_name(&fault.culprit)));
         }
         let text = match own {
             true => fault.text.clone(),
@@ -205,8 +235,9 @@ impl Canvas {
     /// Draws the number keys that show a node, and the outline of the viewed node.
     fn draw_keys(&self, ui: &Ui, state: &State, node: &Node, seen: Rect) {
         let zoom = self.view.zoom;
-        let looked = state.look.node.as_ref().is_some_and(|(name, _)| *name == node.name);
-        let is_it = |name: &Option<String>| name.as_deref() == Some(node.name.as_str());
+        let whole = state.whole_name(&node.name);
+        let looked = state.look.node.as_ref().is_some_and(|(name, _)| *name == whole);
+        let is_it = |name: &Option<String>| name.as_deref() == Some(whole.as_str());
         let slots: Vec<usize> =
             state.look.slots.iter().enumerate().filter(|(_, name)| is_it(name)).map(|(i, _)| i + 1).collect();
         let gold = Color32::from_rgb(0xf2, 0xc1, 0x4e);
@@ -280,7 +311,7 @@ fn draw_text(ui: &Ui, node: &Node, head: Rect, zoom: f32, colors: [Color32; 2], 
     let strike = if node.disabled { Stroke::new(1.2, colors[0]) } else { Stroke::NONE };
     let name =
         TextFormat { strikethrough: strike, ..TextFormat::simple(size(12.5_f32.max(LEGIBLE / zoom)), colors[0]) };
-    let text = elided(&node.name, name, width);
+    let text = elided(node.called(), name, width);
     let is_small = 10.0 * zoom < 0.7 * LEGIBLE;
     // Below the pins, which reach into the head; centered if the name stands alone.
     let top = match is_small {
@@ -293,7 +324,7 @@ fn draw_text(ui: &Ui, node: &Node, head: Rect, zoom: f32, colors: [Color32; 2], 
     }
     let line = pos2(left, head.top() + 20.5 * zoom);
     let mut width = width;
-    let seconds = state.evaluated.nodes.get(&node.name).map_or(0.0, |node| node.seconds);
+    let seconds = state.report(node).map_or(0.0, |node| node.seconds);
     if total > 0.0 && seconds > COSTLY * total {
         let text = format::seconds(seconds);
         let at = pos2(head.right() - 6.0 * zoom, line.y);
@@ -325,12 +356,17 @@ fn badge(ui: &Ui, at: Pos2, own: bool, color: Color32, zoom: f32) {
 fn about_ui(plan: &Plan, ui: &mut Ui, state: &State, index: usize, total: f64) {
     ui.set_max_width(320.0);
     let node = &plan.sheet.nodes[index];
-    ui.label(RichText::new(format!("{} — {}", node.name, node.ty)).strong());
-    match node.declaration {
-        Some(known) => ui.label(known.summary),
-        None => ui.colored_label(theme::error(ui.visuals()), format!("Unknown node type \"{}\".", node.ty)),
+    ui.label(RichText::new(format!("{} — {}", node.called(), node.ty)).strong());
+    match (node.declaration, node.side) {
+        (Some(known), _) => ui.label(known.summary),
+        (None, Some(Side::Input)) => ui.label("An input of the group: what a use connects here."),
+        (None, Some(Side::Output)) => ui.label("An output of the group: what its uses make."),
+        (None, None) => ui.colored_label(theme::error(ui.visuals()), format!("Unknown node type \"{}\".", node.ty)),
     };
-    if let Some(seen) = state.evaluated.nodes.get(&node.name) {
+    if node.is_use {
+        ui.weak("Double-click to enter the group.");
+    }
+    if let Some(seen) = state.report(node) {
         match &seen.state {
             Fate::Evaluated => {
                 let share = if total > 0.0 { 100.0 * seen.seconds / total } else { 0.0 };

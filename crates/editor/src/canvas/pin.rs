@@ -203,8 +203,9 @@ fn about_ui(plan: &Plan, ui: &mut Ui, end: End) {
         }
         End::Pin(_, index) => {
             let pin = &node.pins[index];
-            ui.label(RichText::new(format!("{}.{}", node.name, pin.label)).strong());
-            ui.weak(format!("Accepts: {}{}", pin.accepts, if pin.required { ", required" } else { "" }));
+            ui.label(RichText::new(format!("{}.{}", node.called(), pin.label)).strong());
+            let accepts = if pin.takes_all { "anything".to_string() } else { pin.accepts.to_string() };
+            ui.weak(format!("Accepts: {accepts}{}", if pin.required { ", required" } else { "" }));
             ui.label(pin.help);
             if let Some(text) = pin.value.as_ref().filter(|_| plan.wire_at((end.node(), index)).is_none()) {
                 ui.weak(format!("Value: {}", crate::document::change::style(text)));

@@ -3,6 +3,7 @@
 use super::curve::{Curve, WireShape};
 use super::place::{self, GraphLayout};
 use super::view::View;
+use crate::document::sheet::Side;
 use crate::document::{Edit, Point, Sheet, Wire, decor};
 use crate::state::State;
 use egui::{Pos2, Rect, Vec2, pos2};
@@ -84,7 +85,9 @@ impl Plan {
                 makes.entry(node).or_default().push(output.name.clone());
             }
         }
-        let needed = sheet.upstream(makes.keys().copied());
+        // What a group makes is needed by its outputs.
+        let ends = sheet.nodes.iter().enumerate().filter(|(_, node)| node.side == Some(Side::Output));
+        let needed = sheet.upstream(makes.keys().copied().chain(ends.map(|(index, _)| index)));
         let idle = (0..sheet.nodes.len()).filter(|node| !needed.is_empty() && !needed.contains(node)).collect();
         let mut plan = Self {
             boxes: boxes.clone(),
@@ -231,9 +234,9 @@ impl Plan {
     pub(super) fn spoken(&self, end: End) -> String {
         let node = &self.sheet.nodes[end.node()];
         match end {
-            End::Output(_, 0) => format!("Output of {}", node.name),
+            End::Output(_, 0) => format!("Output of {}", node.called()),
             End::Output(_, output) => format!("Output {} of {}", node.makes[output].0, node.name),
-            End::Pin(_, pin) => format!("Input {} of {}", node.pins[pin].label, node.name),
+            End::Pin(_, pin) => format!("Input {} of {}", node.pins[pin].label, node.called()),
         }
     }
 
@@ -263,13 +266,13 @@ fn routes(sheet: &Sheet, boxes: &[Rect], laid: &GraphLayout) -> HashMap<usize, V
 /// Returns the node at which evaluation failed, and why.
 fn broken(state: &State) -> Option<(String, String)> {
     let (node, why) = state.broken()?;
-    Some((node?.into(), why.into()))
+    Some((state.own_name(node?)?.into(), why.into()))
 }
 
 /// Returns the fault to show at each node.
 fn faults(state: &State) -> HashMap<usize, Fault> {
     let sheet = state.sheet();
-    let own = state.session.meaning().errors().filter_map(|error| sheet.find(error.node.as_deref()?));
+    let own = state.session.meaning().errors().filter_map(|error| sheet.find(state.own_name(error.node.as_deref()?)?));
     let below = sheet.downstream(own.collect::<BTreeSet<usize>>());
     let faults = below.into_iter().filter_map(|node| {
         let (culprit, fault) = state.fault_of(node)?;

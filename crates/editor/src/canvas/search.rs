@@ -43,7 +43,13 @@ impl Search {
 
     /// Returns the matching types, best first.
     fn found(&self, plan: &Plan) -> Vec<&'static Declaration> {
-        let all = registry().iter().map(|ty| ty.declaration());
+        let library = &plan.sheet.library;
+        // Groups are used like types.
+        // A group cannot contain itself.
+        let around = plan.sheet.within.as_ref().map_or(&[][..], |within| &within.uses);
+        let groups = library.names().filter(|name| !around.iter().any(|(_, group)| group == *name));
+        let groups = groups.filter_map(|name| library.face(name));
+        let all = registry().iter().map(|ty| ty.declaration()).chain(groups);
         let all: Vec<&'static Declaration> = match &self.purpose {
             Purpose::Add(wanted) => all.filter(|known| connect::suits(&plan.sheet, known, wanted)).collect(),
             Purpose::Replace(name) => {
@@ -130,7 +136,7 @@ impl Canvas {
                 let at = below.map_or(at, |own| own.center_bottom() + vec2(-place::WIDTH / 2.0, 40.0));
                 let size = vec2(place::WIDTH, place::HEAD + place::PICTURE);
                 let at = place::nearest(Rect::from_min_size(at, size), &plan.boxes).min;
-                let (edit, name) = connect::added(&state.session, declaration, at.into(), wanted);
+                let (edit, name) = connect::added(state, declaration, at.into(), wanted);
                 actions.push(Action::Edit(plan.freezing(edit)));
                 actions.extend([Action::Seal, Action::Select([name].into())]);
             }

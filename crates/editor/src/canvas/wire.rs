@@ -5,7 +5,7 @@ use super::curve::{Curve, WireShape};
 use super::drag::Gesture;
 use super::plan::{End, Plan};
 use crate::actions::Action;
-use crate::document::{Point, Wire, decor};
+use crate::document::{Node, Point, Wire, decor};
 use crate::state::State;
 use crate::theme;
 use egui::{Color32, PointerButton, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, WidgetType, vec2};
@@ -40,7 +40,8 @@ impl Canvas {
                 continue;
             }
             let wire = &plan.sheet.wires[index];
-            let names = [wire.from.0, wire.to.0].map(|node| plan.sheet.nodes[node].name.as_str());
+            let ends = [wire.from.0, wire.to.0].map(|node| &plan.sheet.nodes[node]);
+            let names = ends.map(|node| node.name.as_str());
             let chosen = names.iter().any(|name| state.selection.contains(*name));
             // Blended with the background instead of transparent, so that overlapping wires look like one.
             let mut color = theme::kind(plan.sheet.kind(wire));
@@ -51,7 +52,7 @@ impl Canvas {
             } else if hovered == Some(index) || into == Some(index) {
                 color = color.lerp_to_gamma(ui.visuals().strong_text_color(), 0.35);
                 width += 1.5;
-            } else if left_out(state, names[0]) || left_out(state, names[1]) {
+            } else if left_out(state, ends[0]) || left_out(state, ends[1]) {
                 color = muted(color, 0.75);
             } else if !chosen {
                 color = muted(color, if ui.visuals().dark_mode { 0.34 } else { 0.08 });
@@ -67,7 +68,7 @@ impl Canvas {
                     WidgetInfo::labeled(
                         WidgetType::Other,
                         true,
-                        format!("Wire from {from} to {} {}", names[1], pin.label),
+                        format!("Wire from {from} to {} {}", ends[1].called(), pin.label),
                     )
                 });
             }
@@ -136,8 +137,8 @@ impl Canvas {
 }
 
 /// Returns whether the last evaluation left a node out.
-pub(super) fn left_out(state: &State, name: &str) -> bool {
-    state.evaluated.nodes.get(name).is_some_and(|node| matches!(node.state, Fate::LeftOut(_)))
+pub(super) fn left_out(state: &State, node: &Node) -> bool {
+    state.report(node).is_some_and(|node| matches!(node.state, Fate::LeftOut(_)))
 }
 
 /// Blends a color with its background by a share.

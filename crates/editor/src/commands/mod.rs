@@ -1,5 +1,6 @@
 //! Table of all commands; menus, shortcuts, and the command palette are built from it.
 
+mod groups;
 mod space;
 
 use crate::actions::{Action, Line, Pane, Switch};
@@ -67,7 +68,12 @@ fn several(state: &State) -> bool {
 /// The menus, from left to right.
 pub const MENUS: [&str; 5] = ["File", "Edit", "Graph", "Viewer", "Window"];
 
-/// Every command, in menu order.
+/// Returns every command; those of a menu are in its order.
+pub fn commands() -> impl Iterator<Item = &'static Command> {
+    COMMANDS.iter().chain(groups::GROUPS)
+}
+
+/// The other commands, in menu order.
 pub static COMMANDS: &[Command] = &[
     command("File", "New", keys(COMMAND, Key::N), "Start a new document.", |_| Action::New, always),
     command("File", "Open …", keys(COMMAND, Key::O), "Open a document.", |_| Action::Open, always),
@@ -272,7 +278,7 @@ pub static COMMANDS: &[Command] = &[
         None,
         "Show the selected node in the viewer (same as double-clicking it).",
         |state| match state.chosen() {
-            Some(name) => Action::Look(name.into(), 0),
+            Some(name) => Action::Look(state.whole_name(name), 0),
             None => Action::Output(state.output.clone()),
         },
         one,
@@ -451,7 +457,7 @@ pub static COMMANDS: &[Command] = &[
 /// Adds the actions of pressed shortcuts. Those without Ctrl are ignored while text is being typed.
 pub fn pressed(context: &egui::Context, state: &State, actions: &mut Vec<Action>) {
     let typing = context.egui_wants_keyboard_input();
-    let mut commands: Vec<&Command> = COMMANDS.iter().collect();
+    let mut commands: Vec<&Command> = commands().collect();
     // Shortcuts with Shift come first: egui also matches a shortcut without Shift when Shift is held.
     commands.sort_by_key(|command| command.keys.is_some_and(|keys| !keys.modifiers.shift));
     for command in commands {

@@ -56,12 +56,7 @@ pub fn write(sheet: &Sheet, nodes: &HashMap<&str, &Node>) -> String {
 }
 
 /// Renames the nodes that a node refers to; references that `to` does not know are removed.
-pub fn redirect(body: &mut Value, to: &dyn Fn(&str) -> Option<String>) {
-    let Some(ty) = body.get("type").and_then(Value::as_str).and_then(|ty| trochoid::registry().get(ty)) else { return };
-    redirect_items(ty.declaration().items, body, to);
-}
-
-fn redirect_items(items: &[trochoid::Item], body: &mut Value, to: &dyn Fn(&str) -> Option<String>) {
+pub fn redirect(items: &[trochoid::Item], body: &mut Value, to: &dyn Fn(&str) -> Option<String>) {
     let Some(entries) = body.as_object_mut() else { return };
     for item in items {
         match item {
@@ -81,7 +76,7 @@ fn redirect_items(items: &[trochoid::Item], body: &mut Value, to: &dyn Fn(&str) 
             }
             trochoid::Item::List(list) => {
                 if let Some(Value::Array(records)) = entries.get_mut(list.name) {
-                    records.iter_mut().for_each(|record| redirect_items(list.items, record, to));
+                    records.iter_mut().for_each(|record| redirect(list.items, record, to));
                 }
             }
         }

@@ -3,6 +3,7 @@
 use super::change::{Edit, style};
 use super::clip;
 use super::decor;
+use super::group;
 use super::json::{Op, Path, quoted};
 use super::link;
 use super::sheet::{Node, Point, Sheet, Wire};
@@ -261,24 +262,13 @@ pub fn renamed(sheet: &Sheet, from: &str, to: &str) -> Edit {
             }
         }
     }
-    let new_name = |name: &str| (name == from).then(|| to.to_string());
-    for (path, text) in sheet.get(&Path::default().to("nodes")).map_or_else(Vec::new, all_links) {
-        let new = link::renamed(text, &new_name);
-        if new != text {
-            ops.push(Op::Set(path, quoted(&new)));
-        }
-    }
     if sheet.nodes[node].placed {
         ops.push(Op::Rename(placed(from), to.into()));
     }
     ops.extend(decor::redotted(sheet, from, to));
+    ops.extend(group::relinked_to(sheet, from, to));
     ops.push(Op::Rename(Path::node(from), to.into()));
     Edit::new(format!("Rename {from} to {to}"), ops)
-}
-
-/// Returns all links in the nodes of a document.
-fn all_links(nodes: &Value) -> Vec<(Path, &str)> {
-    link::links(nodes, &Path::default().to("nodes"))
 }
 
 /// Bypasses nodes, or re-enables them if all are bypassed.
@@ -289,7 +279,8 @@ pub fn disabled(sheet: &Sheet, names: &[String]) -> Edit {
 /// Re-enables nodes, or bypasses them.
 pub fn switched(sheet: &Sheet, names: &[String], on: bool) -> Edit {
     let off = !on;
-    let nodes: Vec<&Node> = names.iter().filter_map(|name| sheet.node(name)).collect();
+    let nodes = names.iter().filter_map(|name| sheet.node(name));
+    let nodes: Vec<&Node> = nodes.filter(|node| node.side.is_none()).collect();
     let ops = nodes.iter().filter(|node| node.disabled != off).map(|node| {
         let path = Path::node(&node.name).to("disabled");
         if off { Op::Set(path, "true".into()) } else { Op::Remove(path) }
@@ -343,7 +334,8 @@ pub fn pasted(sheet: &Sheet, text: &str, at: Point) -> Option<(Edit, Vec<String>
     let mut ops = Vec::new();
     for (index, (name, body)) in clip.nodes.iter().enumerate() {
         let mut body = body.clone();
-        clip::redirect(&mut body, &|node| match names.get(node) {
+        let items = sheet.library.declaration(&body).map_or(&[][..], |known| known.items);
+        clip::redirect(items, &mut body, &|node| match names.get(node) {
             Some(new) => Some(new.clone()),
             None => sheet.find(node).map(|_| node.to_string()),
         });
@@ -361,5 +353,6 @@ pub fn pasted(sheet: &Sheet, text: &str, at: Point) -> Option<(Edit, Vec<String>
 pub fn copied(sheet: &Sheet, names: &[String]) -> String {
     let nodes: HashMap<&str, &Node> =
         names.iter().filter_map(|name| Some((name.as_str(), sheet.node(name)?))).collect();
+    let nodes = nodes.into_iter().filter(|(_, node)| node.side.is_none()).collect();
     clip::write(sheet, &nodes)
 }

@@ -1,5 +1,6 @@
 //! The interpretation of a document's text: graph, diagnostics, and sheet.
 
+use super::group::Library;
 use super::sheet::Sheet;
 use std::path::Path;
 use std::sync::Arc;
@@ -32,7 +33,9 @@ impl Meaning {
         // A text too large for the graph is not parsed for the sheet either.
         let value = if text.len() <= 64 << 20 { serde_json::from_str(text).ok() } else { None };
         let readable = value.is_some();
-        let mut sheet = Sheet::new(value.unwrap_or_default(), graph.as_ref());
+        let value = value.unwrap_or_default();
+        let library = Arc::new(Library::read(&value, Some((folder, access))));
+        let mut sheet = Sheet::with_groups(value, graph.as_ref(), library, None);
         sheet.text = text.into();
         let sheet = Arc::new(sheet);
         Self { graph: graph.map(Arc::new), diagnostics, sheet, readable }

@@ -7,6 +7,7 @@ pub mod decor;
 pub mod dropped;
 pub mod edit;
 pub mod find;
+pub mod group;
 pub mod history;
 pub mod json;
 pub mod keep;
@@ -20,7 +21,7 @@ pub mod session;
 pub mod sheet;
 pub mod swatches;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod trial;
 pub mod version;
 

@@ -2,12 +2,13 @@
 
 use super::change::Edit;
 use super::edit::count;
+use super::group;
 use super::json::{Op, Path as ValuePath, quoted};
 use super::link::is_link;
 use super::sheet::Sheet;
 use serde_json::Value;
 use std::path::{Component, Path, PathBuf};
-use trochoid::{Item, KnobType, escape_frame, expand_frame};
+use trochoid::{Item, Knob, KnobType, escape_frame, expand_frame};
 
 /// Maximum number of frames of a sequence to look for.
 const FRAMES: usize = 1000;
@@ -75,6 +76,13 @@ fn paths(sheet: &Sheet, outputs: bool) -> Vec<(ValuePath, String)> {
             collect(declaration.items, body, &place, &mut found);
         }
     }
+    let includes = sheet.value.get("include").and_then(Value::as_array);
+    for (index, path) in includes.into_iter().flatten().enumerate() {
+        found.extend(path.as_str().map(|path| (ValuePath::default().to("include").to(index), path.to_string())));
+    }
+    for name in sheet.library.names() {
+        group_paths(sheet, name, &mut found);
+    }
     for output in sheet.outputs.iter().filter(|_| outputs) {
         let place = ValuePath::default().to("outputs").to(&output.name).to("file");
         if let Some(Value::String(path)) = sheet.get(&place) {
@@ -82,6 +90,24 @@ fn paths(sheet: &Sheet, outputs: bool) -> Vec<(ValuePath, String)> {
         }
     }
     found
+}
+
+/// Adds the paths in the definition of a group that the document itself has.
+fn group_paths(sheet: &Sheet, name: &str, found: &mut Vec<(ValuePath, String)>) {
+    let Some(group) = sheet.library.group(name).filter(|group| group.file.is_none()) else { return };
+    let place = ValuePath::default().to("groups").to(name);
+    for (node, body) in group.entries("nodes") {
+        if let Some(declaration) = sheet.library.declaration(body) {
+            collect(declaration.items, body, &place.to("nodes").to(node), found);
+        }
+    }
+    for item in sheet.library.face(name).map_or(&[][..], |face| face.items) {
+        let Item::Knob(Knob { name, takes: KnobType::Path, .. }) = item else { continue };
+        let place = place.to("knobs").to(*name);
+        let Some((default, is_described)) = sheet.get(&place).map(group::whole_default) else { continue };
+        let place = if is_described { place.to("default") } else { place };
+        found.extend(default.and_then(Value::as_str).map(|path| (place, path.to_string())));
+    }
 }
 
 fn collect(items: &[Item], body: &Value, place: &ValuePath, found: &mut Vec<(ValuePath, String)>) {

@@ -1,11 +1,12 @@
 //! A document as the canvas draws it; invalid documents are included as far as they can be understood.
 
 use super::color::{is_color, rgb};
+use super::group::{self, Library, Within};
 use super::json::{Path, Step};
 use serde_json::Value;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
-use trochoid::{Accepts, Arity, CheckedGraph, Declaration, Item, Kind, PaletteColor, Role, registry};
+use trochoid::{Accepts, Arity, CheckedGraph, Declaration, Item, Kind, PaletteColor, Role};
 
 /// Point on the canvas; x points right, y down.
 pub type Point = [f32; 2];
@@ -36,6 +37,10 @@ pub struct Sheet {
     pub value: Value,
     /// Text of the document.
     pub text: Arc<str>,
+    /// Groups that nodes may use.
+    pub library: Arc<Library>,
+    /// The use of a group of which these are the nodes; `None` for those of the document.
+    pub within: Option<Within>,
 }
 
 /// A node.
@@ -57,12 +62,33 @@ pub struct Node {
     pub pins: Vec<Pin>,
     /// Outputs: names, and kinds where known.
     pub makes: Vec<(&'static str, Option<Kind>)>,
+    /// What it is of the group that is looked at, if it is none of its nodes.
+    pub side: Option<Side>,
+    /// Whether it is a use of a group.
+    pub is_use: bool,
+}
+
+/// A box that stands for an input or an output of the group that is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// What uses connect.
+    Input,
+    /// What uses make.
+    Output,
 }
 
 impl Node {
     /// Returns whether the node's type has a role.
     pub fn is(&self, role: Role) -> bool {
         self.declaration.is_some_and(|declaration| declaration.role == Some(role))
+    }
+
+    /// Returns its name as it is shown.
+    pub fn called(&self) -> &str {
+        match self.side {
+            Some(Side::Output) => self.name.strip_prefix(group::OUTPUT).unwrap_or(&self.name),
+            _ => &self.name,
+        }
     }
 }
 
@@ -83,6 +109,8 @@ pub struct Pin {
     pub more: bool,
     /// Whether this pin is an element of a list.
     pub of_list: bool,
+    /// Whether any kind is accepted.
+    pub takes_all: bool,
     /// Value in the document.
     pub value: Option<Value>,
 }
@@ -121,11 +149,23 @@ pub struct Backdrop {
 impl Sheet {
     /// Reads a parsed document; `graph` supplies kinds if the document is valid.
     pub fn new(value: Value, graph: Option<&CheckedGraph>) -> Self {
-        let mut sheet = Self { frames: (1, 1, 24.0), format: [1920, 1080], ..Self::default() };
+        let library = Arc::new(Library::read(&value, None));
+        Self::with_groups(value, graph, library, None)
+    }
+
+    /// Reads a parsed document whose nodes may use these groups, or the nodes within a use of one.
+    pub fn with_groups(
+        value: Value,
+        graph: Option<&CheckedGraph>,
+        library: Arc<Library>,
+        within: Option<Within>,
+    ) -> Self {
+        let mut sheet = Self { frames: (1, 1, 24.0), format: [1920, 1080], library, within, ..Self::default() };
         let entries = value.get("nodes").and_then(Value::as_object);
         for (name, body) in entries.into_iter().flatten() {
             sheet.index.insert(name.clone(), sheet.nodes.len());
-            sheet.nodes.push(Node::read(name, body, &value, graph));
+            let node = sheet.read_node(name, body, &value, graph);
+            sheet.nodes.push(node);
         }
         sheet.pass_kinds();
         sheet.join();
@@ -300,13 +340,17 @@ impl Sheet {
     }
 }
 
-impl Node {
-    fn read(name: &str, body: &Value, document: &Value, graph: Option<&CheckedGraph>) -> Self {
+impl Sheet {
+    /// Returns what stands before the names of its nodes in the expanded document.
+    pub fn prefix(&self) -> String {
+        self.within.as_ref().map(Within::prefix).unwrap_or_default()
+    }
+
+    fn read_node(&self, name: &str, body: &Value, document: &Value, graph: Option<&CheckedGraph>) -> Node {
         let ty = body.get("type").and_then(Value::as_str).unwrap_or_default();
-        let declaration = registry().get(ty).map(|ty| ty.declaration());
+        let declaration = self.library.declaration(body);
         let place = document.get("ui").and_then(|ui| ui.get("positions")).and_then(|all| point(all.get(name)));
-        let checked = graph.and_then(|graph| Some(graph.node(graph.find(name)?)));
-        let mut node = Self {
+        let mut node = Node {
             name: name.into(),
             ty: ty.into(),
             declaration,
@@ -315,18 +359,28 @@ impl Node {
             placed: place.is_some(),
             pins: Vec::new(),
             makes: Vec::new(),
+            side: None,
+            is_use: self.library.used(body).is_some(),
         };
+        if let Some(within) = &self.within
+            && within.completes(&self.library, &mut node, body)
+        {
+            return node;
+        }
         if let Some(declaration) = declaration {
             pins(declaration.items, body, &[], "", &mut node.pins);
-            let kinds = declaration.outputs.iter().enumerate().map(|(index, output)| {
-                let known = checked.and_then(|checked| checked.kinds.get(index).copied());
+            let path = format!("{}{name}", self.prefix());
+            let kinds = declaration.outputs.iter().map(|output| {
+                let known = graph.and_then(|graph| group::known_kind(&self.library, graph, body, &path, output.name));
                 (output.name, known.or(Some(output.kind)))
             });
             node.makes = kinds.collect();
         }
         node
     }
+}
 
+impl Node {
     /// Returns the pin at a path within the node.
     pub fn pin(&self, steps: &[Step]) -> Option<usize> {
         self.pins.iter().position(|pin| pin.steps == steps)
@@ -349,6 +403,7 @@ fn pins(items: &'static [Item], body: &Value, steps: &[Step], before: &str, foun
                     required: false,
                     more: false,
                     of_list: false,
+                    takes_all: false,
                     value: value.cloned(),
                 };
                 let label = format!("{before}{}", port.name);

@@ -25,6 +25,8 @@ pub(super) fn fault(edit: &Edit, before: &Meaning, after: &Meaning) -> Option<Di
 /// Part of the document that an edit concerns.
 enum Part<'p> {
     Node(&'p str),
+    /// A node of a group, which each use of the group has.
+    Inner(&'p str),
     /// Entry outside of nodes, such as `format`.
     Top(&'p [Step]),
 }
@@ -33,6 +35,9 @@ impl<'p> Part<'p> {
     fn of(path: &'p Path) -> Option<Self> {
         match path.0.as_slice() {
             [Step::Key(nodes), Step::Key(name), ..] if nodes == "nodes" => Some(Self::Node(name)),
+            [Step::Key(groups), _, Step::Key(nodes), Step::Key(name), ..] if groups == "groups" && nodes == "nodes" => {
+                Some(Self::Inner(name))
+            }
             [] => None,
             steps => Some(Self::Top(steps)),
         }
@@ -41,6 +46,9 @@ impl<'p> Part<'p> {
     fn holds(&self, fault: &Diagnostic) -> bool {
         match self {
             Self::Node(name) => fault.node.as_deref() == Some(name),
+            Self::Inner(name) => {
+                fault.node.as_deref().and_then(|node| node.rsplit_once('/')).is_some_and(|(_, own)| own == *name)
+            }
             Self::Top(steps) => {
                 let named = |port: &str| steps.iter().any(|step| *step == Step::from(port));
                 fault.node.is_none() && fault.port.as_deref().is_some_and(named)

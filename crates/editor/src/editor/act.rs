@@ -3,8 +3,8 @@
 
 use super::Editor;
 use crate::actions::{Action, After, Pane};
-use crate::document::sheet::FAR;
-use crate::document::{edit, output};
+use crate::document::sheet::{FAR, Side};
+use crate::document::{edit, group, output};
 use crate::layout;
 use egui::Context;
 use std::collections::BTreeSet;
@@ -15,6 +15,7 @@ impl Editor {
         let state = &mut self.state;
         match action {
             Action::Edit(edit) => self.edit(edit),
+            Action::Whole(edit) => self.edit_document(edit),
             Action::Give(edit, field) => self.give(edit, field, context),
             Action::Rewire(edit) => self.rewire(edit),
             Action::Seal => state.session.seal(),
@@ -67,6 +68,11 @@ impl Editor {
             Action::Disable => self.edit(edit::disabled(self.state.sheet(), &self.chosen())),
             Action::SelectAll => self.choose_all(),
             Action::Arrange => self.arrange(),
+            Action::Enter(names) => self.enter(names),
+            Action::Group => self.group(),
+            Action::Unpack => self.unpack(),
+            Action::MakeLocal => self.make_local(),
+            Action::Promote(place) => self.promote(&place),
             Action::Line(line) => self.line_up(line),
             Action::Replace => self.panels.canvas.replace(),
             Action::Extract => self.rewire(edit::extracted(self.state.sheet(), &self.chosen())),
@@ -131,7 +137,14 @@ impl Editor {
 
     pub(super) fn visit(&mut self, name: String) {
         let state = &mut self.state;
-        state.selection = [name].into();
+        // A node of a group is shown inside the use that has it.
+        let (path, own) = name.rsplit_once('/').map_or(("", name.as_str()), |(path, own)| (path, own));
+        let path: Vec<String> = path.split('/').filter(|name| !name.is_empty()).map(String::from).collect();
+        if path != state.scope {
+            state.scope = path;
+            state.read_insides();
+        }
+        state.selection = Some(own.to_string()).filter(|own| state.sheet().find(own).is_some()).into_iter().collect();
         state.dropper = None;
         state.output = None;
         layout::bring(&mut self.tree, Pane::Canvas);
@@ -139,17 +152,27 @@ impl Editor {
     }
 
     fn look_at(&mut self, node: String, output: usize) {
+        // What a group's output shows is what the use makes.
+        let (node, output) = match node.rsplit_once('/') {
+            Some((path, own)) if own.starts_with(group::OUTPUT) => {
+                let outputs = self.state.sheet().nodes.iter().filter(|node| node.side == Some(Side::Output));
+                (path.to_string(), outputs.map(|node| &node.name).position(|name| name == own).unwrap_or(0))
+            }
+            _ => (node, output),
+        };
         self.state.look.node = Some((node, output));
+        self.state.read_insides();
         self.lost = None;
     }
 
     fn view_slot(&mut self, slot: usize) {
         let state = &mut self.state;
-        if let Some(name) = state.chosen().map(String::from) {
-            state.look.slots[slot] = Some(name);
+        if let Some(name) = state.chosen() {
+            state.look.slots[slot] = Some(state.whole_name(name));
         }
-        let node = state.look.slots[slot].clone().filter(|name| state.sheet().find(name).is_some());
-        if let Some(name) = node {
+        if let Some(name) = state.look.slots[slot].clone()
+            && crate::document::group::is_node(state.session.sheet(), &name)
+        {
             self.look_at(name, 0);
         }
     }

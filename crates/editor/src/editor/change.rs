@@ -3,7 +3,7 @@
 use super::Editor;
 use crate::actions::Line;
 use crate::document::json::Misplaced;
-use crate::document::{Edit, Point, Session, edit, output, relocate};
+use crate::document::{Edit, Point, Session, edit, group, output, relocate};
 use crate::refusal;
 use crate::state::State;
 use egui::{Context, Id};
@@ -127,6 +127,12 @@ impl Editor {
     /// Adds an output that renders the selected node: its viewed result, or the first one that a file can hold.
     pub(super) fn make_output(&mut self) {
         let sheet = self.state.sheet().clone();
+        if sheet.within.is_some() {
+            // Outputs of the document are outside.
+            return self
+                .notices
+                .warning("Outputs of the document are made outside of groups: leave the group first (Esc)");
+        }
         let Some(node) = self.state.chosen().and_then(|name| sheet.find(name)) else { return };
         let looked = self.state.look.node.as_ref().filter(|(name, _)| *name == sheet.nodes[node].name);
         let index = looked.map(|(_, index)| *index).or_else(|| output::renderable(&sheet, node)).unwrap_or(0);
@@ -150,6 +156,11 @@ impl Editor {
         self.make(edit, Session::edit);
     }
 
+    /// Applies an edit of the document as a whole, whatever use is entered.
+    pub(super) fn edit_document(&mut self, edit: Edit) {
+        self.make_whole(edit, Session::edit);
+    }
+
     /// Clears a refusal once the document or the selection has changed.
     pub(super) fn forgive(&mut self, context: &Context) {
         let (state, known) = (&self.state, &self.refusing);
@@ -170,11 +181,26 @@ impl Editor {
             }
             return None;
         }
-        let sheet = self.state.sheet().clone();
+        match self.state.in_document(edit) {
+            Ok(edit) => self.make_whole(edit, change),
+            Err(why) => {
+                self.notices.warning(why.to_string());
+                None
+            }
+        }
+    }
+
+    /// Does the same with a change of the document as a whole.
+    fn make_whole<T>(
+        &mut self,
+        edit: Edit,
+        change: impl FnOnce(&mut Session, Edit) -> Result<T, Misplaced>,
+    ) -> Option<T> {
+        let sheet = self.state.session.sheet().clone();
         if !self.settle("Nothing else was changed") {
             return None;
         }
-        if !edit.fits(&sheet.value, &self.state.sheet().value) {
+        if !edit.fits(&sheet.value, &self.state.session.sheet().value) {
             self.notices.warning(
                 "The changes typed in the Text panel were applied and affect the same place. Check them, then repeat \
                  your edit",
@@ -220,18 +246,28 @@ impl Editor {
             // This is the first text that can be parsed.
             self.state.begin();
         }
-        self.state.rename(&sheet.renamed(&before));
-        self.state.selection.retain(|name| sheet.find(name).is_some());
+        let inside = self.state.sheet().clone();
+        self.state.rename(&sheet.renamed(&before), "");
+        self.state.rename_scope(&sheet.renamed(&before));
+        self.state.read_insides();
+        if inside.within.is_some() && self.state.sheet().prefix() == inside.prefix() {
+            let renamed = self.state.sheet().renamed(&inside);
+            self.state.rename(&renamed, &inside.prefix());
+            self.state.read_insides();
+        }
+        let shown = self.state.sheet().clone();
+        self.state.selection.retain(|name| shown.find(name).is_some());
         if let Some(gone) = self.state.output.take_if(|name| output::find(&sheet, name).is_none()) {
             self.state.output = output::now(&sheet, &before, &gone);
         }
         self.forget_frames();
-        if let Some(lost) = self.lost.take_if(|(name, _)| sheet.find(name).is_some()) {
+        if let Some(lost) = self.lost.take_if(|(name, _)| group::is_node(&sheet, name)) {
             self.state.look.node = Some(lost);
         }
-        if let Some(gone) = self.state.look.node.take_if(|(name, _)| sheet.find(name).is_none()) {
+        if let Some(gone) = self.state.look.node.take_if(|(name, _)| !group::is_node(&sheet, name)) {
             self.lost.get_or_insert(gone);
             self.state.look.node = State::first_output(&sheet);
         }
+        self.state.read_insides();
     }
 }

@@ -53,9 +53,9 @@ impl Editor {
             }
             Ok(Dropped::Read(declaration)) => {
                 let session = &self.state.session;
-                let place = self.panels.canvas.free_place(session.sheet(), at);
+                let place = self.panels.canvas.free_place(self.state.sheet(), at);
                 let outside = session.access().check(file).is_err();
-                match added(session.sheet(), declaration, file, &session.folder(), place) {
+                match added(self.state.sheet(), declaration, file, &session.folder(), place) {
                     Ok((edit, name)) => {
                         self.rewire(edit);
                         self.state.session.seal();

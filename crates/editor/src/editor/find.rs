@@ -51,7 +51,7 @@ impl Editor {
 
     fn show_node(&mut self, name: String) {
         if self.state.sheet().find(&name).is_some() {
-            self.visit(name);
+            self.visit(self.state.whole_name(&name));
             layout::bring(&mut self.tree, Pane::Properties);
         }
     }

@@ -5,6 +5,7 @@ mod change;
 mod colors;
 mod dropped;
 mod find;
+mod groups;
 mod leave;
 mod painting;
 mod pictures;
@@ -344,7 +345,7 @@ impl Editor {
         }
         self.panels.canvas = Canvas::default();
         self.asked.what = None;
-        self.asked.thumbnails = 0;
+        self.asked.thumbnails = Default::default();
         context.request_repaint();
     }
 

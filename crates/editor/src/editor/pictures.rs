@@ -13,7 +13,8 @@ pub(super) struct LastRequest {
     pub(super) generation: u64,
     pub(super) what: Option<What>,
     pub(super) display: crate::evaluate::Display,
-    pub(super) thumbnails: u64,
+    /// Revision and sheet whose nodes have thumbnails.
+    pub(super) thumbnails: (u64, String),
     /// Frame from which frames are being evaluated ahead, and the range.
     pub(super) ahead: Option<(i64, (i64, i64))>,
     /// Generation number shared by all frames evaluated ahead for the viewed result.
@@ -38,13 +39,12 @@ pub(super) const FRAMES: usize = 2 << 30;
 impl Editor {
     /// Returns the subject that the viewer should show.
     pub(super) fn subject(&self) -> Option<Subject> {
-        let (name, output) = self.state.look.node.as_ref()?;
-        let sheet = self.state.sheet().clone();
-        let node = sheet.find(name)?;
-        let output = (*output).min(sheet.nodes[node].makes.len().saturating_sub(1));
+        let (sheet, node, output) = self.state.looked()?;
+        let output = output.min(sheet.nodes[node].makes.len().saturating_sub(1));
         let session = &self.state.session;
         Some(Subject {
-            sheet,
+            root: session.sheet().clone(),
+            sheet: sheet.clone(),
             revision: session.revision(),
             node,
             output,
@@ -70,7 +70,7 @@ impl Editor {
             return;
         };
         let look = self.state.look.clone();
-        let name = subject.sheet.nodes[subject.node].name.clone();
+        let name = subject.whole_name();
         let what = (subject.revision, name, subject.output, self.state.frame, look.proxy, look.region);
         if self.asked.what.as_ref() != Some(&what) {
             let same_but_frame =
@@ -113,10 +113,11 @@ impl Editor {
         if self.state.evaluated.progress.is_some() {
             return;
         }
-        let revision = subject.revision;
-        if self.asked.thumbnails != revision && !self.state.playing {
-            self.asked.thumbnails = revision;
-            self.worker.thumbnails(subject.clone(), self.state.frame);
+        let drawn = (subject.revision, self.state.sheet().prefix());
+        if self.asked.thumbnails != drawn && !self.state.playing {
+            self.asked.thumbnails = drawn;
+            let subject = Subject { sheet: self.state.sheet().clone(), ..subject.clone() };
+            self.worker.thumbnails(subject, self.state.frame);
         }
         // When idle, evaluate the upcoming frames, nearest first.
         let present = Some((self.state.frame, self.state.range));
@@ -219,7 +220,7 @@ impl Editor {
                         seen.progress = None;
                         let audit = &result.picture.audit;
                         seen.past.push(PastEvaluation {
-                            node: result.subject.sheet.nodes[result.subject.node].name.clone(),
+                            node: result.subject.whole_name(),
                             frame: result.frame,
                             shrunk: result.shrunk,
                             seconds: [result.seconds.0.prepare, result.seconds.1],
@@ -275,7 +276,11 @@ impl Editor {
                 News::UnknownMixture { generation } => self.take_unknown(generation),
                 News::Unmixed { generation, why } => self.take_unmixed(generation, why),
                 News::Thumbnails(all) => {
-                    seen.thumbnails = all.into_iter().map(|one| (one.node, Arc::new(one.screen))).collect();
+                    // Those outside of the group that is entered are needed again.
+                    let prefix = &self.asked.thumbnails.1;
+                    let is_elsewhere = |own: &str| own.contains('/');
+                    seen.thumbnails.retain(|name, _| name.strip_prefix(prefix.as_str()).is_none_or(is_elsewhere));
+                    seen.thumbnails.extend(all.into_iter().map(|one| (one.node, Arc::new(one.screen))));
                 }
                 _ => {}
             }

@@ -109,6 +109,7 @@ impl<'o> Evaluator<'o> {
         }
         let same_node = |known: &Subject| {
             (known.node, known.output) == (subject.node, subject.output)
+                && known.sheet.prefix() == subject.sheet.prefix()
                 && known.sheet.nodes.len() == subject.sheet.nodes.len()
         };
         if !self.subject.as_ref().is_some_and(same_node) {
@@ -215,7 +216,7 @@ impl<'o> Evaluator<'o> {
 
     /// Evaluates thumbnails of all nodes.
     fn small(&mut self, subject: &Subject, frame: i64, stamp: u64) {
-        let Some(graph) = of_every_node(subject) else { return };
+        let Some((graph, names)) = of_every_node(subject) else { return };
         let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Always, progress: None };
         let format = graph.format();
         let shrink = (format.width() as f32 / THUMBNAIL[0] as f32).max(format.height() as f32 / THUMBNAIL[1] as f32);
@@ -235,7 +236,7 @@ impl<'o> Evaluator<'o> {
             Err(_) => return,
         };
         let pictures = evaluated.pictures.iter().map(|picture| Thumbnail {
-            node: graph.outputs()[picture.output].name.clone(),
+            node: names[picture.output].clone(),
             screen: shown::screen(picture, graph.space(), &Display::default()),
         });
         self.tell(News::Thumbnails(pictures.collect()));

@@ -2,7 +2,7 @@
 //! matter.
 
 use super::subject::Subject;
-use crate::document::{Path, Sheet, json as text, link};
+use crate::document::{Path, Sheet, group, json as text, link};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 use trochoid::{
@@ -66,10 +66,10 @@ impl Lens {
     /// Returns the place in the user's document for a place in the lens.
     fn place_in_document(&self, sought: &DocumentPlace, subject: &Subject) -> Option<DocumentPlace> {
         let graph = &self.graph;
-        let sheet = &subject.sheet;
+        let sheet = &subject.root;
         let mut places = vec![(graph.place_of_format(), Path::default().to("format"))];
-        for (index, node) in graph.nodes().iter().enumerate().filter(|(_, node)| sheet.find(&node.name).is_some()) {
-            let own = Path::node(&node.name);
+        for (index, node) in graph.nodes().iter().enumerate() {
+            let Some(own) = group::definition_path(sheet, &node.name) else { continue };
             let items = node.ty.declaration().items.iter();
             let items = items.map(|item| (graph.place_of(NodeId(index), Some(item.name())), own.to(item.name())));
             // The node's own place stands in for items that are not written in the document.
@@ -105,18 +105,19 @@ pub enum LensError {
 /// Fails if the node has no visible result, or if the node or one of its dependencies has a fault; the error is a
 /// sentence.
 pub fn lens(subject: &Subject) -> Result<Lens, LensError> {
-    let Subject { sheet, node, output, name, folder, access, .. } = subject;
+    let Subject { root: sheet, node, output, name, folder, access, .. } = subject;
     let (node, output) = (*node, *output);
+    let shown = &subject.sheet.nodes[node];
+    let prefix = subject.sheet.prefix();
+    // A node of a group needs what the use needs that has it.
+    let outermost = prefix.split_once('/').map_or(shown.name.as_str(), |(name, _)| name);
     let mut nodes = Map::new();
-    let mut closure: Vec<usize> = sheet.upstream([node]).into_iter().collect();
-    closure.sort_unstable();
-    for index in closure {
+    for index in group::needed(sheet, sheet.find(outermost)) {
         let name = &sheet.nodes[index].name;
         nodes.insert(name.clone(), sheet.get(&Path::node(name)).cloned().unwrap_or_default());
     }
-    let shown = &sheet.nodes[node];
     let kind = shown.makes.get(output).and_then(|(_, kind)| *kind);
-    let reference = sheet.reference(node, output);
+    let reference = format!("{prefix}{}", subject.sheet.reference(node, output));
     let (key, source) = match kind {
         Some(Kind::Color | Kind::Layers(_)) => ("color", reference),
         Some(Kind::Weights(_)) => ("weights", reference),
@@ -139,7 +140,7 @@ pub fn lens(subject: &Subject) -> Result<Lens, LensError> {
     follow(sheet, &mut nodes);
     let clay = matches!(kind, Some(Kind::View | Kind::Surface));
     let mut document = Map::new();
-    for key in ["trochoid", "format", "working_space", "palette", "knobs", "frames", "tolerance"] {
+    for key in ["trochoid", "format", "working_space", "palette", "frames", "tolerance", "include", "groups", "knobs"] {
         if let Some(value) = sheet.value.get(key) {
             document.insert(key.into(), value.clone());
         }
@@ -152,7 +153,8 @@ pub fn lens(subject: &Subject) -> Result<Lens, LensError> {
         Err(LoadError::Invalid(diagnostics)) => {
             let errors = diagnostics.into_iter().filter(|diagnostic| diagnostic.severity == Severity::Error);
             // The node's own fault takes precedence over those above it.
-            let worst = errors.min_by_key(|diagnostic| diagnostic.node.as_deref() != Some(shown.name.as_str()));
+            let whole = subject.whole_name();
+            let worst = errors.min_by_key(|diagnostic| diagnostic.node.as_deref() != Some(whole.as_str()));
             let none = || LensError::Load(LoadError::Invalid(Vec::new()));
             Err(worst.map_or_else(none, |fault| LensError::Fault(Box::new(fault))))
         }
@@ -194,7 +196,7 @@ fn borrowed(sheet: &Sheet, role: Role) -> Option<String> {
 /// Copies the document's first node with a role and its dependencies; returns whether there is one.
 fn borrow(sheet: &Sheet, role: Role, nodes: &mut Map<String, Value>) -> bool {
     let Some(found) = borrowed(sheet, role).and_then(|name| sheet.find(&name)) else { return false };
-    for index in sheet.upstream([found]) {
+    for index in group::needed(sheet, [found]) {
         let name = &sheet.nodes[index].name;
         nodes.entry(name.clone()).or_insert_with(|| sheet.get(&Path::node(name)).cloned().unwrap_or_default());
     }
@@ -211,12 +213,14 @@ fn clay(sheet: &Sheet, view: String, nodes: &mut Map<String, Value>) -> (&'stati
     ("field", CLAY.into())
 }
 
-/// Builds a graph with one output per visible node, named after the node, so that all thumbnails are evaluated at once.
-/// Returns `None` if the document is invalid. Only the first 1000 visible nodes get an output.
-pub(super) fn of_every_node(subject: &Subject) -> Option<CheckedGraph> {
-    let Subject { sheet, name, folder, access, .. } = subject;
-    let mut document = sheet.value.as_object()?.clone();
-    let mut outputs = Map::new();
+/// Builds a graph with one output per visible node of the subject's sheet, so that all thumbnails are evaluated at once;
+/// also returns the nodes' names in the expanded document, in the order of the outputs. Returns `None` if the document is
+/// invalid. Only the first 1000 visible nodes get an output.
+pub(super) fn of_every_node(subject: &Subject) -> Option<(CheckedGraph, Vec<String>)> {
+    let Subject { root, sheet, name, folder, access, .. } = subject;
+    let mut document = root.value.as_object()?.clone();
+    let (mut outputs, mut names) = (Map::new(), Vec::new());
+    let prefix = sheet.prefix();
     for node in sheet.nodes.iter().filter(|node| !node.disabled) {
         let key = match node.makes.first().and_then(|(_, kind)| *kind) {
             Some(Kind::Color) => "color",
@@ -224,12 +228,13 @@ pub(super) fn of_every_node(subject: &Subject) -> Option<CheckedGraph> {
             Some(Kind::Field(_)) => "field",
             _ => continue,
         };
-        if outputs.len() < 1000 {
-            outputs.insert(node.name.clone(), json!({ key: node.name }));
+        if names.len() < 1000 {
+            let whole = format!("{prefix}{}", node.name);
+            outputs.insert(format!("node{}", names.len()), json!({ key: whole }));
+            names.push(whole);
         }
     }
     document.insert("outputs".into(), outputs.into());
-    parse_within(name, &Value::Object(document).to_string(), folder, &[], access.clone())
-        .ok()
-        .map(|loaded| loaded.graph)
+    let loaded = parse_within(name, &Value::Object(document).to_string(), folder, &[], access.clone()).ok()?;
+    Some((loaded.graph, names))
 }

@@ -90,7 +90,7 @@ impl KnownRecipe {
 fn structure(subject: &Subject, lens: &Lens, place: &impl std::fmt::Debug, names: &[String]) -> String {
     let mut value: Value = serde_json::from_str(&lens.text).unwrap_or_default();
     let used: Vec<_> = lens.graph.palette().iter().filter(|named| !named.uses.is_empty()).collect();
-    for swatch in swatches(&subject.sheet, None, 0) {
+    for swatch in swatches(&subject.root, None, 0) {
         let known = match &swatch.key {
             SwatchKey::Named(name) => used.iter().position(|named| named.name == *name).map(Value::from),
             SwatchKey::Literal(_) => Some(Value::Null),

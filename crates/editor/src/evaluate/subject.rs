@@ -9,6 +9,8 @@ use trochoid::Access;
 #[derive(Clone, Debug)]
 pub struct Subject {
     /// The document.
+    pub root: Arc<Sheet>,
+    /// The sheet that has the node: the document, or the inside of a use of a group.
     pub sheet: Arc<Sheet>,
     /// Revision of the document.
     pub revision: u64,
@@ -28,5 +30,11 @@ impl Subject {
     pub(super) fn is(&self, other: &Self) -> bool {
         (self.revision, self.node, self.output) == (other.revision, other.node, other.output)
             && self.folder == other.folder
+            && self.sheet.prefix() == other.sheet.prefix()
+    }
+
+    /// Returns the name of the node in the expanded document.
+    pub fn whole_name(&self) -> String {
+        format!("{}{}", self.sheet.prefix(), self.sheet.nodes[self.node].name)
     }
 }

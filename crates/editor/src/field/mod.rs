@@ -80,6 +80,11 @@ impl Gesture {
         actions.push(Action::SettleTint(edit));
     }
 
+    /// Requests an edit of the document as a whole, whatever group is entered.
+    pub(crate) fn whole(self, edit: Edit, actions: &mut Vec<Action>) {
+        actions.push(Action::Whole(edit));
+    }
+
     /// Requests an edit of the document's wires.
     pub(crate) fn rewire(self, edit: Edit, actions: &mut Vec<Action>) {
         actions.push(Action::Rewire(edit));

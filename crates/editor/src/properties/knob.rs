@@ -82,6 +82,13 @@ fn menu_ui(
         ui.close();
     }
     link::menu_ui(panel, ui, place);
+    if place.state.sheet().within.is_some() && place.path.0.first() == Some(&"nodes".into()) {
+        let promote = ui.button("Make it a knob of the group");
+        if promote.on_hover_text("Each use of the group can set it then; this value is the default").clicked() {
+            actions.push(Action::Promote(place.path.clone()));
+            ui.close();
+        }
+    }
     if ui.button("Copy value").clicked() {
         ui.ctx().copy_text(crate::document::change::style(shown));
         ui.close();

@@ -2,6 +2,7 @@
 
 mod color;
 mod context;
+mod group;
 mod key;
 mod knob;
 mod link;
@@ -51,7 +52,10 @@ pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, 
             Some(name) => node_ui(panel, ui, state, name, actions),
             None if state.selection.is_empty() => match &state.output {
                 Some(name) => output::output_ui(panel, ui, state, name, actions),
-                None => document_ui(panel, ui, state, actions),
+                None => match &state.sheet().within {
+                    Some(within) => group::group_ui(panel, ui, state, within, actions),
+                    None => document_ui(panel, ui, state, actions),
+                },
             },
             None => several::several_ui(panel, ui, state, actions),
         }
@@ -65,7 +69,7 @@ pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, 
 fn is_faulty(state: &State, name: &str) -> bool {
     let faults = &state.session.meaning().diagnostics;
     let above = || state.sheet().find(name).and_then(|node| state.fault_of(node));
-    faults.iter().any(|fault| fault.node.as_deref() == Some(name)) || above().is_some()
+    faults.iter().any(|fault| state.is_of(fault, name)) || above().is_some()
 }
 
 /// Height of the fault area, in points.
@@ -75,7 +79,7 @@ const FAULTS: f32 = 72.0;
 fn faults_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
     let faults = &state.session.meaning().diagnostics;
-    for fault in faults.iter().filter(|fault| fault.node.as_deref() == Some(name)) {
+    for fault in faults.iter().filter(|fault| state.is_of(fault, name)) {
         let color = match fault.severity {
             Severity::Error => crate::theme::error(ui.visuals()),
             Severity::Warning => ui.visuals().warn_fg_color,
@@ -91,7 +95,7 @@ fn faults_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) 
         let text = format!("Error above, in {culprit}: found {}; expected {}", fault.found, fault.expected);
         let link = ui.link(RichText::new(text).color(crate::theme::error(ui.visuals())));
         if link.on_hover_text("Go to that node").clicked() {
-            actions.push(Action::Visit(culprit.into()));
+            actions.push(Action::Visit(state.whole_name(culprit)));
         }
     }
 }
@@ -99,6 +103,9 @@ fn faults_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) 
 fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
     let Some(node) = sheet.node(name) else { return };
+    if let Some(side) = node.side {
+        return group::side_ui(ui, state, node, side, actions);
+    }
     ui.horizontal_wrapped(|ui| {
         let read = |typed: &str| wrong_name(typed.trim(), sheet).map_or_else(|| Ok(typed.trim().to_string()), Err);
         let named = field::draft_ui(ui, "name", name, read, |text| {
@@ -109,6 +116,9 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
             gesture.edit(edit::renamed(sheet, name, &typed), actions);
         }
         ui.label(RichText::new(&node.ty).strong());
+        if node.is_use && ui.button("Enter").on_hover_text("Show the inside of the group (Enter)").clicked() {
+            actions.push(Action::Enter(state.scope.iter().cloned().chain([name.to_string()]).collect()));
+        }
         let mut on = field::switch_ui(ui, !node.disabled, "On");
         on.response = on.response.on_hover_text("Turn off to bypass the node: its input passes through unchanged (D)");
         on.edit(actions, |_| edit::disabled(sheet, &[name.into()]));
@@ -130,14 +140,22 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
     let body = sheet.get(&path);
     // The field keeps the focus whatever widgets come and go above it.
     let own = egui::UiBuilder::new().id(ui.id().with(("knobs", name)));
+    let is_foreign = sheet.within.as_ref().is_some_and(|within| within.file.is_some());
     ui.scope_builder(own, |ui| {
+        if is_foreign {
+            // The group belongs to another file.
+            ui.disable();
+        }
         if ramp::is_ramp(declaration.items) {
             ramp::ramp_ui(ui, state, &path, actions);
         }
         if node.is(Role::Patch) {
             surface::patch_ui(ui, state, &path, actions);
         }
-        record::items_ui(panel, ui, state, declaration.items, &path, body, actions);
+        match node.is_use {
+            true => group::use_ui(panel, ui, state, node, actions),
+            false => record::items_ui(panel, ui, state, declaration.items, &path, body, actions),
+        }
         ui.separator();
         notes::notes_ui(panel, ui, state, &path, actions);
     });

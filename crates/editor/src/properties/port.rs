@@ -59,6 +59,14 @@ fn source_ui(
             if port.accepts.takes_color() || port.accepts.takes_number() {
                 link::menu_ui(panel, ui, place);
             }
+            let is_literal = connected.is_none() && place.value.is_some();
+            if place.state.sheet().within.is_some() && is_literal {
+                let promote = ui.button("Make it a knob of the group");
+                if promote.on_hover_text("Each use of the group can set it then; this value is the default").clicked() {
+                    actions.push(Action::Promote(place.path.clone()));
+                    ui.close();
+                }
+            }
         });
         panel.mark(ui, &place.path, &label);
         if link::of(place.value).is_some() || panel.links(&place.path) {

@@ -1,5 +1,5 @@
 use super::dusk;
-use crate::commands::{COMMANDS, MENUS};
+use crate::commands::{MENUS, commands};
 use crate::testing::{Window, editor, finished, until, window};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -8,7 +8,7 @@ use std::collections::HashMap;
 #[test]
 fn every_command_stands_in_a_menu_and_no_keys_mean_two_things() {
     let mut keys = HashMap::new();
-    for command in COMMANDS {
+    for command in commands() {
         assert!(MENUS.contains(&command.menu), "{}", command.name);
         assert!(command.help.ends_with('.'), "{}", command.name);
         if let Some(shortcut) = command.keys {

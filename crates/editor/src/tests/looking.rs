@@ -95,9 +95,35 @@ fn look_at(context: &Context, session: Session) -> Vec<String> {
         screen.show(Action::Select([node.name.clone()].into()));
         check(&mut screen, &node.name);
     }
+    screen.show(Action::Panel(Pane::Properties));
+    let mut open: Vec<Vec<String>> = uses(&screen).into_iter().map(|name| vec![name]).collect();
+    let mut groups = HashSet::new();
+    while let Some(path) = open.pop() {
+        screen.show(Action::Enter(path.clone()));
+        check(&mut screen, &path.join("/"));
+        let sheet = screen.editor.state().sheet().clone();
+        // Other uses of a group have the same inside.
+        if !groups.insert(sheet.within.as_ref().map(|within| within.group().to_string())) {
+            continue;
+        }
+        for node in &sheet.nodes {
+            screen.show(Action::Select([node.name.clone()].into()));
+            check(&mut screen, &format!("{}/{}", path.join("/"), node.name));
+        }
+        screen.show(Action::Select(Default::default()));
+        check(&mut screen, &format!("the group of {}", path.join("/")));
+        open.extend(uses(&screen).into_iter().map(|name| [path.clone(), vec![name]].concat()));
+    }
+    screen.show(Action::Enter(Vec::new()));
     screen.draw();
     check(&mut screen, "the end");
     changes
+}
+
+/// Returns the uses of groups that are shown.
+fn uses(screen: &Screen<'_>) -> Vec<String> {
+    let nodes = screen.editor.state().sheet().nodes.iter();
+    nodes.filter(|node| node.is_use).map(|node| node.name.clone()).collect()
 }
 
 #[test]
@@ -123,7 +149,7 @@ fn nothing_is_written_by_looking_at_nodes_of_every_type_in_every_document() {
     assert!(changes.is_empty(), "{} places: {changes:#?}", changes.len());
 }
 
-/// Links are texts in the place of values of any type. Nodes of groups have no box of their own so far.
+/// Links are texts in the place of values of any type. All groups are entered, and left.
 #[test]
 fn links_and_groups_stay_what_they_are() {
     let text = r##"{ "trochoid": 1, "format": { "width": 16, "height": 9 }, "frames": { "first": 1, "last": 9 },
@@ -140,6 +166,8 @@ fn links_and_groups_stay_what_they_are() {
         "pair": { "type": "Pair", "in": "mix", "how": "= knobs.wind / 4" },
         "use": { "type": "Mix", "a": "pair", "b": "#f00", "weight": "dot" } },
       "outputs": { "beauty": { "color": "use" } } }"##;
-    let changes = look_at(&Context::default(), Session::new(text.into(), None));
-    assert!(changes.is_empty(), "{changes:#?}");
+    for text in [text, crate::document::tests::groups::LINKED] {
+        let changes = look_at(&Context::default(), Session::new(text.into(), None));
+        assert!(changes.is_empty(), "{changes:#?}");
+    }
 }

@@ -3,6 +3,7 @@ mod files;
 mod find;
 mod formulas;
 mod graph;
+mod groups;
 mod keys;
 mod lasting;
 mod leaving;

@@ -160,7 +160,7 @@ pub(super) fn handles_ui(
 ) {
     let Some(name) = state.chosen() else { return };
     let graph = &result.lens.graph;
-    let Some(sea) = graph.find(name) else { return };
+    let Some(sea) = graph.find(&state.whole_name(name)) else { return };
     let settled = graph.settle(sea, result.frame);
     let Some(paths) = settled.node().dynamics().and_then(Dynamics::paths) else { return };
     let Some(eye) = camera(result, sea).map(|camera| Eye::new(result, camera)) else { return };

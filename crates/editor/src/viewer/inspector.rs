@@ -162,12 +162,17 @@ fn share_ui(ui: &mut Ui, state: &State, result: &Result, share: &Share, actions:
                         (name.clone(), is_chosen, "Click to show it in the palette.", click)
                     }
                     Origin::Node(node) => {
-                        let called = match origin(&result.subject.sheet, node, share.color, space) {
+                        let called = match origin(&result.subject.root, node, share.color, space) {
                             Some(own) => format!("{node} · {own}"),
                             None => node.clone(),
                         };
-                        let click = vec![Action::Select([node.clone()].into()), Action::Frames];
-                        (called, state.selection.contains(node), "Click to select the node.", click)
+                        let click = vec![Action::Visit(node.clone())];
+                        (
+                            called,
+                            state.own_name(node).is_some_and(|own| state.selection.contains(own)),
+                            "Click to select the node.",
+                            click,
+                        )
                     }
                     Origin::Pictures => ("pictures".into(), false, "Pictures that the document reads", Vec::new()),
                 };

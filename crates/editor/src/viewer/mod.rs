@@ -433,12 +433,12 @@ fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut Vec<Action>)
         });
         return;
     }
-    let looked = state.look.node.as_ref().and_then(|(name, _)| state.sheet().find(name));
-    let culprit = looked.and_then(|node| state.fault_of(node)).map(|(name, _)| name);
-    if let Some(culprit) = culprit.or_else(|| state.broken()?.0) {
+    let looked = state.look.node.as_ref().and_then(|(name, _)| state.sheet().find(state.own_name(name)?));
+    let culprit = looked.and_then(|node| state.fault_of(node)).map(|(name, _)| state.whole_name(name));
+    if let Some(culprit) = culprit.or_else(|| Some(state.broken()?.0?.to_string())) {
         ui.scope_builder(UiBuilder::new().max_rect(below).id_salt("culprit"), |ui| {
             if ui.button(format!("Show {culprit}")).on_hover_text("Select the node at fault").clicked() {
-                actions.push(Action::Visit(culprit.into()));
+                actions.push(Action::Visit(culprit));
             }
         });
     }
@@ -446,7 +446,7 @@ fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut Vec<Action>)
 
 /// Returns the note for a node that is not a picture itself.
 fn clay(state: &State) -> String {
-    let kind = state.look.node.as_ref().and_then(|(name, output)| state.sheet().node(name)?.makes.get(*output)?.1);
+    let kind = state.looked().and_then(|(sheet, node, output)| sheet.nodes[node].makes.get(output)?.1);
     let kind = kind.map_or_else(|| "node".into(), |kind| kind.to_string());
     format!("Clay shading: a {kind} is not a picture")
 }

@@ -3,6 +3,7 @@
 use super::Viewer;
 use super::compare::Mode;
 use crate::actions::Action;
+use crate::document::Sheet;
 use crate::evaluate::{Channel, Display, Result, shown};
 use crate::field::Number;
 use crate::state::State;
@@ -170,9 +171,12 @@ fn number_ui(ui: &mut Ui, number: Number<'_>, value: &mut f32, usual: f32, help:
 
 /// Draws the menu of results to view: outputs of the node, and of the document.
 fn subject_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
-    let sheet = state.sheet();
-    let named = |node: usize, output: usize| sheet.reference(node, output);
-    let shown = state.look.node.as_ref().and_then(|(name, output)| Some((sheet.find(name)?, *output)));
+    let root = state.session.sheet();
+    let looked = state.looked();
+    let sheet = looked.map_or(root, |(sheet, ..)| sheet);
+    let whole = |sheet: &Sheet, node: usize| format!("{}{}", sheet.prefix(), sheet.nodes[node].name);
+    let named = |node: usize, output: usize| format!("{}{}", sheet.prefix(), sheet.reference(node, output));
+    let shown = looked.map(|(_, node, output)| (node, output));
     let text = shown.map_or_else(|| "nothing".into(), |(node, output)| named(node, output));
     let mut chosen = None;
     let combo = ComboBox::from_id_salt("shown").selected_text(text).width(96.0).truncate();
@@ -181,22 +185,23 @@ fn subject_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
             let makes = &sheet.nodes[node].makes;
             for output in 0..makes.len() {
                 if ui.selectable_label(shown == Some((node, output)), named(node, output)).clicked() {
-                    chosen = Some((node, output));
+                    chosen = Some((whole(sheet, node), output));
                 }
             }
             ui.separator();
         }
         ui.weak("Outputs");
-        for output in &sheet.outputs {
-            let Some(source) = sheet.source(&output.source) else { continue };
-            if ui.selectable_label(shown == Some(source), &output.name).clicked() {
-                chosen = Some(source);
+        for output in &root.outputs {
+            let Some(source) = root.source(&output.source) else { continue };
+            let is_shown = sheet.within.is_none() && shown == Some(source);
+            if ui.selectable_label(is_shown, &output.name).clicked() {
+                chosen = Some((whole(root, source.0), source.1));
             }
         }
     });
     response.response.on_hover_text("Viewed result. Double-click a node in the graph or press 1 to 9 to change it.");
     if let Some((node, output)) = chosen {
-        actions.push(Action::Look(sheet.nodes[node].name.clone(), output));
+        actions.push(Action::Look(node, output));
     }
 }
 

@@ -10,7 +10,7 @@ mod questions;
 mod recover;
 
 use crate::actions::{Action, Pane};
-use crate::commands::{COMMANDS, MENUS};
+use crate::commands::{MENUS, commands};
 use crate::document::VersionStatus;
 use crate::editor::{Editor, Panels};
 use crate::state::State;
@@ -97,7 +97,7 @@ fn menus_ui(editor: &Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
     MenuBar::new().ui(ui, |ui| {
         for menu in MENUS {
             ui.menu_button(menu, |ui| {
-                for command in COMMANDS.iter().filter(|command| command.menu == menu) {
+                for command in commands().filter(|command| command.menu == menu) {
                     let mut button = egui::Button::new(command.name);
                     if let Some(keys) = command.keys {
                         button = button.shortcut_text(ui.ctx().format_shortcut(&keys));

@@ -2,7 +2,7 @@
 
 use crate::actions::Action;
 use crate::choice::{matches, moved};
-use crate::commands::{COMMANDS, Command};
+use crate::commands::{Command, commands};
 use crate::editor::Editor;
 use crate::prompts::Prompt;
 use egui::{Context, Key, Modal, ScrollArea};
@@ -24,9 +24,10 @@ pub(super) fn palette_ui(
         if field.changed() {
             chosen = 0;
         }
-        let found = matches(&text, COMMANDS.iter().enumerate().map(|(index, command)| (index, command.name)));
+        let all: Vec<&Command> = commands().collect();
+        let found = matches(&text, all.iter().enumerate().map(|(index, command)| (index, command.name)));
         let found: Vec<&Command> =
-            found.into_iter().map(|index| &COMMANDS[index]).filter(|command| (command.enabled)(state)).collect();
+            found.into_iter().map(|index| all[index]).filter(|command| (command.enabled)(state)).collect();
         chosen = moved(ui, chosen, found.len());
         ScrollArea::vertical().max_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
             for (index, command) in found.iter().enumerate() {

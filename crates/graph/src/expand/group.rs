@@ -150,7 +150,7 @@ impl<'d> Expander<'d> {
             _ => kind = Some(&entry.value),
         }
         let text = kind.and_then(|kind| if let Json::String(text) = &kind.json { Some(text.as_str()) } else { None });
-        let Some(accepts) = text.and_then(accepts) else {
+        let Some(accepts) = text.and_then(input_accepts) else {
             let names = input_kinds();
             let at = kind.unwrap_or(&entry.value);
             let remedy = match text.and_then(|text| nearest(text, names.iter().map(String::as_str))) {
@@ -224,10 +224,11 @@ const TAKEN: [Accepts; 9] = [
 
 /// Returns the names of what inputs may take.
 pub(crate) fn input_kinds() -> Vec<String> {
-    TAKEN.map(kind_name).into()
+    TAKEN.map(input_kind).into()
 }
 
-fn kind_name(accepts: Accepts) -> String {
+/// Returns the name of what an input takes.
+pub fn input_kind(accepts: Accepts) -> String {
     match accepts {
         Accepts::Mask => "Mask".into(),
         Accepts::Image => "Image".into(),
@@ -235,6 +236,7 @@ fn kind_name(accepts: Accepts) -> String {
     }
 }
 
-fn accepts(name: &str) -> Option<Accepts> {
-    TAKEN.into_iter().find(|accepts| kind_name(*accepts) == name)
+/// Returns what an input takes whose kind has this name.
+pub fn input_accepts(name: &str) -> Option<Accepts> {
+    TAKEN.into_iter().find(|accepts| input_kind(*accepts) == name)
 }

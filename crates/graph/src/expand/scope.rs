@@ -105,6 +105,17 @@ impl<'d> Expander<'d> {
     /// Returns what a reference stands for in the expanded document: a reference, or a literal that an input has; `None`
     /// if it is an input that stays open.
     pub(super) fn reference(&mut self, scope: &Rc<Scope<'d>>, text: &str, offset: usize) -> Option<Spanned> {
+        // A path leads into a use, as those who look at a node of a group write it: `left/bulb`.
+        if let Some((name, rest)) = text.split_once('/')
+            && let Some(entry) = scope.find(name)
+            && let Some(index) = self.used(entry)
+        {
+            let groups = self.groups.clone();
+            let path = format!("{}{name}", scope.prefix);
+            let inside = Rc::new(Scope::of_use(index, &groups[index], entry, &path, scope));
+            // Groups do not contain themselves, so paths are short.
+            return self.reference(&inside, rest, offset);
+        }
         if let Some((weights, index)) = pick::split(text) {
             return self.pick(scope, weights, index, offset);
         }

@@ -1,4 +1,5 @@
 mod edits;
+pub(crate) mod groups;
 mod kept;
 mod moved;
 mod places;

@@ -29,6 +29,7 @@ fn sheet() -> Arc<Sheet> {
 
 fn subject(sheet: &Arc<Sheet>, node: &str, output: usize) -> Subject {
     Subject {
+        root: sheet.clone(),
         sheet: sheet.clone(),
         revision: 1,
         node: sheet.find(node).unwrap(),
