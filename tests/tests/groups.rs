@@ -167,7 +167,7 @@ fn knobs_of_the_document_are_set() {
     }
 }
 
-/// `NODE.INDEX` stands for a Pick, also of what a group has, and within one.
+/// `NODE.INDEX` stands for a PickWeight, also of what a group has, and within one.
 #[test]
 fn weights_are_named_by_their_index() {
     let group = r##""groups": { "Three": { "inputs": { "where": "Weights" }, "nodes": { "x": { "type": "ScreenX" }, "y": { "type": "ScreenY" },
@@ -180,9 +180,9 @@ fn weights_are_named_by_their_index() {
         "c": { "type": "Mix", "a": "b", "b": "#00ff00", "weight": "t.both" }"##;
     let by_hand = r##""x": { "type": "ScreenX" }, "y": { "type": "ScreenY" }, "bands": { "type": "Bands", "field": "x", "thresholds": [0.3, 0.6], "width": 0.2 },
         "own": { "type": "Stack", "weights": ["x", "y"] },
-        "p": { "type": "Pick", "weights": "own", "index": 1 }, "q": { "type": "Pick", "weights": "bands", "index": 2 },
+        "p": { "type": "PickWeight", "weights": "own", "index": 1 }, "q": { "type": "PickWeight", "weights": "bands", "index": 2 },
         "m": { "type": "Multiply", "weights": ["p", "q"] },
-        "r": { "type": "Pick", "weights": "bands", "index": 1 }, "s": { "type": "Pick", "weights": "own", "index": 0 },
+        "r": { "type": "PickWeight", "weights": "bands", "index": 1 }, "s": { "type": "PickWeight", "weights": "own", "index": 0 },
         "a": { "type": "Mix", "a": "#102030", "b": "#ffe0c0", "weight": "r" },
         "b": { "type": "Mix", "a": "a", "b": "#ff0000", "weight": "s" },
         "c": { "type": "Mix", "a": "b", "b": "#00ff00", "weight": "m" }"##;

@@ -9,7 +9,7 @@ mod mix;
 mod multiply;
 mod normalize;
 mod patch;
-mod pick;
+mod pick_weight;
 mod ramp;
 mod screen;
 mod sheet;
@@ -28,7 +28,7 @@ pub(crate) static NODES: &[NodeType] = &[
     NodeType::of::<multiply::Multiply>(),
     NodeType::of::<normalize::Normalize>(),
     NodeType::of::<patch::Patch>(),
-    NodeType::of::<pick::Pick>(),
+    NodeType::of::<pick_weight::PickWeight>(),
     NodeType::of::<ramp::Ramp>(),
     NodeType::of::<screen::Screen>(),
     NodeType::of::<sheet::Sheet>(),

@@ -162,6 +162,9 @@ impl UnsharedPixels {
 impl<'p> Fills<'p> {
     /// Compares what a stage has seen, if it is a view that decides sharing.
     pub(super) fn compare_sample(&mut self, index: usize, sample: usize) {
+        if !self.views.iter().any(|view| view.fill == index) {
+            return;
+        }
         let known: Option<[Vec<f32>; 2]> = self.known(self.fills[index].fill.node).map(|_| {
             let state = &self.fills[index];
             SHARING_CHANNELS.map(|channel| {

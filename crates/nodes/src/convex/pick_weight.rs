@@ -1,4 +1,4 @@
-//! Pick: one of several weights, as a mask.
+//! PickWeight: one of several weights, as a mask.
 
 use trochoid_graph::*;
 
@@ -17,7 +17,7 @@ use trochoid_graph::*;
 #[derive(Clone, Node)]
 #[node(pointwise, end = Back, revision = 1, role = Pick, output(mask: Kind::MASK = "The weight."))]
 #[also_called("Shuffle", "ChannelShuffle", "ReadMask" => "one weight of several")]
-pub(crate) struct Pick {
+pub(crate) struct PickWeight {
     /// Weights to pick from.
     weights: One<port::Weights>,
     /// Index of the weight, counted from 0.
@@ -28,13 +28,13 @@ pub(crate) struct Pick {
 /// Largest number of weights.
 const MOST: i64 = 256;
 
-impl Pick {
+impl PickWeight {
     fn index(&self) -> usize {
         usize::try_from(self.index).unwrap_or_default()
     }
 }
 
-impl Node for Pick {
+impl Node for PickWeight {
     fn check(&self, check: &mut Check<'_>) {
         let Some(Kind::Weights(count)) = check.kind(&self.weights) else { return };
         if self.index() >= count {
@@ -45,7 +45,7 @@ impl Node for Pick {
     }
 }
 
-impl Pointwise for Pick {
+impl Pointwise for PickWeight {
     fn lower(&self, lowering: &mut Lowering<'_>) -> Value {
         let weights = lowering.weights(&self.weights);
         Value::Weights(Weights::mask(lowering.build.weight(&weights, self.index())))
