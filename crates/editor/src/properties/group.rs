@@ -4,6 +4,7 @@ use super::context::{Properties, WidgetContext, label_ui};
 use super::{knob, notes, port};
 use crate::actions::Action;
 use crate::document::group::{self, NoGroup, Within};
+use crate::document::link::is_link;
 use crate::document::sheet::Side;
 use crate::document::{Edit, Node, Op, Path, edit};
 use crate::field::{self, Gesture};
@@ -88,8 +89,9 @@ pub(super) fn use_ui(panel: &mut Properties, ui: &mut Ui, state: &State, node: &
             Item::Knob(declared) => {
                 let default = known.and_then(|group| group.entries("knobs").find(|(name, _)| *name == declared.name));
                 let default = default.and_then(|(_, knob)| group::whole_default(knob).0);
+                let is_linked = value.and_then(Value::as_str).is_some_and(is_link);
                 match value.or(default) {
-                    Some(shown) if !is_plain(shown) => written_ui(ui, declared, shown, &place, actions),
+                    Some(shown) if !is_linked && !is_plain(shown) => written_ui(ui, declared, shown, &place, actions),
                     _ => knob::knob_ui(panel, ui, declared, &place, actions),
                 }
             }
@@ -102,7 +104,7 @@ pub(super) fn use_ui(panel: &mut Properties, ui: &mut Ui, state: &State, node: &
 /// Returns whether the widgets of knobs can show a value: it is constant or keyed.
 fn is_plain(value: &Value) -> bool {
     match value {
-        Value::String(text) => !group::is_link(text),
+        Value::String(text) => !is_link(text),
         Value::Array(items) => items.iter().all(Value::is_number),
         Value::Object(entries) => entries.contains_key("keys"),
         _ => true,
@@ -125,7 +127,7 @@ fn written_ui(ui: &mut Ui, declared: &Knob, shown: &Value, place: &WidgetContext
                 ui.close();
             }
         });
-        let read = |text: &str| match group::is_link(text.trim()) {
+        let read = |text: &str| match is_link(text.trim()) {
             true => Ok(Value::from(text.trim())),
             false => serde_json::from_str(text).map_err(|_| NoValue),
         };

@@ -122,7 +122,7 @@ impl Present {
 pub(super) fn present(state: &State, path: &Path, item: &Item) -> Option<Present> {
     let graph = state.session.meaning().graph.as_ref()?;
     let [Step::Key(nodes), Step::Key(name), steps @ ..] = path.0.as_slice() else { return None };
-    let node = graph.find(name).filter(|_| nodes == "nodes")?;
+    let node = graph.find(&state.whole_name(name)).filter(|_| nodes == "nodes")?;
     let values = graph.node(node).record.settle(state.frame as f64);
     let (mut record, mut steps) = (&values, steps);
     // Lists come before the item, and the index of a connection may follow it.

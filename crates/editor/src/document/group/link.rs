@@ -1,15 +1,11 @@
 //! Links: texts that take a value from other knobs.
 
+pub(super) use crate::document::link::is_link;
 use serde_json::Value;
 use std::ops::Range;
 
-/// Returns whether a text in the place of a value is a link.
-pub fn is_link(text: &str) -> bool {
-    text.starts_with('=')
-}
-
 /// Returns the names `NODE.KNOB` in a link or formula, with their places.
-pub fn names(text: &str) -> Vec<(Range<usize>, &str, &str)> {
+pub(super) fn names(text: &str) -> Vec<(Range<usize>, &str, &str)> {
     let bytes = text.as_bytes();
     let is_part = |at: usize| bytes.get(at).is_some_and(|byte| byte.is_ascii_alphanumeric() || *byte == b'_');
     let (mut at, mut found) = (0, Vec::new());

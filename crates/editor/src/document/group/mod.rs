@@ -15,7 +15,6 @@ pub use knobs::{
     declared_at, groups_using, promoted, relinked_to, renamed_group, renamed_input, renamed_knob, renamed_output,
 };
 pub use library::{Group, Library};
-pub use link::{is_link, names as names_in_link};
 pub use local::made_local;
 pub use make::grouped;
 pub use unpack::unpacked;

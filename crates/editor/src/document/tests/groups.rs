@@ -1,6 +1,7 @@
 //! Groups are made and unpacked without any change of the picture.
 
-use crate::document::group::{grouped, is_link, made_local, promoted, renamed_knob, unpacked};
+use crate::document::group::{grouped, made_local, promoted, renamed_knob, unpacked};
+use crate::document::link::is_link;
 use crate::document::{Edit, Path, Session, Sheet, edit, group};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
