@@ -88,8 +88,11 @@ struct Scope {
     outputs: Vec<(Kind, usize, usize)>,
 }
 
+/// A formula of x as text, and what it means.
+type Formula = (&'static str, fn(f64) -> f64);
+
 /// Formulas of x, from 0 to 1 for x from 0 to 1.
-const FORMULAS: [(&str, fn(f64) -> f64); 5] = [
+const FORMULAS: [Formula; 5] = [
     ("0.5 * X + 0.25", |x| 0.5 * x + 0.25),
     ("1 - X", |x| 1.0 - x),
     ("X * X", |x| x * x),

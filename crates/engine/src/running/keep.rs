@@ -23,10 +23,13 @@ impl StagePlanes {
 /// Stages of a plan whose planes are known, and stages whose planes will be kept.
 #[derive(Debug, Default)]
 pub(crate) struct PlaneKeeper {
-    /// Planes of earlier evaluations.
-    pub(crate) known: HashMap<NodeId, Arc<StagePlanes>>,
+    /// Planes of earlier evaluations, by the index of the fill: a stage has several fills if its samples share only some
+    /// channels.
+    pub(crate) known: HashMap<usize, Arc<StagePlanes>>,
     /// Planes that are being filled now, tile by tile, with their keys.
-    new: HashMap<NodeId, (Key, Mutex<StagePlanes>)>,
+    new: HashMap<usize, (Key, Mutex<StagePlanes>)>,
+    /// Stages of which all planes are known.
+    pub(crate) known_stages: Vec<NodeId>,
 }
 
 impl PlaneKeeper {
@@ -39,19 +42,24 @@ impl PlaneKeeper {
         let extents = super::fill::extents(plan, ready, &pass.fills);
         // Planes kept hold no pixels beyond the picture, and what varies along one axis costs almost nothing to
         // refill.
-        let is_kept = |fill: &&Fill| fill.variance == Variance::Pixel && extents.get(&fill.node) == Some(&picture);
+        let is_kept = |fill: &Fill| fill.variance == Variance::Pixel && extents.get(&fill.node) == Some(&picture);
         let mut unknown = Vec::new();
-        for fill in pass.fills.iter().filter(is_kept) {
+        for (index, fill) in pass.fills.iter().enumerate().filter(|(_, fill)| is_kept(fill)) {
             let Some(key) = ready.get(&fill.node).map(|ready| key_of_planes(plan, pass, fill, ready)) else { continue };
             match cache.planes(&key) {
-                Some(filled) => _ = keeper.known.insert(fill.node, filled),
-                None => unknown.push((fill, key)),
+                Some(filled) => _ = keeper.known.insert(index, filled),
+                None => unknown.push((index, fill, key)),
             }
         }
+        let is_known = |node: NodeId| {
+            let mut fills = pass.fills.iter().enumerate().filter(|(_, fill)| fill.node == node);
+            fills.all(|(index, _)| keeper.known.contains_key(&index))
+        };
+        keeper.known_stages = pass.fills.iter().map(|fill| fill.node).filter(|node| is_known(*node)).collect();
         let prepared: usize = ready.values().map(|ready| ready.prepared.bytes()).sum();
         let known: usize = keeper.known.values().map(|filled| filled.bytes()).sum();
         let mut room = cache.limit().saturating_sub(prepared + known);
-        for (fill, key) in unknown.into_iter().rev() {
+        for (index, fill, key) in unknown.into_iter().rev() {
             let wanted = fill.wanted.iter().flatten().filter(|wanted| **wanted);
             let bytes = wanted.count() * picture.area() * 4 * pass.offsets.len();
             let Some(left) = room.checked_sub(bytes) else { continue };
@@ -59,27 +67,27 @@ impl PlaneKeeper {
             let plane = |wanted: &bool| vec![0.0; if *wanted { picture.area() } else { 0 }];
             let planes = || fill.wanted.iter().map(|channels| channels.iter().map(plane).collect()).collect();
             let samples = pass.offsets.iter().map(|_| planes()).collect();
-            keeper.new.insert(fill.node, (key, Mutex::new(StagePlanes { samples })));
+            keeper.new.insert(index, (key, Mutex::new(StagePlanes { samples })));
         }
         keeper
     }
 
-    /// Returns whether a stage's planes are being kept.
-    pub(crate) fn wants(&self, node: NodeId) -> bool {
-        self.new.contains_key(&node)
+    /// Returns whether the planes of a fill are being kept.
+    pub(crate) fn wants(&self, fill: usize) -> bool {
+        self.new.contains_key(&fill)
     }
 
     /// Copies a tile of a sample from planes that cover a window around it.
     pub(crate) fn take(
         &self,
-        node: NodeId,
+        fill: usize,
         sample: usize,
         tile: Window,
         window: Window,
         picture: Window,
         from: &[Vec<Vec<f32>>],
     ) {
-        let Some((_, filled)) = self.new.get(&node) else { return };
+        let Some((_, filled)) = self.new.get(&fill) else { return };
         let mut filled = filled.lock().unwrap_or_else(PoisonError::into_inner);
         let start = |within: Window, y: i64| (y - within.y0) as usize * within.width() + (tile.x0 - within.x0) as usize;
         for (to, from) in filled.samples[sample].iter_mut().flatten().zip(from.iter().flatten()) {

@@ -178,7 +178,7 @@ impl Plan<'_> {
             let evaluation =
                 Evaluation { plan: self, ready: &ready, buffers, judges: &judges, keeper: &keeper, monitor };
             let totals = self.tiles(evaluation, &bands, workers);
-            let known: Vec<NodeId> = keeper.known.keys().copied().collect();
+            let known = keeper.known_stages.clone();
             if totals.is_ok() {
                 keeper.finish(cache);
             }

@@ -175,9 +175,9 @@ impl<'p> Fills<'p> {
         Self { keeper: Some(keeper), ..self }
     }
 
-    /// Returns the planes that an earlier evaluation filled for the current sample, by output and channel.
-    fn known(&self, node: NodeId) -> Option<&'p [Vec<Vec<f32>>]> {
-        self.keeper?.known.get(&node).map(|filled| &filled.samples[self.sample][..])
+    /// Returns the planes of a fill for the current sample that an earlier evaluation filled, by output and channel.
+    fn known(&self, fill: usize) -> Option<&'p [Vec<Vec<f32>>]> {
+        self.keeper?.known.get(&fill).map(|filled| &filled.samples[self.sample][..])
     }
 
     /// Fills every stage over the window that a tile needs, for a sample, and adds the time of each stage to
@@ -198,16 +198,16 @@ impl<'p> Fills<'p> {
             let started = Instant::now();
             let id = self.fills[index].fill.node;
             let filled = match &self.fills[index].fill.shared {
-                Some(views) if sample.index > 0 && self.known(id).is_none() => {
+                Some(views) if sample.index > 0 && self.known(index).is_none() => {
                     self.fill_unshared(index, views, sample.offset)
                 }
                 _ => self.fill_stage(index, sample).map(|()| self.compare_sample(index, sample.index)),
             };
             filled.map_err(|error| node_error(self.plan, id, error, self.monitor))?;
-            if let Some(keeper) = self.keeper.filter(|keeper| keeper.wants(id)) {
+            if let Some(keeper) = self.keeper.filter(|keeper| keeper.wants(index)) {
                 let state = &self.fills[index];
                 let picture = self.plan.graph.format().window();
-                keeper.take(id, sample.index, self.tile, state.window, picture, &state.planes);
+                keeper.take(index, sample.index, self.tile, state.window, picture, &state.planes);
             }
             seconds[id.0] += started.elapsed().as_secs_f64();
         }
@@ -234,8 +234,8 @@ impl<'p> Fills<'p> {
     fn place_windows(&mut self, tile: Window, sample: usize) {
         let format = self.plan.graph.format();
         self.tile = tile;
-        for state in &mut self.fills {
-            let is_kept = self.keeper.is_some_and(|keeper| keeper.wants(state.fill.node));
+        for (index, state) in self.fills.iter_mut().enumerate() {
+            let is_kept = self.keeper.is_some_and(|keeper| keeper.wants(index));
             state.need = if state.fill.read || is_kept { tile } else { Window::default() };
             state.tap_window = Window::default();
         }
@@ -251,7 +251,7 @@ impl<'p> Fills<'p> {
                 state.window = state.need;
             }
             let is_everywhere = state.fill.shared.as_ref().is_some_and(Vec::is_empty);
-            let is_known = self.keeper.is_some_and(|keeper| keeper.known.contains_key(&state.fill.node));
+            let is_known = self.keeper.is_some_and(|keeper| keeper.known.contains_key(&index));
             if state.need.is_empty() || is_known || (is_shared && is_everywhere) {
                 continue;
             }
@@ -306,13 +306,13 @@ impl<'p> Fills<'p> {
             let stride = picture.width();
             return Plane { samples, start: start(picture, stride), stride };
         }
-        match self.by_slot.get(slot).and_then(|&index| fills.get(index)) {
-            Some(state) if let Some(filled) = self.known(state.fill.node) => {
+        match self.by_slot.get(slot).and_then(|&index| Some((index, fills.get(index)?))) {
+            Some((index, _)) if let Some(filled) = self.known(index) => {
                 let picture = self.plan.graph.format().window();
                 let stride = picture.width();
                 Plane { samples: &filled[slot.output][slot.channel], start: start(picture, stride), stride }
             }
-            Some(state) => {
+            Some((_, state)) => {
                 let stride = if state.one_row { 0 } else { state.window.width() };
                 let samples = &state.planes[slot.output][slot.channel];
                 Plane { samples, start: start(state.window, stride), stride }
@@ -327,7 +327,7 @@ impl<'p> Fills<'p> {
         if self.is_divided(node) {
             self.fill_parts(index);
         }
-        if self.is_bound(node) || self.known(node).is_some() {
+        if self.is_bound(node) || self.known(index).is_some() {
             return Ok(());
         }
         self.fills[index].replaced.indices.clear();

@@ -165,7 +165,7 @@ impl<'p> Fills<'p> {
         if !self.views.iter().any(|view| view.fill == index) {
             return;
         }
-        let known: Option<[Vec<f32>; 2]> = self.known(self.fills[index].fill.node).map(|_| {
+        let known: Option<[Vec<f32>; 2]> = self.known(index).map(|_| {
             let state = &self.fills[index];
             SHARING_CHANNELS.map(|channel| {
                 let plane = self.plane(&sharing_slot(state.fill.node, channel), state.window, &self.fills);

@@ -80,8 +80,8 @@ impl<'p> Fills<'p> {
 
     /// Returns whether it is known where a plane differs from that of the first sample.
     fn tells_changes(&self, slot: &Slot, before: &[FillState<'_>]) -> bool {
-        let fill = self.by_slot.get(slot).and_then(|&index| before.get(index));
-        fill.is_none_or(|state| state.fill.shared.is_some() && self.known(state.fill.node).is_none())
+        let fill = self.by_slot.get(slot).and_then(|&index| Some((index, before.get(index)?)));
+        fill.is_none_or(|(index, state)| state.fill.shared.is_some() && self.known(index).is_none())
     }
 
     /// Updates the planes of the first sample, or one after it, for the current one.
