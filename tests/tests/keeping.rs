@@ -59,7 +59,7 @@ fn whole_pictures_of_several_samples_keep_what_an_edit_leaves() {
     let edits = [
         ("stormy_sea", "beauty.amount=0.1", &["painted/painted", "spray/spray", "view"][..]),
         ("stormy_sea", "palette.sun=#ffd080", &["spray/spray", "view", "passes/veins"]),
-        ("stormy_sea", "painted.lost=0.5", &["solid/hazed", "view", "painted/flow"]),
+        ("stormy_sea", "painted.lost=0.5", &["view", "painted/flow"]),
         ("toon_teapot", "beauty.ink=#402030", &["beauty/contour", "view"]),
         ("toon_sea", "beauty.paper=#e0e0e0", &["drawn/contour", "sea/grain", "view"]),
         ("cartoon_bay", "haze.max=300", &["things", "inked/contour"]),
