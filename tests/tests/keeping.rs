@@ -63,7 +63,7 @@ fn whole_pictures_of_several_samples_keep_what_an_edit_leaves() {
         ("toon_teapot", "beauty.ink=#402030", &["beauty/contour", "view"]),
         ("toon_sea", "beauty.paper=#e0e0e0", &["drawn/contour", "sea/grain", "view"]),
         ("cartoon_bay", "haze.max=300", &["things", "inked/contour"]),
-        ("from_passes", "palette.deep=#204060", &["view"]),
+        ("from_passes", "palette.lit_far_right=#204060", &["view"]),
     ];
     for (scene, edit, kept) in edits {
         let path = root().join(format!("graphs/{scene}.json"));
