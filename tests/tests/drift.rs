@@ -18,7 +18,7 @@ fn masks(fps: i64) -> CheckedGraph {
     document["format"] = json!({ "width": WIDTH, "height": HEIGHT, "samples": 1 });
     document["frames"] = json!({ "first": 1, "last": 96 * fps / 24, "fps": fps });
     document["nodes"]["view"]["surfaces"] = json!(["waves"]);
-    let outputs = MASKS.map(|mask| (mask.to_string(), json!({ "weights": mask })));
+    let outputs = MASKS.map(|mask| (mask.to_string(), json!({ "weights": format!("sea/{mask}") })));
     document["outputs"] = Value::Object(outputs.into_iter().collect());
     graph_in(&root().join("graphs"), &document.to_string())
 }

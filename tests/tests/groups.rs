@@ -206,6 +206,23 @@ fn weights_are_named_by_their_index() {
     }
 }
 
+/// A list of which one component follows a keyed knob or the time is keyed as a whole.
+#[test]
+fn components_of_lists_may_follow_what_is_keyed() {
+    let disc = |center: &str| {
+        format!(
+            r##""d": {{ "type": "Shape", "shapes": [{{ "form": "disc", "center": {center}, "radius": 0.3 }}] }},
+                "m": {{ "type": "Mix", "a": "#123", "b": "#fed", "weight": "d" }}"##
+        )
+    };
+    let outputs = r#""out": { "color": "m" }"#;
+    let knob = r#""knobs": { "x": { "value": { "keys": [[1, 0.2], [12, 1.3]] } } },"#;
+    let by_hand = disc(r#"{ "keys": [[1, [0.2, 0.5]], [12, [1.3, 0.5]]] }"#);
+    same(&document(knob, &disc(r#"["= knobs.x", 0.5]"#), outputs), &document("", &by_hand, outputs));
+    let by_time = disc(r#"{ "keys": [[1, [0.5, 0.25]], [13, [0.5, 0.75]]] }"#);
+    same(&document("", &disc(r#"[0.5, "= 0.25 + time"]"#), outputs), &document("", &by_time, outputs));
+}
+
 #[test]
 fn reports_have_sums_by_use() {
     let inner = r##""groups": { "I": { "inputs": { "in": "Color" }, "nodes": { "x": { "type": "ScreenX" }, "m": { "type": "Mix", "a": "in", "b": "#fff", "weight": "x" } }, "outputs": { "o": "m" } },

@@ -42,6 +42,7 @@ const DOUBLE: &[&str] = &[
     "Normalize",
     "Outline",
     "Patch",
+    "PickWeight",
     "Position",
     "Ramp",
     "Render",

@@ -11,6 +11,7 @@ use egui::{Id, Key, Pos2, Response, TextEdit, Ui};
 pub(crate) use number::Number;
 use serde_json::Value;
 use std::fmt::Display;
+pub(crate) use typed::NoNumber;
 
 /// Proof of a user's gesture, which only this module can create. Contains the field to show a refusal at, if the
 /// document may reject the value.

@@ -1,10 +1,11 @@
 //! Knob fields: a widget for each type of value.
 
+use super::color::NoColor;
 use super::context::{Linking, Properties, WidgetContext, label_ui};
 use super::{color, key, link};
 use crate::actions::Action;
 use crate::document::edit::default_value;
-use crate::field::{self, FieldResponse, Gesture, Number};
+use crate::field::{self, FieldResponse, Gesture, NoNumber, Number};
 use egui::{ComboBox, TextEdit, Ui};
 use serde_json::{Value, json};
 use trochoid::{Item, Knob, KnobDefault, KnobType, expected};
@@ -133,7 +134,18 @@ fn widget_ui(
 /// Error in a typed value: what the knob expects.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", expected(.0))]
-struct Unfit<'t>(&'t KnobType);
+pub(super) struct Unfit<'t>(&'t KnobType);
+
+/// Error in a typed value of a knob or a port: what was expected.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum NoValue<'t> {
+    #[error("{}", .0.expected)]
+    Number(NoNumber),
+    #[error("{0}")]
+    Color(NoColor),
+    #[error("{0}")]
+    Other(Unfit<'t>),
+}
 
 /// Parses typed text as a value of a knob.
 fn read<'t>(text: &str, takes: &'t KnobType) -> Result<Value, Unfit<'t>> {
@@ -175,16 +187,16 @@ fn whole(value: Value) -> Value {
 ///
 /// # Errors
 /// It is none; the error is what was expected.
-pub(super) fn typed_value(text: &str, knob: &Knob) -> Result<Value, String> {
+pub(super) fn typed_value<'k>(text: &str, knob: &'k Knob) -> Result<Value, NoValue<'k>> {
     let suffix = unit(knob.unit);
-    let number = |number: Number<'_>| number.suffix(&suffix).read(text).map_err(|why| why.expected);
+    let number = |number: Number<'_>| number.suffix(&suffix).read(text).map_err(NoValue::Number);
     match &knob.takes {
         KnobType::Number { min, max } => number(Number::new(0.0).range(*min, *max)).map(Value::from),
         KnobType::Integer { min, max } => {
             number(Number::new(0.0).whole().range(*min as f64, *max as f64)).map(|number| whole(number.into()))
         }
-        KnobType::Color => color::read_color(text).map_err(|why| why.to_string()),
-        takes => read(text, takes).map_err(|why| why.to_string()),
+        KnobType::Color => color::read_color(text).map_err(NoValue::Color),
+        takes => read(text, takes).map_err(NoValue::Other),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Port fields: the connection, or the constant used in its place.
 
 use super::context::{Properties, WidgetContext, label_ui};
+use super::knob::NoValue;
 use super::{color, key, knob, link};
 use crate::actions::Action;
 use crate::document::color::is_color;
@@ -133,11 +134,11 @@ fn range(port: &Port) -> (f64, f64) {
 ///
 /// # Errors
 /// It is none; the error is what was expected.
-pub(super) fn constant(typed: &str, port: &Port) -> Result<Value, String> {
+pub(super) fn constant(typed: &str, port: &Port) -> Result<Value, NoValue<'static>> {
     let (min, max) = range(port);
-    let number = || Number::new(0.0).range(min, max).read(typed).map(Value::from).map_err(|why| why.expected);
+    let number = || Number::new(0.0).range(min, max).read(typed).map(Value::from).map_err(NoValue::Number);
     match port.accepts.takes_color() {
-        true => color::read_color(typed).map_err(|why| why.to_string()).or_else(|why| number().map_err(|_| why)),
+        true => color::read_color(typed).map_err(NoValue::Color).or_else(|why| number().map_err(|_| why)),
         false => number(),
     }
 }

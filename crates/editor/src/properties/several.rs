@@ -9,6 +9,7 @@ use crate::field::{self, FieldResponse, Gesture};
 use crate::state::State;
 use egui::{ComboBox, RichText, TextEdit, Ui, WidgetInfo, WidgetType};
 use serde_json::{Value, json};
+use std::fmt::Display;
 use trochoid::{Arity, Item, Knob, KnobDefault, KnobType, Port};
 
 /// Draws what the selected nodes share.
@@ -161,10 +162,10 @@ fn mixed_choice_ui(ui: &mut Ui, words: &[&str], place: &WidgetContext<'_>) -> Fi
 }
 
 /// Draws a field in which the value for all is typed.
-fn mixed_text_ui(
+fn mixed_text_ui<E: Display>(
     ui: &mut Ui,
     place: &WidgetContext<'_>,
-    read: impl FnOnce(&str) -> Result<Value, String>,
+    read: impl FnOnce(&str) -> Result<Value, E>,
 ) -> FieldResponse<Value> {
     field::draft_ui(
         ui,

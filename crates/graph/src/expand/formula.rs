@@ -108,6 +108,20 @@ impl<'d> Expander<'d> {
         Some(Spanned { offset, json: written(&keys, offset) })
     }
 
+    /// Returns a list of which some components are keyed, by links, as one keyed value; `None` if none is, or it is no list of
+    /// numbers.
+    pub(super) fn keyed_list(&self, list: &[Spanned], offset: usize) -> Option<Json> {
+        let parts: Vec<Animated> = list.iter().map(numbers).collect::<Option<_>>()?;
+        let is_list = parts.len() <= WIDTH && parts.iter().all(|part| part.values().all(|value| value.len() == 1));
+        let is_keyed = parts.iter().any(|part| part.frames().next().is_some());
+        let frames = self.time.first..=self.time.last.max(self.time.first);
+        if !is_list || !is_keyed || frames.end() - frames.start() >= MOST_FRAMES {
+            return None;
+        }
+        let at = |frame: i64| (frame, parts.iter().flat_map(|part| part.at(frame as f64)).collect());
+        Some(written(&frames.map(at).collect::<Vec<_>>(), offset))
+    }
+
     /// Lists what the names of a formula stand for.
     fn explained(&self, names: &[(String, usize)], inputs: &[Vec<f64>]) -> String {
         let list = |numbers: &[f64]| match numbers {

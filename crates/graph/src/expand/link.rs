@@ -17,7 +17,10 @@ impl<'d> Expander<'d> {
         let json = match &value.json {
             Json::String(text) if is_link(text) => return self.link(text, value.offset, scope),
             Json::Array(items) => {
-                Json::Array(items.iter().map(|item| self.linked(item, scope)).collect::<Option<_>>()?)
+                let list = items.iter().map(|item| self.linked(item, scope)).collect::<Option<Vec<_>>>()?;
+                let has_link = items.iter().any(|item| matches!(&item.json, Json::String(text) if is_link(text)));
+                let keyed = if has_link { self.keyed_list(&list, value.offset) } else { None };
+                keyed.unwrap_or(Json::Array(list))
             }
             Json::Object(entries) => {
                 let entry = |entry: &'d Entry| {
