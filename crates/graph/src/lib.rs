@@ -69,7 +69,7 @@ pub use checked::{
 pub use declare::{Arity, Declaration, End, Files, Item, Knob, KnobDefault, KnobType, List, Offer, Output, Port, Role};
 pub use diagnostic::{Diagnostic, DocumentPlace, Means, Severity, Statement, nearest};
 pub use document::{Document, MAX_BYTES, MAX_FILE_BYTES, MAX_NODES};
-pub use expand::{input_accepts, input_kind};
+pub use expand::{INPUT_ACCEPTS, input_accepts, input_kind};
 pub use faults::{Check, Consumer, Fault, GraphContext, Upstream, one_of};
 pub use fields::{
     Accepted, Choice, Connected, ItemName, Items, Many, One, Optional, OutputSet, PortId, ReadPort, ReadSetting,

@@ -449,6 +449,14 @@ struct Inside<'s> {
     outputs: Vec<Vec<String>>,
 }
 
+impl<'s> Inside<'s> {
+    /// Returns a scope of which nothing is known yet.
+    fn of(scope: &'s Scope) -> Self {
+        let (inputs, numbers, paints, named, outputs) = Default::default();
+        Self { scope, prefix: String::new(), inputs, numbers, paints, named, outputs }
+    }
+}
+
 /// Writes everything out.
 struct Flat<'g> {
     groups: &'g [Scope],
@@ -523,15 +531,7 @@ impl Flat<'_> {
                 What::Use { group, inputs, numbers, paints, disabled } => {
                     self.uses += 1;
                     let used = &self.groups[*group];
-                    let nothing = Inside {
-                        scope: used,
-                        prefix: String::new(),
-                        inputs: Vec::new(),
-                        numbers: Vec::new(),
-                        paints: Vec::new(),
-                        named: Vec::new(),
-                        outputs: Vec::new(),
-                    };
+                    let nothing = Inside::of(used);
                     let input = |(given, (_, default)): (&Option<Connected>, &(Kind, Option<Connected>))| match given {
                         Some(given) => port(given),
                         None => Self::connected(default.as_ref().unwrap(), &nothing),
@@ -579,15 +579,7 @@ fn random_documents_with_groups_are_those_written_out() {
         let scope = generator.scope(false);
         let grouped = Grouped { groups: &generator.groups }.text(&scope);
         let mut flat = Flat { groups: &generator.groups, nodes: Vec::new(), uses: 0 };
-        let nothing = Inside {
-            scope: &scope,
-            prefix: String::new(),
-            inputs: Vec::new(),
-            numbers: Vec::new(),
-            paints: Vec::new(),
-            named: Vec::new(),
-            outputs: Vec::new(),
-        };
+        let nothing = Inside::of(&scope);
         let numbers = scope.numbers.iter().map(|number| Flat::value(number, &nothing)).collect();
         let outputs = flat.scope(Inside { numbers, ..nothing });
         let written_out = document("", &flat.nodes.join(",\n  "), outputs[0].trim_matches('"'));

@@ -11,7 +11,7 @@ use crate::field::{self, Gesture};
 use crate::state::State;
 use egui::{ComboBox, RichText, TextEdit, Ui, WidgetInfo, WidgetType};
 use serde_json::Value;
-use trochoid::{Accepts, Item, Knob, input_kind, registry};
+use trochoid::{INPUT_ACCEPTS, Item, Knob, input_kind, registry};
 
 /// Why a name cannot be that of a group, of an input, or of a knob.
 #[derive(Debug, thiserror::Error)]
@@ -172,7 +172,7 @@ pub(super) fn side_ui(ui: &mut Ui, state: &State, node: &Node, side: Side, actio
         ui.horizontal_wrapped(|ui| {
             label_ui(ui, "kind", "What can be connected.", true);
             ComboBox::from_id_salt("kind of the input").selected_text(kind).show_ui(ui, |ui| {
-                for accepts in KINDS.map(input_kind) {
+                for accepts in INPUT_ACCEPTS.map(input_kind) {
                     if let Some(gesture) = Gesture::click(&ui.selectable_label(accepts == kind, &accepts)) {
                         let place = if written.is_some_and(Value::is_object) { path.to("kind") } else { path.clone() };
                         let label = format!("Set the kind of {called}");
@@ -195,19 +195,6 @@ pub(super) fn side_ui(ui: &mut Ui, state: &State, node: &Node, side: Side, actio
         });
     });
 }
-
-/// What inputs may take.
-const KINDS: [Accepts; 9] = [
-    Accepts::Color,
-    Accepts::Mask,
-    Accepts::Weights,
-    Accepts::Field,
-    Accepts::Image,
-    Accepts::Surface,
-    Accepts::Camera,
-    Accepts::Light,
-    Accepts::View,
-];
 
 /// Renames an input or output of the group. Uses of the group elsewhere set an input by its new name, and refer to an output
 /// by it.

@@ -209,8 +209,8 @@ impl<'d> Expander<'d> {
     }
 }
 
-/// What inputs may take.
-const TAKEN: [Accepts; 9] = [
+/// What inputs of groups may take.
+pub const INPUT_ACCEPTS: [Accepts; 9] = [
     Accepts::Color,
     Accepts::Mask,
     Accepts::Weights,
@@ -224,7 +224,7 @@ const TAKEN: [Accepts; 9] = [
 
 /// Returns the names of what inputs may take.
 pub(crate) fn input_kinds() -> Vec<String> {
-    TAKEN.map(input_kind).into()
+    INPUT_ACCEPTS.map(input_kind).into()
 }
 
 /// Returns the name of what an input takes.
@@ -238,5 +238,5 @@ pub fn input_kind(accepts: Accepts) -> String {
 
 /// Returns what an input takes whose kind has this name.
 pub fn input_accepts(name: &str) -> Option<Accepts> {
-    TAKEN.into_iter().find(|accepts| input_kind(*accepts) == name)
+    INPUT_ACCEPTS.into_iter().find(|accepts| input_kind(*accepts) == name)
 }

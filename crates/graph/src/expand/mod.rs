@@ -14,7 +14,7 @@ use crate::{Accepts, Document, Item, Knob, KnobType, Registry, nearest};
 use formula::Time;
 pub(crate) use group::input_kinds;
 use group::{Group, GroupKnob};
-pub use group::{input_accepts, input_kind};
+pub use group::{INPUT_ACCEPTS, input_accepts, input_kind};
 use pick::Picked;
 use scope::Scope;
 use std::borrow::Cow;
