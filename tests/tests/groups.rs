@@ -206,6 +206,72 @@ fn weights_are_named_by_their_index() {
     }
 }
 
+/// `NODE.NAME` is the same as `NODE.INDEX` if the node names its weights, also of what a group has, and within one.
+#[test]
+fn weights_are_named_by_their_node() {
+    let text = |index: bool| {
+        let names = |names: &str| if index { String::new() } else { format!(r#", "names": {names}"#) };
+        let pick = |name: &'static str, number: &'static str| if index { number } else { name };
+        let group = format!(
+            r##""groups": {{ "Three": {{ "inputs": {{ "where": "Weights" }}, "nodes": {{ "x": {{ "type": "ScreenX" }}, "y": {{ "type": "ScreenY" }},
+                "own": {{ "type": "Stack", "weights": ["x", "y"]{} }}, "m": {{ "type": "Multiply", "weights": ["own.{}", "where.{}"] }} }},
+                "outputs": {{ "own": "own", "both": "m" }} }} }},"##,
+            names(r#"["rest", "right", "down"]"#),
+            pick("right", "1"),
+            pick("light", "2")
+        );
+        let nodes = format!(
+            r##""x": {{ "type": "ScreenX" }}, "bands": {{ "type": "Bands", "field": "x", "thresholds": [0.3, 0.6], "width": 0.2{} }},
+                "t": {{ "type": "Three", "where": "bands" }},
+                "a": {{ "type": "Mix", "a": "#102030", "b": "#ffe0c0", "weight": "bands.{}" }},
+                "b": {{ "type": "Mix", "a": "a", "b": "#ff0000", "weight": "t.own.{}" }},
+                "c": {{ "type": "Mix", "a": "b", "b": "#00ff00", "weight": "t.both" }}"##,
+            names(r#"["shadow", "half", "light"]"#),
+            pick("half", "1"),
+            pick("rest", "0")
+        );
+        document(&group, &nodes, r#""out": { "color": "c" }"#)
+    };
+    same(&text(false), &text(true));
+    let outputs = r#""out": { "color": "c" }"#;
+    for (names, weight, said) in [
+        (
+            r#"["dark", "half", "light"]"#,
+            "bands.ligth",
+            &["weight \"ligth\" of \"bands\"", "did you mean \"bands.light\"?"][..],
+        ),
+        (r#"["dark", "half", "light"]"#, "bands.zzz", &["weight \"zzz\"", "its weights: dark, half, light"]),
+        (
+            r#"["dark", "light"]"#,
+            "bands.dark",
+            &["2 names", "a list of 3 names, one for each weight", "name all weights"],
+        ),
+        (r#"["a", "b", "c", "d"]"#, "bands.a", &["4 names", "remove what is too much"]),
+        (r#"["dark", "dark", "light"]"#, "bands.dark", &["a second \"dark\"", "each name once"]),
+        (r#"["dark", "1st", "light"]"#, "bands.dark", &["the name \"1st\"", "rename the weight"]),
+        (r#"["dark", "weights", "light"]"#, "bands.dark", &["that of the output", "a name of its own"]),
+        (r#"["dark", 7, "light"]"#, "bands.dark", &["found 7", "the name of a weight"]),
+        (r#""dark""#, "bands.dark", &["found \"dark\"", "a list of 3 names", "in brackets"]),
+        ("null", "bands.1", &["a list of 3 names"]),
+    ] {
+        let nodes = format!(
+            r##""x": {{ "type": "ScreenX" }}, "bands": {{ "type": "Bands", "field": "x", "thresholds": [0.3, 0.6], "names": {names} }},
+                "c": {{ "type": "Mix", "a": "#000", "b": "#fff", "weight": "{weight}" }}"##
+        );
+        let found = faults(&document("", &nodes, outputs));
+        for words in said {
+            assert!(found.contains(words), "{names}, {weight}: {words} in {found}");
+        }
+    }
+    let unnamed = r##""x": { "type": "ScreenX" }, "bands": { "type": "Bands", "field": "x", "thresholds": [0.3] },
+        "c": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "bands.light" }"##;
+    let found = faults(&document("", unnamed, outputs));
+    assert!(found.contains("name its weights by \"names\": [ … ], or count them: \"bands.0\""), "{found}");
+    let colored = r##""c": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 0.5, "names": ["a", "b"] }"##;
+    let found = faults(&document("", colored, outputs));
+    assert!(found.contains("unknown key \"names\""), "{found}");
+}
+
 /// A list of which one component follows a keyed knob or the time is keyed as a whole.
 #[test]
 fn components_of_lists_may_follow_what_is_keyed() {

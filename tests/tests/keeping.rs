@@ -2,7 +2,7 @@
 //! what depends on it, and changed files and buffers are noticed.
 
 use crate::support::{all_bits, evaluate, evaluate_again, graph, graph_in, root, settings, write_exr};
-use trochoid::{Buffers, Cache, CheckedGraph, Format, Frame, Settings, Window};
+use trochoid::{Buffers, Cache, CheckedGraph, Format, Frame, Keep, Settings, Window};
 
 /// Two blurred passes, of which one depends on a color, and a program behind both.
 fn painting(dark: &str, size: f64) -> CheckedGraph {
@@ -19,7 +19,7 @@ fn painting(dark: &str, size: f64) -> CheckedGraph {
 }
 
 fn keeping() -> Settings {
-    settings(|s| (s.keep, s.threads, s.tile) = (true, 2, Some((16, 4))))
+    settings(|s| (s.keep, s.threads, s.tile) = (Keep::ForEdits, 2, Some((16, 4))))
 }
 
 /// Returns the number of samples that a node computed.
@@ -73,7 +73,7 @@ fn whole_pictures_of_several_samples_keep_what_an_edit_leaves() {
             graph.with_scaled_format(Format::new(96, 54, 4).unwrap().with_shading(shading))
         };
         let mut cache = Cache::new();
-        let settings = settings(|s| (s.keep, s.threads, s.tile) = (true, 2, Some((40, 20))));
+        let settings = settings(|s| (s.keep, s.threads, s.tile) = (Keep::ForEdits, 2, Some((40, 20))));
         let before = again(&scene(&[]), &settings, &mut cache);
         // The same picture once more takes nothing, and the edited one only what depends on the edit.
         let same = again(&scene(&[]), &settings, &mut cache);
@@ -91,7 +91,7 @@ fn parts_and_buffers_are_never_kept() {
     let mut cache = Cache::new();
     let graph = painting("#102030", 2.0);
     again(&graph, &keeping(), &mut cache);
-    let part = settings(|s| (s.keep, s.region) = (true, Some(Window::new(3, 3, 9, 9))));
+    let part = settings(|s| (s.keep, s.region) = (Keep::ForEdits, Some(Window::new(3, 3, 9, 9))));
     assert_eq!(computed(&evaluate_again(&graph, 1, &Buffers::new(), &part, &mut cache), "soft"), 36);
     let several = graph.clone().with_format(Format::new(40, 24, 4).unwrap());
     let soft = [(); 2].map(|()| computed(&again(&several, &keeping(), &mut cache), "soft"));
@@ -137,5 +137,48 @@ fn nothing_is_kept_beyond_the_limit() {
     for _ in 0..3 {
         again(&graph, &keeping(), &mut cache);
         assert!(cache.bytes() <= 5000);
+    }
+}
+
+/// Where there is no room for all planes, what stands before those that are known is not filled again.
+#[test]
+fn what_only_known_planes_read_is_not_filled() {
+    let graph = painting("#102030", 2.0);
+    let plane = 40 * 24 * 4;
+    // The soft noise, but not the noise before it, nor the smeared color.
+    let mut cache = Cache::new();
+    again(&graph, &settings(|_| ()), &mut cache);
+    let mut cache = Cache::with_limit(cache.bytes() + plane + plane / 2);
+    again(&graph, &keeping(), &mut cache);
+    for color in ["#102030", "#304050"] {
+        let frame = again(&painting(color, 2.0), &keeping(), &mut cache);
+        assert_eq!(["tooth", "soft", "smear"].map(|node| computed(&frame, node)), [0, 0, 40 * 24], "{color}");
+    }
+}
+
+/// During playback, planes are kept that are the same at the next frame, and only those.
+#[test]
+fn what_does_not_move_is_kept_over_frames() {
+    let graph = graph(
+        r#""width": 40, "height": 24"#,
+        r##""tooth": { "type": "Noise", "scale": 0.3 }, "soft": { "type": "Blur", "image": "tooth", "size": 1.5 },
+            "drift": { "type": "Noise", "scale": 0.2, "offset": { "keys": [[1, [0, 0, 0]], [9, [1, 0, 0]]] } },
+            "t": { "type": "Clamp", "field": "soft", "min": 0.2, "max": 0.8 },
+            "u": { "type": "Clamp", "field": "drift", "min": 0.2, "max": 0.8 },
+            "paint": { "type": "Mix", "a": "#102030", "b": "#f0e0a0", "weight": "u" },
+            "out": { "type": "Mix", "a": "paint", "b": "#804020", "weight": "t" }"##,
+        r#""out": { "color": "out" }"#,
+    );
+    let mut cache = Cache::new();
+    let settings = settings(|s| (s.keep, s.threads, s.tile) = (Keep::ForFrames, 2, Some((16, 4))));
+    let plane = 40 * 24 * 4;
+    for frame in 1..6 {
+        let found = evaluate_again(&graph, frame, &Buffers::new(), &settings, &mut cache);
+        let plain = evaluate(&graph, frame, &Buffers::new(), &self::settings(|_| ()));
+        assert!(all_bits(&found) == all_bits(&plain), "frame {frame}");
+        let still = if frame == 1 { 40 * 24 } else { 0 };
+        assert_eq!(["soft", "drift"].map(|node| computed(&found, node)), [still, 40 * 24], "frame {frame}");
+        cache.forget_unused();
+        assert!(cache.bytes() < 4 * plane, "what moves is not kept: {} bytes", cache.bytes());
     }
 }

@@ -19,6 +19,7 @@ mod engine_folders;
 mod explain;
 mod faults;
 mod filters;
+mod formulas;
 mod frames;
 mod groups;
 mod hoisting;

@@ -3,60 +3,18 @@
 //! A window of 1920 × 1080 points is laid out and tessellated as it would be for the graphics driver, whose part is not
 //! measured. Times to a picture run from the edit to the drawing that has the picture.
 
-use egui::{Context, Event, Modifiers, PointerButton, RawInput, Rect, pos2, vec2};
+mod window;
+
+use egui::{Event, Modifiers, PointerButton, pos2};
 use serde_json::json;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use trochoid_editor::actions::{Action, Pane, Tint};
 use trochoid_editor::document::{self, Edit, Session, palette};
 use trochoid_editor::editor::Editor;
-
-struct Window {
-    context: Context,
-    editor: Editor,
-}
+use window::Window;
 
 impl Window {
-    fn new(session: Session) -> std::io::Result<Self> {
-        let context = Context::default();
-        let editor = Editor::new(&context, session, None)?;
-        Ok(Self { context, editor })
-    }
-
-    /// Draws once, and says how long that took.
-    fn draw(&mut self, events: Vec<Event>) -> Duration {
-        let screen_rect = Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(1920.0, 1080.0)));
-        let input = RawInput { screen_rect, events, ..RawInput::default() };
-        let started = Instant::now();
-        let mut output = self.context.run_ui(input, |ui| self.editor.ui(ui));
-        output.textures_delta.clear();
-        let shapes = self.context.tessellate(output.shapes, output.pixels_per_point);
-        std::hint::black_box(shapes.len());
-        started.elapsed()
-    }
-
-    /// Draws as a window does, whenever a frame is asked for, until something holds.
-    fn until(&mut self, holds: impl Fn(&Editor) -> bool) -> Duration {
-        let started = Instant::now();
-        while !holds(&self.editor) {
-            if self.context.has_requested_repaint() {
-                self.draw(Vec::new());
-            }
-            std::thread::sleep(Duration::from_micros(200));
-        }
-        started.elapsed()
-    }
-
-    /// Draws for a while: what comes after a picture, such as small ones of the nodes, is over then.
-    fn rest(&mut self) {
-        let started = Instant::now();
-        self.until(|_| started.elapsed() > Duration::from_secs(1));
-    }
-
-    fn finished(&mut self) -> Duration {
-        self.until(|editor| editor.state().evaluated.progress.is_none() && editor.state().evaluated.result.is_some())
-    }
-
     /// Waits for the recipe of the picture; returns the time, or the reason that there is none.
     fn weigh(&mut self) -> Result<Duration, String> {
         let context = self.context.clone();
@@ -124,6 +82,26 @@ impl Window {
         let first = started.elapsed();
         self.finished();
         (first, started.elapsed())
+    }
+
+    /// Pictures that come while a camera is dragged, for some seconds: each moment of the drag follows the first picture of
+    /// the one before.
+    fn drag_camera(&mut self, camera: &str, seconds: u64) -> f64 {
+        let context = self.context.clone();
+        let (started, mut count) = (Instant::now(), 0_u32);
+        while started.elapsed() < Duration::from_secs(seconds) {
+            let before = self.editor.state().evaluated.result.clone();
+            let at = json!([0.02 * f64::from(count), 7.0 + 0.01 * f64::from(count), 0.0]);
+            let edit = Edit::set(document::Path::node(camera).to("position"), &at);
+            self.editor.act(Action::Edit(edit), &context);
+            self.draw(Vec::new());
+            self.until(|editor| {
+                let now = &editor.state().evaluated.result;
+                now.as_ref().map(std::sync::Arc::as_ptr) != before.as_ref().map(std::sync::Arc::as_ptr)
+            });
+            count += 1;
+        }
+        f64::from(count) / started.elapsed().as_secs_f64()
     }
 }
 
@@ -218,6 +196,28 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             Err(why) => println!("a dragged color, {name}: {why}"),
         }
     }
+
+    for (name, node, knob, values) in [
+        ("stormy_sea.json", "beauty", "light", ["#f4efe4", "#f3eee3", "#f2ede2", "#f1ece1", "#f0ebe0"]),
+        ("great_wave.json", "beauty", "a", ["#f4efe4", "#f3eee3", "#f2ede2", "#f1ece1", "#f0ebe0"]),
+        ("from_passes.json", "beauty", "b", ["#f4efe4", "#f3eee3", "#f2ede2", "#f1ece1", "#f0ebe0"]),
+    ] {
+        let started = Instant::now();
+        let mut window = Window::new(scene(name)?)?;
+        window.until(|editor| editor.state().evaluated.result.is_some());
+        let first = started.elapsed();
+        window.finished();
+        let scratch = (first, started.elapsed());
+        row(&format!("{name} from scratch"), scratch);
+        let runs = values.iter().map(|value| window.edit(set(node, knob, json!(value)))).collect();
+        let edited = median(runs);
+        row(&format!("{node}.{knob} of {name}"), edited);
+        println!("{:<52} {:>21.2}", "  of that from scratch", edited.1.as_secs_f64() / scratch.1.as_secs_f64());
+    }
+
+    let mut window = Window::new(scene("stormy_sea_bare.json")?)?;
+    window.finished();
+    println!("a dragged camera, stormy_sea_bare: {:.1} coarse pictures a second", window.drag_camera("camera", 8));
 
     let mut window = Window::new(scene("from_passes.json")?)?;
     window.finished();

@@ -122,7 +122,10 @@ fn nodes_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
                 thousands(node.pixels),
                 bytes(node.bytes),
                 if node.repaired > 0 {
-                    format!("\n{} illegal values replaced", thousands(node.repaired))
+                    let first = node.first_repaired.as_ref().map_or(String::new(), |first| {
+                        format!(", the first at {}, {}: {}", first.pixel[0], first.pixel[1], first.cause)
+                    });
+                    format!("\n{} illegal values replaced{first}", thousands(node.repaired))
                 } else {
                     String::new()
                 },

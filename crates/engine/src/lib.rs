@@ -31,7 +31,7 @@ pub use running::points::ShadingPlan;
 pub use running::prepare::Cache;
 pub use running::reference::{ReferenceError, ReferenceFrame, ReferencePixel};
 pub use running::run::Sink;
-pub use settings::{Judging, Settings, Switches};
+pub use settings::{Judging, Keep, Settings, Switches};
 pub use trochoid_memory::Instructions;
 pub use trochoid_weights::{Apportioner, Audit, Hull, StoredSample, Storing, paint};
 

@@ -55,6 +55,18 @@ impl Switches {
         Self { demand: false, prune: false, fold: false, merge: false, hoist: false, fuse: false, compile: false };
 }
 
+/// Planes that a cache keeps from one picture to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Keep {
+    /// None.
+    #[default]
+    Nothing,
+    /// Those nearest to the outputs, so that an edit refills only what depends on it.
+    ForEdits,
+    /// Those that are the same at the next frame.
+    ForFrames,
+}
+
 /// How a plan is made and run. Settings never change what it computes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -81,10 +93,10 @@ pub struct Settings {
     /// Whether stages may prepare for the region alone, which saves time and memory where one region is evaluated. Leave
     /// it off where one cache serves several regions.
     pub local: bool,
-    /// Whether the cache keeps the planes that stages fill, so that an edit refills only what depends on it: for the
-    /// editor. Applies only where the whole picture is evaluated without buffers of the caller. Takes 4 bytes per sample for
-    /// every channel filled, within the limit of the cache.
-    pub keep: bool,
+    /// Which of the planes that stages fill the cache keeps. Applies only where the whole picture is evaluated without
+    /// buffers of the caller. Takes 4 bytes per sample for every channel filled, within the limit of the cache; call
+    /// [`Cache::forget_unused`](crate::Cache::forget_unused) after each picture, to make room.
+    pub keep: Keep,
     /// What stages are prepared for. For bounds, every plane has bounds on its errors beside it, in channels that follow
     /// its own.
     pub(crate) purpose: Purpose,
@@ -114,7 +126,7 @@ impl Default for Settings {
             },
             region: None,
             local: false,
-            keep: false,
+            keep: Keep::Nothing,
             purpose: Purpose::Pictures,
             exact: None,
         }

@@ -1,7 +1,15 @@
 //! Formulas in links, whose grammar another crate has.
 
-/// Value of a formula, from those of its names.
-pub type FormulaValue = Box<dyn Fn(&[Vec<f64>]) -> Vec<f64>>;
+use std::ops::Range;
+
+/// A parsed formula.
+pub trait Formula {
+    /// Returns the components of its value, from those of its names.
+    fn value(&self, inputs: &[Vec<f64>]) -> Vec<f64>;
+
+    /// Returns the innermost part, as characters of the text, whose value is no finite number although its own parts are.
+    fn origin(&self, inputs: &[Vec<f64>]) -> Option<Range<usize>>;
+}
 
 /// Parser of the formulas in links.
 pub trait Formulas: std::fmt::Debug + Sync {
@@ -9,7 +17,7 @@ pub trait Formulas: std::fmt::Debug + Sync {
     ///
     /// # Errors
     /// The text is not a formula, or combines values whose numbers of components do not fit.
-    fn parse(&self, text: &str, names: &[(String, usize)]) -> Result<FormulaValue, FormulaFault>;
+    fn parse(&self, text: &str, names: &[(String, usize)]) -> Result<Box<dyn Formula>, FormulaFault>;
 }
 
 /// Fault of a formula.

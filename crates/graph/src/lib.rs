@@ -77,7 +77,7 @@ pub use fields::{
 };
 #[doc(hidden)]
 pub use fields::{count_items, join_items};
-pub use formulas::{FormulaFault, FormulaValue, Formulas};
+pub use formulas::{Formula, FormulaFault, Formulas};
 pub use frame::{FrameContext, escape_frame, escape_remedy, expand_frame, one_frame_pattern, split_frame};
 pub use kind::{Accepts, Kind};
 pub use literal::{LITERAL_SUM_TOLERANCE, literal, literal_error};
@@ -85,7 +85,7 @@ pub use lowering::Lowering;
 pub use manual::counted;
 pub use memory::{MemoryContext, MemoryUse, in_bytes};
 pub use node::{
-    Body, Computes, Declare, Dynamics, Handle, Node, NodeType, Omission, Paths, Pointwise, Prepared, Rate,
+    Body, Computes, Declare, Dynamics, Handle, Node, NodeType, Omission, Paths, Pointwise, Prepared, Rate, Repair,
     SharedResult, Stage, Variance,
 };
 pub use node_error::{BadData, DataPlace, Failure, NodeError};

@@ -253,6 +253,15 @@ pub trait Stage {
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError>;
 }
 
+/// Replaced value, and what made it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Repair {
+    /// Column and row of its pixel.
+    pub pixel: [i64; 2],
+    /// What made it, such as `sqrt(a) with a = -0.5`.
+    pub cause: String,
+}
+
 /// A stage prepared for one frame.
 pub trait Prepared: Send + Sync {
     /// Returns the surface, camera or light that other nodes take.
@@ -326,6 +335,11 @@ pub trait Prepared: Send + Sync {
     /// is read on demand counts only the rows that were needed. Each value counts once, however often it is read.
     fn repaired(&self) -> u64 {
         0
+    }
+
+    /// Returns the first of the replaced values, if the node knows more of it than its file.
+    fn first_repaired(&self) -> Option<Repair> {
+        None
     }
 
     /// Returns the connections, as ports and indices within them, of which nothing is in the picture: surfaces that a

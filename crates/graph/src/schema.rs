@@ -1,5 +1,6 @@
 //! The JSON Schema of documents, generated from the declarations.
 
+use crate::check::weight_names::{WEIGHT_NAMES, takes_weight_names};
 use crate::{Accepts, Arity, Item, Knob, KnobDefault, KnobType, Precision, Registry, expand};
 use serde_json::{Map, Value, json};
 use trochoid_image::{MAX_SIDE, Shading, WorkingSpace};
@@ -16,6 +17,14 @@ pub fn schema(registry: &Registry) -> Value {
             object["properties"]["disabled"] = json!({ "type": "boolean", "default": false });
             object["properties"]["ui"] = json!(true);
             object["properties"]["notes"] = json!(true);
+            if takes_weight_names(declaration) {
+                object["properties"][WEIGHT_NAMES] = json!({
+                    "description": "Names of the weights, in their order: a reference picks one, as in \"parts.light\".",
+                    "type": "array",
+                    "items": { "type": "string", "pattern": "^[A-Za-z_][A-Za-z0-9_]*$" },
+                    "uniqueItems": true
+                });
+            }
             if let Some(required) = object["required"].as_array_mut() {
                 required.insert(0, json!("type"));
             }

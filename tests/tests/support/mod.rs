@@ -10,8 +10,8 @@ pub(crate) use files::{folder, write_exr};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use trochoid::{
-    Buffers, Cache, CheckedGraph, Frame, Instructions, Judging, Picture, Plan, Plane, ReferenceFrame, Settings, Silent,
-    State, Switches, Window, parse,
+    Buffers, Cache, CheckedGraph, Frame, Instructions, Judging, Keep, Picture, Plan, Plane, ReferenceFrame, Settings,
+    Silent, State, Switches, Window, parse,
 };
 
 /// Returns the workspace's root, and makes it the current folder, so that scenes may read beneath it.
@@ -122,8 +122,11 @@ pub(crate) fn variants() -> Vec<(String, Settings)> {
             "machine code, 2 threads, tiles of 37 × 3".into(),
             settings(|s| (s.compile_from, s.threads, s.tile) = (0, 2, Some((37, 3)))),
         ),
-        ("what stages fill is kept".into(), settings(|s| (s.keep, s.threads, s.tile) = (true, 2, Some((3, 2))))),
-        ("what stages filled is used".into(), settings(|s| (s.keep, s.tile) = (true, Some((5, 1))))),
+        (
+            "what stages fill is kept".into(),
+            settings(|s| (s.keep, s.threads, s.tile) = (Keep::ForEdits, 2, Some((3, 2)))),
+        ),
+        ("what stages filled is used".into(), settings(|s| (s.keep, s.tile) = (Keep::ForFrames, Some((5, 1))))),
         ("off, tiles of 3 × 2".into(), settings(|s| (s.switches, s.tile) = (Switches::NONE, Some((3, 2))))),
     ];
     type Field = fn(&mut Switches) -> &mut bool;
@@ -153,7 +156,7 @@ pub(crate) fn under_all_settings(graph: &CheckedGraph, frame: i64, buffers: &Buf
     assert_eq!(expected.pictures.len(), graph.outputs().len(), "{what}: pictures");
     let mut kept = Cache::new();
     for (name, settings) in variants() {
-        let found = if settings.keep {
+        let found = if settings.keep != Keep::Nothing {
             evaluate_again(graph, frame, buffers, &settings, &mut kept)
         } else {
             evaluate(graph, frame, buffers, &settings)

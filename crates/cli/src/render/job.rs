@@ -9,6 +9,7 @@ use super::line;
 use super::tally::Tally;
 use crate::failure::{FAILED, Failure, INTERRUPTED, Message};
 use crate::progress::Progress;
+use crate::shell::printable;
 use crate::{frames, interrupt};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -18,7 +19,7 @@ use trochoid::certificate::PrivateKey;
 use trochoid::io::{Claim, Claims};
 use trochoid::{
     Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, NodeReport, OutputError,
-    OutputFile, Pictures, Plan, ReferenceError, RunReport, Settings, Sink, Switches, Work, clear_partial_files,
+    OutputFile, Pictures, Plan, ReferenceError, Repair, RunReport, Settings, Sink, Switches, Work, clear_partial_files,
     expand_frame, frame_report, misses, quoted, write_output,
 };
 
@@ -52,11 +53,18 @@ struct FrameResult {
     line: String,
     /// Messages about missed requirements.
     misses: Vec<String>,
-    /// Names of nodes in which illegal values were replaced, with the number of values.
-    replaced: Vec<(String, u64)>,
+    /// Nodes in which illegal values were replaced.
+    replaced: Vec<Replaced>,
     /// Names of views and of surfaces of which nothing is in their pictures.
     unseen: Vec<(String, String)>,
     skipped: bool,
+}
+
+/// Illegal values of a node that were replaced.
+struct Replaced {
+    node: String,
+    count: u64,
+    first: Option<Repair>,
 }
 
 impl<'a> Job<'a> {
@@ -145,15 +153,19 @@ impl<'a> Job<'a> {
     }
 
     /// Returns the warning for a node in which illegal values were replaced, unless its author requested that.
-    fn warning_of_replaced(&self, name: &str, count: u64, frame: i64) -> Option<String> {
+    fn warning_of_replaced(&self, replaced: &Replaced, frame: i64) -> Option<String> {
+        let Replaced { node: name, count, first } = replaced;
         let id = self.graph.find(name)?;
         let asked = |item: &str| matches!(item, "repair" | "nan");
         if self.graph.node(id).places.iter().any(|(item, _)| asked(item)) {
             return None;
         }
-        let values = if count == 1 { "illegal value (NaN), which was" } else { "illegal values (NaN), which were" };
+        let values = if *count == 1 { "illegal value (NaN), which was" } else { "illegal values (NaN), which were" };
+        let first = first.as_ref().map_or(String::new(), |Repair { pixel: [x, y], cause }| {
+            format!(", {} pixel {x}, {y} by {}", if *count == 1 { "at" } else { "first at" }, printable(cause))
+        });
         Some(format!(
-            "warning: {}: node \"{name}\", frame {frame}: found {count} {values} replaced; expected numbers\n  \
+            "warning: {}: node \"{name}\", frame {frame}: found {count} {values} replaced{first}; expected numbers\n  \
              remedy: correct the inputs of the node, or set \"nan\" of a FieldMath to the value to use instead",
             self.graph.place_of(id, None)
         ))
@@ -255,8 +267,8 @@ impl<'a> Job<'a> {
         }
         tally.missed += usize::from(!done.misses.is_empty());
         progress.tell(&done.misses);
-        let news = done.replaced.iter().filter(|(name, _)| tally.told.insert(name.clone()));
-        let news = news.filter_map(|(name, count)| self.warning_of_replaced(name, *count, frame));
+        let news = done.replaced.iter().filter(|replaced| tally.told.insert(replaced.node.clone()));
+        let news = news.filter_map(|replaced| self.warning_of_replaced(replaced, frame));
         progress.tell(&news.collect::<Vec<_>>());
         let news = done.unseen.into_iter().filter(|unseen| tally.unseen.insert(unseen.clone()));
         let news = news.filter_map(|(name, surface)| self.warning_of_unseen(&name, &surface, frame));
@@ -392,8 +404,11 @@ impl<'a> Job<'a> {
             )
         });
         let misses = misses.chain(self.accuracy.misses(self.graph, number, &certified));
-        let replaced =
-            frame.nodes.iter().filter(|node| node.repaired > 0).map(|node| (node.name.clone(), node.repaired));
+        let replaced = frame.nodes.iter().filter(|node| node.repaired > 0).map(|node| Replaced {
+            node: node.name.clone(),
+            count: node.repaired,
+            first: node.first_repaired.clone(),
+        });
         let replaced = replaced.collect();
         let of = |node: &NodeReport| {
             let name = node.name.clone();

@@ -82,10 +82,12 @@ fn replaced_values_are_warned_of_once_with_their_node() {
     let beauty = ["render", "a.json", "--output", "beauty"];
     let quiet = scene.run(&[&beauty[..], &["--quiet"]].concat()).code(0);
     assert_eq!(quiet.err.matches("warning: ").count(), 1, "{}", quiet.err);
-    let words = "warning: a.json:3:14: node \"fm\", frame 1: found 128 illegal values (NaN), which were replaced";
+    let words = "warning: a.json:3:14: node \"fm\", frame 1: found 128 illegal values (NaN), which were replaced, \
+        first at pixel 0, 0 by 0/0; expected numbers";
     assert!(quiet.err.contains(words) && quiet.err.contains("\n  remedy: "), "{}", quiet.err);
     let json = scene.run(&[&beauty[..], &["--json", "--frames", "2"]].concat()).code(0).json();
     assert_eq!(json["nodes"]["fm"]["repaired"], 128);
+    assert_eq!(json["nodes"]["fm"]["first_repaired"], serde_json::json!({ "pixel": [0, 0], "cause": "0/0" }));
     assert_eq!(json["nodes"]["across"]["repaired"], 0);
     assert_eq!(nan(", \"nan\": 0.5").run(&beauty).code(0).err, "", "it was asked for");
 }

@@ -12,12 +12,18 @@ use super::subject::Subject;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
-use trochoid::{Buffers, Cache, EvalError, Format, Kind, PackError, PackedRecipe, Plan, Settings};
+use trochoid::{Buffers, Cache, EvalError, Format, Keep, Kind, PackError, PackedRecipe, Plan, Settings};
 
 /// Memory limit for prepared stages and for planes that are kept from picture to picture, in bytes.
 const CACHE: usize = 5 << 28;
 /// Pictures expected to take no longer than this are evaluated without a coarse preview.
 const AT_ONCE: Duration = Duration::from_millis(90);
+/// Factor by which the first, coarse picture is smaller.
+const COARSE: u32 = 8;
+/// Factor by which the picture between the coarse one and the whole one is smaller.
+const BETWEEN: u32 = 3;
+/// Whole pictures expected to take longer than this have one before them.
+const LONG: Duration = Duration::from_millis(900);
 /// Maximum width and height of thumbnails.
 const THUMBNAIL: [u32; 2] = [128, 80];
 
@@ -86,11 +92,14 @@ impl<'o> Evaluator<'o> {
         let (generation, frame) = (job.generation, job.frame);
         let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Short, progress: None };
         let made = match self.lens(&job.subject) {
-            Ok(lens) => evaluate(&job, &lens, job.proxy, true, &mut self.cache, &monitor),
+            Ok(lens) => evaluate(&job, &lens, job.proxy, true, Keep::ForFrames, &mut self.cache, &monitor),
             Err(error) => Err(error.into()),
         };
         match made {
-            Ok(result) => self.tell(News::Ahead(Box::new(result))),
+            Ok(result) => {
+                self.cache.forget_unused();
+                self.tell(News::Ahead(Box::new(result)));
+            }
             Err(Failure::Because(..)) => self.tell(News::AheadFailed { generation, frame }),
             Err(Failure::Cancelled) => {
                 let mut requests = self.queue.requests();
@@ -133,13 +142,13 @@ impl<'o> Evaluator<'o> {
             u64::from(format.width() / shrink) * u64::from(format.height() / shrink) * u64::from(format.samples())
         };
         let expected = self.last.map(|(time, pixels)| time.mul_f64(samples(job.proxy) as f64 / pixels.max(1) as f64));
-        let mut sizes = Vec::new();
-        if job.progressive && expected.is_none_or(|time| time > AT_ONCE) {
-            let long = expected.is_none_or(|time| time > Duration::from_millis(900));
-            sizes.extend([8, 3].into_iter().filter(|shrink| *shrink > job.proxy && (*shrink == 8 || long)));
+        // A coarse picture comes first, and if that tells of long work, one in between.
+        let is_long = job.progressive && expected.is_none_or(|time| time > AT_ONCE);
+        let mut sizes = vec![job.proxy];
+        if is_long && COARSE > job.proxy {
+            sizes.push(COARSE);
         }
-        sizes.push(job.proxy);
-        for shrink in sizes {
+        while let Some(shrink) = sizes.pop() {
             let tell = |share: f32| {
                 let _ = self.news.send(News::Progress { generation: job.generation, share });
                 (self.wake)();
@@ -153,10 +162,15 @@ impl<'o> Evaluator<'o> {
                 progress: if finished { Some(&told) } else { None },
             };
             let started = Instant::now();
-            match evaluate(job, &lens, shrink, finished, &mut self.cache, &monitor) {
+            // What an edit does not touch is there at once.
+            match evaluate(job, &lens, shrink, finished, Keep::ForEdits, &mut self.cache, &monitor) {
                 Ok(result) => {
                     if job.region.is_none() {
                         self.last = Some((started.elapsed(), samples(shrink)));
+                    }
+                    let whole = result.work().mul_f64(samples(job.proxy) as f64 / samples(shrink).max(1) as f64);
+                    if shrink == COARSE && !finished && whole > LONG && BETWEEN > job.proxy {
+                        sizes.push(BETWEEN);
                     }
                     self.tell(News::Picture(Box::new(result)));
                 }
@@ -224,7 +238,7 @@ impl<'o> Evaluator<'o> {
         let Ok(format) = Format::new(side(format.width()), side(format.height()), 1) else { return };
         let graph = graph.with_scaled_format(format);
         let mut settings = Settings::default();
-        settings.keep = true;
+        settings.keep = Keep::ForEdits;
         let Ok(plan) = Plan::new(&graph, &[], frame, &[], &settings) else { return };
         let evaluated = match plan.evaluate(&Buffers::new(), &mut self.cache, &monitor) {
             Ok(evaluated) => evaluated,

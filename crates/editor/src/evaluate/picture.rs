@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::Instant;
 #[cfg(test)]
 use trochoid::Monitor;
-use trochoid::{Buffers, Cache, EvalError, Format, Plan, Settings, Window};
+use trochoid::{Buffers, Cache, EvalError, Format, Keep, Plan, Settings, Window};
 
 /// Reason why there is no picture.
 pub(super) enum Failure {
@@ -26,12 +26,13 @@ impl<E: Into<PictureError>> From<E> for Failure {
 }
 
 /// Evaluates a job through its lens with the resolution divided by `shrink`; `finished` says whether this is the
-/// requested size rather than a coarse preview.
+/// requested size rather than a coarse preview, and `keep` which planes are kept for the next one.
 pub(super) fn evaluate(
     job: &Job,
     lens: &Arc<Lens>,
     shrink: u32,
     finished: bool,
+    keep: Keep,
     cache: &mut Cache,
     monitor: &Cancellation<'_>,
 ) -> std::result::Result<Result, Failure> {
@@ -43,8 +44,7 @@ pub(super) fn evaluate(
     let format = graph.format();
     let mut settings = Settings::default();
     settings.region = job.region.map(|region| part(region, format));
-    // What an edit does not touch is there at once.
-    settings.keep = true;
+    settings.keep = keep;
     let plan = Plan::new(graph, &[OUTPUT], job.frame, &[], &settings)?;
     let mut frame = match plan.evaluate(&Buffers::new(), cache, monitor) {
         Ok(frame) => frame,

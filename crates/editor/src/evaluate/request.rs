@@ -7,6 +7,7 @@ use super::mixture::Mixture;
 use super::shown::{Display, Screen};
 use super::subject::Subject;
 use std::sync::Arc;
+use std::time::Duration;
 use trochoid::{Format, NodeReport, Phases, Picture, RefusedFile};
 
 /// Request for a picture.
@@ -58,6 +59,12 @@ pub struct Result {
 }
 
 impl Result {
+    /// Returns the time that the nodes took, if all threads shared it.
+    pub fn work(&self) -> Duration {
+        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        Duration::from_secs_f64(self.nodes.iter().map(|node| node.seconds).sum::<f64>() / threads as f64)
+    }
+
     /// Returns the memory used by the picture, in bytes.
     pub fn bytes(&self) -> usize {
         self.screen.pixels.len() + self.picture.planes.iter().map(|plane| 4 * plane.samples().len()).sum::<usize>()

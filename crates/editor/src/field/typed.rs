@@ -72,7 +72,7 @@ pub(super) fn number(text: &str, wanted: &Wanted) -> Result<f64, NoNumber> {
         };
         NoNumber { found: format!("{} of {}", fault.found, quoted(text)), expected }
     })?;
-    match formula(&[]).as_slice() {
+    match formula.value(&[]).as_slice() {
         [number] => Ok(*number),
         numbers => {
             let found = format!("{} numbers, the value of {}", numbers.len(), quoted(text));

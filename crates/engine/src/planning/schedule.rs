@@ -4,7 +4,7 @@ use super::lower::LoweredGraph;
 use super::optimize::{cone, extract};
 use super::plan::{Feed, Fill, Pass};
 use super::planner::Planner;
-use super::shading::{SHARING_CHANNELS, ViewsByNode};
+use super::shading::{SHARING_CHANNELS, ViewsByNode, sharing_slot};
 use crate::Switches;
 use std::collections::{HashMap, HashSet};
 use trochoid_graph::{
@@ -393,7 +393,7 @@ impl Scheduler<'_, '_, '_> {
 /// same surface share.
 fn split(view: &mut Fill, per_sample: &HashSet<Slot>) -> Option<Fill> {
     let mut rest = view.clone();
-    let sharing_slots = SHARING_CHANNELS.map(|channel| Slot { node: view.node, output: 0, channel: channel as usize });
+    let sharing_slots = SHARING_CHANNELS.map(|channel| sharing_slot(view.node, channel));
     for (output, channels) in view.wanted.iter_mut().enumerate() {
         for (channel, wanted) in channels.iter_mut().enumerate() {
             let slot = Slot { node: view.node, output, channel };

@@ -2,11 +2,16 @@
 
 use super::lower::LoweredGraph;
 use super::planner::Planner;
-use trochoid_graph::{Channel, Kind, NodeId, Rate, Source, Variance};
+use trochoid_graph::{Channel, Kind, NodeId, Rate, Slot, Source, Variance};
 use trochoid_image::Shading;
 
 /// Channels that a view must supply for [`Shading::is_shared`] to decide whether samples share.
 pub(crate) const SHARING_CHANNELS: [Channel; 2] = [Channel::Surface, Channel::Depth];
+
+/// Returns the slot of a channel by which a view decides sharing.
+pub(crate) fn sharing_slot(node: NodeId, channel: Channel) -> Slot {
+    Slot { node, output: 0, channel: channel as usize }
+}
 
 /// By node: the views that must see the same surface at a sample as at the pixel's first sample for the node's result
 /// to be reused; `None` if every sample has its own result.

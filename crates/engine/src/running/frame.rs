@@ -4,7 +4,7 @@ use super::buffer_fault::BufferFault;
 use super::foreign::ForeignError;
 use crate::LeftOut;
 use std::sync::Arc;
-use trochoid_graph::{CheckedGraph, DocumentPlace, Guarantee, Kind, NodeError, NodeId, in_bytes};
+use trochoid_graph::{CheckedGraph, DocumentPlace, Guarantee, Kind, NodeError, NodeId, Repair, in_bytes};
 use trochoid_image::{Plane, Rgb, Window};
 use trochoid_weights::{Audit, Hull};
 
@@ -179,6 +179,8 @@ pub struct NodeReport {
     pub bytes: usize,
     /// Number of illegal input values that were replaced by the nearest legal value.
     pub repaired: u64,
+    /// The first of these values, in the order of rows, if the node knows what made it.
+    pub first_repaired: Option<Repair>,
     /// Names of the connected nodes of which nothing is in the picture, such as surfaces that a view lists.
     pub unseen: Vec<String>,
 }

@@ -1,11 +1,12 @@
 //! Planes that stages filled, kept for the next evaluation: an edit refills only what depends on it.
 
+use super::fill::by_slot;
 use super::prepare::{Cache, PreparedStage, key_of_planes};
-use crate::Plan;
 use crate::planning::plan::{Fill, Pass};
-use std::collections::HashMap;
+use crate::{Keep, Plan};
+use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
-use trochoid_graph::{Key, NodeId, Variance};
+use trochoid_graph::{FrameContext, Key, NodeId, Settled, Variance};
 use trochoid_image::Window;
 
 /// A stage's planes over the whole picture, by sample, output and channel; empty where not wanted.
@@ -18,6 +19,11 @@ impl StagePlanes {
     pub(crate) fn bytes(&self) -> usize {
         self.samples.iter().flatten().flatten().map(|plane| 4 * plane.len()).sum()
     }
+
+    /// Whether the planes are of a picture with fewer pixels.
+    pub(crate) fn is_smaller(&self, area: usize) -> bool {
+        self.samples.iter().flatten().flatten().all(|plane| plane.len() < area)
+    }
 }
 
 /// Stages of a plan whose planes are known, and stages whose planes will be kept.
@@ -28,13 +34,15 @@ pub(crate) struct PlaneKeeper {
     pub(crate) known: HashMap<usize, Arc<StagePlanes>>,
     /// Planes that are being filled now, tile by tile, with their keys.
     new: HashMap<usize, (Key, Mutex<StagePlanes>)>,
-    /// Stages of which all planes are known.
-    pub(crate) known_stages: Vec<NodeId>,
+    /// Fills of which nothing is needed, because all that reads them is known.
+    idle: HashSet<usize>,
+    /// Stages that fill nothing.
+    pub(crate) spared: Vec<NodeId>,
 }
 
 impl PlaneKeeper {
-    /// Looks up the planes that a plan's stages filled before. Of the others, those nearest to the outputs are kept first: they
-    /// are needed after the most edits, and stand for all before them.
+    /// Looks up the planes that a plan's stages filled before. Of the others that are needed, those nearest to the outputs are
+    /// kept first: they are needed after the most edits, and stand for all before them.
     pub(crate) fn new(plan: &Plan<'_>, ready: &HashMap<NodeId, PreparedStage>, cache: &mut Cache) -> Self {
         let mut keeper = Self::default();
         let Some(pass) = plan.kept_pass() else { return keeper };
@@ -51,14 +59,22 @@ impl PlaneKeeper {
                 None => unknown.push((index, fill, key)),
             }
         }
-        let is_known = |node: NodeId| {
+        keeper.idle = idle(&pass.fills, &keeper.known);
+        let is_spared = |node: NodeId| {
             let mut fills = pass.fills.iter().enumerate().filter(|(_, fill)| fill.node == node);
-            fills.all(|(index, _)| keeper.known.contains_key(&index))
+            fills.all(|(index, _)| keeper.known.contains_key(&index) || keeper.idle.contains(&index))
         };
-        keeper.known_stages = pass.fills.iter().map(|fill| fill.node).filter(|node| is_known(*node)).collect();
+        keeper.spared = pass.fills.iter().map(|fill| fill.node).filter(|node| is_spared(*node)).collect();
+        unknown.retain(|(index, ..)| !keeper.idle.contains(index));
+        if plan.settings.keep == Keep::ForFrames && !unknown.is_empty() {
+            let still = plan.still();
+            unknown.retain(|(_, fill, _)| still[fill.node.0]);
+        }
         let prepared: usize = ready.values().map(|ready| ready.prepared.bytes()).sum();
         let known: usize = keeper.known.values().map(|filled| filled.bytes()).sum();
-        let mut room = cache.limit().saturating_sub(prepared + known);
+        // Coarse pictures of the same edit go before the whole one, and after the next edit again.
+        let coarse = cache.recent(picture.area()).saturating_sub(prepared);
+        let mut room = cache.limit().saturating_sub(prepared + known + coarse);
         for (index, fill, key) in unknown.into_iter().rev() {
             let wanted = fill.wanted.iter().flatten().filter(|wanted| **wanted);
             let bytes = wanted.count() * picture.area() * 4 * pass.offsets.len();
@@ -70,6 +86,11 @@ impl PlaneKeeper {
             keeper.new.insert(index, (key, Mutex::new(StagePlanes { samples })));
         }
         keeper
+    }
+
+    /// Returns whether nothing of a fill is needed.
+    pub(crate) fn is_idle(&self, fill: usize) -> bool {
+        self.idle.contains(&fill)
     }
 
     /// Returns whether the planes of a fill are being kept.
@@ -110,13 +131,47 @@ impl PlaneKeeper {
     }
 }
 
+/// Returns the fills that some others read, but only known ones or such as are idle themselves.
+fn idle(fills: &[Fill], known: &HashMap<usize, Arc<StagePlanes>>) -> HashSet<usize> {
+    let by_slot = by_slot(fills);
+    let (mut readers, mut needs) = (vec![0_usize; fills.len()], vec![0_usize; fills.len()]);
+    let mut idle = HashSet::new();
+    for (index, fill) in fills.iter().enumerate().rev() {
+        // All that read it come after it.
+        if !fill.read && readers[index] > 0 && needs[index] == 0 {
+            idle.insert(index);
+        }
+        let reads = !known.contains_key(&index) && !idle.contains(&index);
+        let mut inputs: Vec<usize> = fill.slots().filter_map(|slot| by_slot.get(&slot).copied()).collect();
+        inputs.sort_unstable();
+        inputs.dedup();
+        for input in inputs {
+            readers[input] += 1;
+            needs[input] += usize::from(reads);
+        }
+    }
+    idle
+}
+
 impl Plan<'_> {
+    /// Returns, for each node, whether its result is the same at the next frame.
+    fn still(&self) -> Vec<bool> {
+        let next = self.graph.frame_context(self.context.frame + 1, self.context.memory_limit);
+        let (format, document_format) = (self.context.format, self.context.document_format);
+        let context = FrameContext { format, document_format, ..next };
+        let settle = |(index, settled): (usize, &Option<Settled>)| {
+            settled.as_ref().map(|_| self.graph.settle(NodeId(index), context.frame))
+        };
+        let settled: Vec<Option<Settled>> = self.settled.iter().enumerate().map(settle).collect();
+        self.graph.keys(&settled, &context).iter().zip(&self.keys).map(|(next, now)| next == now).collect()
+    }
+
     /// Returns the only pass, if the planes of its stages can be kept: of the whole picture, from the document alone, and
     /// without bounds.
     fn kept_pass(&self) -> Option<&Pass> {
         let whole = self.window == self.graph.format().window() && !self.settings.bounds();
         match &self.passes[..] {
-            [pass] if self.settings.keep && whole && !self.bound.contains(&true) => Some(pass),
+            [pass] if self.settings.keep != Keep::Nothing && whole && !self.bound.contains(&true) => Some(pass),
             _ => None,
         }
     }

@@ -91,6 +91,17 @@ impl Cache {
         self.kept.retain(|_, entry| entry.used > mark);
     }
 
+    /// Returns the memory of what was used since the last call of [`forget_unused`](Self::forget_unused): prepared stages,
+    /// and planes of pictures with fewer pixels than `area`.
+    pub(crate) fn recent(&self, area: usize) -> usize {
+        let is_counted = |data: &CachedData| match data {
+            CachedData::Prepared(_) => true,
+            CachedData::Planes(planes) => planes.is_smaller(area),
+        };
+        let recent = self.kept.values().filter(|entry| entry.used > self.mark && is_counted(&entry.data));
+        recent.map(|entry| entry.data.bytes()).sum()
+    }
+
     pub(crate) fn limit(&self) -> usize {
         self.limit
     }

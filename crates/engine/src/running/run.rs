@@ -178,7 +178,7 @@ impl Plan<'_> {
             let evaluation =
                 Evaluation { plan: self, ready: &ready, buffers, judges: &judges, keeper: &keeper, monitor };
             let totals = self.tiles(evaluation, &bands, workers);
-            let known = keeper.known_stages.clone();
+            let spared = keeper.spared.clone();
             if totals.is_ok() {
                 keeper.finish(cache);
             }
@@ -186,7 +186,7 @@ impl Plan<'_> {
             cache.trim();
             let totals = totals?;
             let seconds = Phases { prepare: prepared, hull: judged, tiles: started.elapsed().as_secs_f64() };
-            Ok(self.assemble(judges, &totals, &ready, &known, seconds))
+            Ok(self.assemble(judges, &totals, &ready, &spared, seconds))
         })
     }
 
@@ -385,7 +385,7 @@ impl Plan<'_> {
         judges: Vec<Option<Arc<Judge>>>,
         totals: &WorkerTotals,
         ready: &HashMap<NodeId, PreparedStage>,
-        known: &[NodeId],
+        spared: &[NodeId],
         seconds: Phases,
     ) -> Frame {
         let pictures = self
@@ -418,7 +418,7 @@ impl Plan<'_> {
             number: self.context.frame,
             window: self.window,
             pictures,
-            nodes: self.node_reports(totals, ready, known),
+            nodes: self.node_reports(totals, ready, spared),
             seconds,
             threads: rayon::current_num_threads(),
         }
@@ -434,12 +434,12 @@ impl Plan<'_> {
         prepared.unseen().into_iter().filter_map(name).collect()
     }
 
-    /// Reports on all nodes. Nodes in `known` used planes from an earlier evaluation.
+    /// Reports on all nodes. Nodes in `spared` filled nothing: their planes are known from an earlier evaluation, or not needed.
     fn node_reports(
         &self,
         totals: &WorkerTotals,
         ready: &HashMap<NodeId, PreparedStage>,
-        known: &[NodeId],
+        spared: &[NodeId],
     ) -> Vec<NodeReport> {
         // The programs' time is divided by the cost of each node's operations.
         let mut costs = vec![0.0; self.graph.nodes().len()];
@@ -452,7 +452,7 @@ impl Plan<'_> {
                     samples[origin.0] = taken;
                 }
             }
-            for fill in pass.fills.iter().filter(|fill| !known.contains(&fill.node)) {
+            for fill in pass.fills.iter().filter(|fill| !spared.contains(&fill.node)) {
                 samples[fill.node.0] += taken;
             }
         }
@@ -477,6 +477,7 @@ impl Plan<'_> {
                     pixels: samples[index],
                     bytes: ready.map_or(0, |ready| ready.prepared.bytes()),
                     repaired: ready.map_or(0, |ready| ready.prepared.repaired()),
+                    first_repaired: ready.and_then(|ready| ready.prepared.first_repaired()),
                     unseen: ready.map_or_else(Vec::new, |ready| self.unseen(index, &*ready.prepared)),
                 }
             })

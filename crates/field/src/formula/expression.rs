@@ -1,6 +1,7 @@
 //! The syntax tree of FieldMath's formulas, and their value at one sample.
 
 use super::Function;
+use std::ops::Range;
 
 /// Formula of the inputs, or a part of one.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,6 +10,8 @@ pub struct Expression {
     pub(super) tree: Tree,
     /// Number of components of its value.
     pub width: usize,
+    /// Its characters in the formula.
+    pub text: Range<usize>,
 }
 
 /// Node of the syntax tree.
@@ -28,6 +31,29 @@ pub(super) enum Tree {
 }
 
 impl Expression {
+    /// Returns the innermost part whose value is wrong at one sample, although those of its own parts are not; `None` if the
+    /// formula's value is not wrong.
+    pub fn origin(&self, inputs: &[Vec<f64>], is_wrong: fn(f64) -> bool) -> Option<&Self> {
+        self.value(inputs).into_iter().any(is_wrong).then(|| {
+            let within = self.parts().into_iter().find_map(|part| part.origin(inputs, is_wrong));
+            within.unwrap_or(self)
+        })
+    }
+
+    /// Whether an input is used.
+    pub fn uses(&self, input: usize) -> bool {
+        self.tree == Tree::Input(input) || self.parts().into_iter().any(|part| part.uses(input))
+    }
+
+    fn parts(&self) -> Vec<&Self> {
+        match &self.tree {
+            Tree::Number(_) | Tree::Input(_) => Vec::new(),
+            Tree::Each(_, parts) | Tree::Join(parts) => parts.iter().collect(),
+            Tree::Dot(a, b) => vec![a, b],
+            Tree::Length(a) | Tree::Pick(a, _) => vec![a],
+        }
+    }
+
     /// Returns the components of the value at one sample, from the components of the inputs.
     pub fn value(&self, inputs: &[Vec<f64>]) -> Vec<f64> {
         match &self.tree {

@@ -167,7 +167,8 @@ impl Parser<'_> {
                 Some(picked)
                     if (1..=MAX_WIDTH).contains(&picked.len()) && picked.iter().all(|index| *index < value.width) =>
                 {
-                    Expression { width: picked.len(), tree: Tree::Pick(Box::new(value), picked) }
+                    let text = value.text.start..self.at;
+                    Expression { width: picked.len(), tree: Tree::Pick(Box::new(value), picked), text }
                 }
                 _ => {
                     let found = Found::Letters(letters, value.width);
@@ -210,11 +211,11 @@ impl Parser<'_> {
         if self.take("(") {
             let value = self.comparison()?;
             self.expect(")")?;
-            return Ok(value);
+            return Ok(Expression { text: at..self.at, ..value });
         }
         if self.take("[") {
             let values = self.list("]")?;
-            return join(at, values);
+            return join(at..self.at, values);
         }
         match self.text.get(at) {
             Some(c) if c.is_ascii_digit() || *c == '.' => self.number(),
@@ -251,7 +252,9 @@ impl Parser<'_> {
         }
         let text: String = self.text[start..self.at].iter().collect();
         match text.parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(Expression { tree: Tree::Number(number), width: 1 }),
+            Ok(number) if number.is_finite() => {
+                Ok(Expression { tree: Tree::Number(number), width: 1, text: start..self.at })
+            }
             _ => Err(fault_at(start, Found::Number(text), Expected::FiniteNumber)),
         }
     }

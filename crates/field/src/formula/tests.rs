@@ -204,3 +204,30 @@ fn spans_of_runs_hold_the_values_of_every_sample() {
         }
     }
 }
+
+#[test]
+fn the_innermost_wrong_part_is_found() {
+    let part = |text: &str, inputs: [Vec<f64>; 4], is_wrong: fn(f64) -> bool| {
+        let widths = inputs.each_ref().map(|input| (!input.is_empty()).then_some(input.len()));
+        let expression = parse(text, widths).unwrap();
+        expression.origin(&inputs, is_wrong).map(|part| text[part.text.clone()].to_string())
+    };
+    let a = |a: f64, b: f64| [vec![a], vec![b], Vec::new(), Vec::new()];
+    for (text, expected) in [
+        ("a/b", Some("a/b")),
+        (" 1 + a / b * 2", Some("a / b")),
+        ("1 + (a - 0)/(b + 0)", Some("(a - 0)/(b + 0)")),
+        ("max(1, sqrt(a - 1)) + b", Some("sqrt(a - 1)")),
+        ("-(log(-1))", Some("(log(-1))")),
+        ("[1, a/b, 3].y", Some("a/b")),
+        ("[1, a/b, 3].x", None),
+        ("if(1, 5, a/b)", None),
+        ("length([a, 0/b])", Some("0/b")),
+        ("dot([a, a], [1/b, 1])", Some("dot([a, a], [1/b, 1])")),
+        ("a + b", None),
+    ] {
+        assert_eq!(part(text, a(0.0, 0.0), f64::is_nan).as_deref(), expected, "{text}");
+    }
+    assert_eq!(part("1/b - 1/b", a(0.0, 0.0), |value| !value.is_finite()).as_deref(), Some("1/b"));
+    assert_eq!(part("1/(1/b)", a(0.0, 0.0), |value| !value.is_finite()), None);
+}

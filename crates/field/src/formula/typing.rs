@@ -2,6 +2,7 @@
 
 use super::grammar::{Names, Parsed, Parser, fault_at};
 use super::{Expected, Expression, Fault, Found, Function, MAX_WIDTH, Remedy, Tree};
+use std::ops::Range;
 use trochoid_graph::nearest;
 
 const INPUTS: [&str; 4] = ["a", "b", "c", "d"];
@@ -17,23 +18,24 @@ impl Fault {
 impl Parser<'_> {
     /// Resolves a name without arguments: a constant or an input.
     pub(super) fn name(&mut self, at: usize, name: &str) -> Parsed {
+        let whole = |tree: Tree, width: usize| Ok(Expression { tree, width, text: at..at + name.chars().count() });
         if name == "pi" {
-            return Ok(Expression { tree: Tree::Number(std::f64::consts::PI), width: 1 });
+            return whole(Tree::Number(std::f64::consts::PI), 1);
         }
         let inputs = match self.names {
             Names::Letters(inputs) => inputs,
             Names::Named(known) => match known.iter().position(|(known, _)| known == name) {
-                Some(index) => return Ok(Expression { tree: Tree::Input(index), width: known[index].1 }),
+                Some(index) => return whole(Tree::Input(index), known[index].1),
                 None => [None; 4],
             },
         };
         let is_letters = matches!(self.names, Names::Letters(_));
         if let Some(index) = OWN.iter().position(|own| *own == name && is_letters) {
-            return Ok(Expression { tree: Tree::Input(INPUTS.len() + index), width: 1 });
+            return whole(Tree::Input(INPUTS.len() + index), 1);
         }
         match INPUTS.iter().position(|input| *input == name && is_letters) {
             Some(index) => match inputs[index] {
-                Some(width) => Ok(Expression { tree: Tree::Input(index), width }),
+                Some(width) => whole(Tree::Input(index), width),
                 None => {
                     let fault = fault_at(at, Found::Unconnected(INPUTS[index]), Expected::ConnectedInput);
                     Err(fault.with_remedy(Remedy::Connect(INPUTS[index])))
@@ -53,6 +55,7 @@ impl Parser<'_> {
     /// Resolves a name with arguments.
     pub(super) fn call(&mut self, at: usize, name: &str) -> Parsed {
         let arguments = self.list(")")?;
+        let text = at..self.at;
         let function = Function::named(name);
         let count = match (name, function) {
             ("dot", _) => 2,
@@ -72,12 +75,12 @@ impl Parser<'_> {
             return Err(fault_at(at, found, Expected::Arguments(count)));
         }
         match function {
-            Some(function) => each(at, function, arguments),
+            Some(function) => Ok(Expression { text, ..each(at, function, arguments)? }),
             None if name == "dot" => {
                 let mut arguments = arguments.into_iter();
                 match (arguments.next(), arguments.next()) {
                     (Some(a), Some(b)) if a.width == b.width => {
-                        Ok(Expression { tree: Tree::Dot(Box::new(a), Box::new(b)), width: 1 })
+                        Ok(Expression { tree: Tree::Dot(Box::new(a), Box::new(b)), width: 1, text })
                     }
                     (Some(a), Some(b)) => Err(fault_at(at, Found::Widths(a.width, b.width), Expected::SameWidths)),
                     _ => unreachable!("two arguments were counted"),
@@ -85,27 +88,33 @@ impl Parser<'_> {
             }
             None => {
                 let argument = arguments.into_iter().next();
-                Ok(Expression { tree: argument.map_or(Tree::Number(0.0), |a| Tree::Length(Box::new(a))), width: 1 })
+                let tree = argument.map_or(Tree::Number(0.0), |a| Tree::Length(Box::new(a)));
+                Ok(Expression { tree, width: 1, text })
             }
         }
     }
 }
 
-/// Joins several values into one.
-pub(super) fn join(at: usize, values: Vec<Expression>) -> Parsed {
+/// Joins several values into one, whose characters are given.
+pub(super) fn join(text: Range<usize>, values: Vec<Expression>) -> Parsed {
     let width = values.iter().map(|value| value.width).sum();
     if width > MAX_WIDTH {
-        return Err(fault_at(at, Found::Width(width), Expected::Width));
+        return Err(fault_at(text.start, Found::Width(width), Expected::Width));
     }
-    Ok(Expression { tree: Tree::Join(values), width })
+    Ok(Expression { tree: Tree::Join(values), width, text })
 }
 
-/// Applies a function component by component.
+/// Applies a function, whose sign is at a character, component by component.
 pub(super) fn each(at: usize, function: Function, arguments: Vec<Expression>) -> Parsed {
     let width = arguments.iter().map(|argument| argument.width).max().unwrap_or(1);
     match arguments.iter().find(|argument| argument.width != 1 && argument.width != width) {
         Some(other) => Err(unlike(at, width, other.width)),
-        None => Ok(Expression { tree: Tree::Each(function, arguments), width }),
+        None => {
+            let start = arguments.iter().map(|argument| argument.text.start).min();
+            let end = arguments.iter().map(|argument| argument.text.end).max();
+            let text = at.min(start.unwrap_or(at))..end.unwrap_or(at);
+            Ok(Expression { tree: Tree::Each(function, arguments), width, text })
+        }
     }
 }
 

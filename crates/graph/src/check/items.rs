@@ -2,6 +2,7 @@
 
 use super::palette::is_name;
 use super::values::{count, expected};
+use super::weight_names::{WEIGHT_NAMES, takes_weight_names};
 use super::{Checker, Draft, FaultLocation};
 use crate::declare::{KnobDefault, KnobType};
 use crate::registry::item_names;
@@ -42,7 +43,9 @@ impl<'a> Checker<'a> {
                 }
             }
         }
-        let own: Vec<&Entry> = entries.into_iter().filter(|entry| !COMMON.contains(&entry.key.as_str())).collect();
+        let is_common =
+            |key: &str| COMMON.contains(&key) || (key == WEIGHT_NAMES && takes_weight_names(ty.declaration()));
+        let own: Vec<&Entry> = entries.into_iter().filter(|entry| !is_common(&entry.key)).collect();
         for entry in &own {
             if let Some(name) = item_names(ty.declaration().items).find(|name| *name == entry.key) {
                 draft.offsets.push((name, entry.value.offset));
@@ -302,6 +305,9 @@ impl<'a> Checker<'a> {
                         let known: Vec<&str> = outputs.iter().map(|output| output.name).collect();
                         let remedy = match nearest(output, known.iter().copied()) {
                             Some(near) => format!("did you mean \"{name}.{near}\"?"),
+                            None if takes_weight_names(declaration) => format!(
+                                "name its weights by \"{WEIGHT_NAMES}\": [ … ], or count them: \"{name}.0\", \"{name}.1\""
+                            ),
                             None => format!("outputs of {}: {}", declaration.name, known.join(", ")),
                         };
                         let found = format!("a reference to output \"{}\" of a {}", shorten(output), declaration.name);

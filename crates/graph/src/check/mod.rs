@@ -11,6 +11,7 @@ mod palette;
 mod top;
 mod values;
 mod view;
+pub(crate) mod weight_names;
 mod wiring;
 
 use crate::document::Origin;
@@ -269,6 +270,7 @@ impl<'a> Checker<'a> {
             // If a disabled node made a list of connections shorter, the number of weights may have changed.
             name_kinds(&mut drafts, top.first);
         }
+        self.weight_names(&drafts, &entries);
         self.inputs_of_groups(&drafts, &names);
         self.connections(&drafts);
         self.loops(&drafts)?;

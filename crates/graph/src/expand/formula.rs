@@ -5,6 +5,7 @@ use super::link::is_word;
 use super::scope::Scope;
 use crate::spanned::{Entry, Json, Spanned, number_text, shorten};
 use crate::{Animated, Interpolation, nearest};
+use std::ops::Range;
 use std::rc::Rc;
 
 /// Most frames of a document with formulas over time.
@@ -97,9 +98,11 @@ impl<'d> Expander<'d> {
                 Named::Numbers(numbers) => numbers.at(frame as f64),
             };
             let inputs: Vec<Vec<f64>> = values.iter().map(at).collect();
-            let value = formula(&inputs);
+            let value = formula.value(&inputs);
             if let Some(bad) = value.iter().find(|number| !number.is_finite()) {
-                let found = format!("{bad} at frame {frame}, the value of \"{}\"", shorten(text));
+                let part = formula.origin(&inputs).map(|part| slice(text, part)).filter(|part| part != text.trim());
+                let by = part.map_or(String::new(), |part| format!(", because of \"{}\"", shorten(&part)));
+                let found = format!("{bad} at frame {frame}, the value of \"{}\"{by}", shorten(text));
                 self.error(offset, found, "finite numbers", self.explained(&names, &inputs));
                 return None;
             }
@@ -162,6 +165,11 @@ impl<'d> Expander<'d> {
             }
         }
     }
+}
+
+/// Returns characters of a text.
+fn slice(text: &str, part: Range<usize>) -> String {
+    text.chars().skip(part.start).take(part.len()).collect()
 }
 
 /// Returns the names in a formula, each once: words that are no functions and not pi, with the word after a dot.

@@ -77,7 +77,12 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
     let Json::Object(entries) = &root.json else { return unchanged(root) };
     let is_new = |entry: &Entry| matches!(entry.key.as_str(), "groups" | "knobs");
     let nodes = entries.iter().find(|entry| entry.key == "nodes");
-    let is_written_out = |entry: &Entry| !has_link(&entry.value) && !pick::has_any(&entry.value);
+    let top: Vec<&Entry> = match nodes.map(|nodes| &nodes.value.json) {
+        Some(Json::Object(nodes)) => nodes.iter().collect(),
+        _ => Vec::new(),
+    };
+    let mut names_weights = pick::has_names(&top);
+    let is_written_out = |entry: &Entry| !names_weights && !has_link(&entry.value) && !pick::has_any(&entry.value);
     let outputs = entries.iter().find(|entry| entry.key == "outputs");
     if !entries.iter().any(is_new) && [nodes, outputs].into_iter().flatten().all(is_written_out) {
         return unchanged(root);
@@ -91,6 +96,8 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
         uses: Vec::new(),
         moved: HashMap::new(),
         picks: BTreeMap::new(),
+        top,
+        names_weights,
         followed: Vec::new(),
         at: Vec::new(),
         time: Time::of(entries),
@@ -101,15 +108,14 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
     if let Some(knobs) = entries.iter().find(|entry| entry.key == "knobs") {
         expander.knobs = Rc::new(expander.knobs(&knobs.value, "knobs", "value"));
     }
+    names_weights |= expander.groups.iter().any(|group| pick::has_names(&group.nodes));
+    expander.names_weights = names_weights;
     expander.check_recursion();
     let groups = expander.groups.iter().map(|group| group.name.to_owned()).collect();
     let mut expanded = Vec::new();
     let is_whole = expander.faults.is_empty();
     if is_whole {
-        let own: Vec<&Entry> = match nodes.map(|nodes| &nodes.value.json) {
-            Some(Json::Object(nodes)) => nodes.iter().collect(),
-            _ => Vec::new(),
-        };
+        let own = expander.top.clone();
         let scope = Rc::new(Scope::of_document(&own));
         for knob in expander.knobs.clone().iter() {
             let place = knob.default.map_or(0, |value| value.offset);
@@ -179,6 +185,10 @@ struct Expander<'d> {
     moved: HashMap<usize, String>,
     /// Nodes that pick weights, by name.
     picks: BTreeMap<String, Picked>,
+    /// Nodes of the document.
+    top: Vec<&'d Entry>,
+    /// Whether any node names its weights.
+    names_weights: bool,
     /// References and links that are being followed.
     followed: Vec<String>,
     /// Path of the node that is being read, and its item.

@@ -1,6 +1,7 @@
 //! What names stand for within a use of a group, or at the top of a document.
 
 use super::group::Group;
+use super::pick::Name;
 use super::{DEPTH, Expander, is_color, link, pick};
 use crate::nearest;
 use crate::spanned::{Entry, Json, Spanned, shorten};
@@ -117,6 +118,13 @@ impl<'d> Expander<'d> {
             return self.reference(&inside, rest, offset);
         }
         if let Some((weights, index)) = pick::split(text) {
+            return self.pick(scope, weights, index, offset);
+        }
+        if self.names_weights
+            && let Some((weights, name)) = text.rsplit_once('.')
+            && let Some(name) = self.named_weight(scope, weights, name, offset)
+        {
+            let Name::Weight(index) = name else { return None };
             return self.pick(scope, weights, index, offset);
         }
         let (name, output) = text.split_once('.').map_or((text, None), |(name, output)| (name, Some(output)));

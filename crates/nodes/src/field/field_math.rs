@@ -114,6 +114,7 @@ impl Stage for FieldMath {
             picture: prepare.frame.format.window(),
             program: OnceLock::new(),
             repaired: Mutex::default(),
+            first: Mutex::default(),
         }))
     }
 }
@@ -129,6 +130,15 @@ struct PreparedFieldMath {
     /// The compiled formula, once the inputs are known.
     program: OnceLock<Result<Program, NodeError>>,
     repaired: Mutex<Repaired>,
+    first: Mutex<Option<FirstNan>>,
+}
+
+/// The first NaN in the order of rows, and of samples within a pixel.
+struct FirstNan {
+    /// Row, column, offset of the sample, component.
+    place: ([i64; 2], [u64; 2], usize),
+    /// Values of the inputs there, and of what follows them.
+    inputs: Vec<Vec<f64>>,
 }
 
 impl PreparedFieldMath {
@@ -139,7 +149,7 @@ impl PreparedFieldMath {
 
     /// Replaces NaN and records where. A pixel is recorded rather than counted, because overlapping tiles may compute
     /// it more than once.
-    fn repair(&self, block: &Block<'_>, component: usize, plane: &mut [f32]) {
+    fn repair(&self, block: &Block<'_>, component: usize, plane: &mut [f32], values: impl Fn(usize) -> Vec<Vec<f64>>) {
         if !plane.iter().any(|value| value.is_nan()) {
             return;
         }
@@ -152,6 +162,11 @@ impl PreparedFieldMath {
             if self.picture.contains(x, y) {
                 let place = (y - self.picture.y0) as usize * self.picture.width() + (x - self.picture.x0) as usize;
                 bits[place / 64] |= 1 << (place % 64);
+                let place = ([y, x], block.offset.map(f64::to_bits), component);
+                let mut first = self.first.lock().unwrap_or_else(PoisonError::into_inner);
+                if first.as_ref().is_none_or(|first| place < first.place) {
+                    *first = Some(FirstNan { place, inputs: values(index) });
+                }
             }
         }
     }
@@ -178,9 +193,15 @@ impl Prepared for PreparedFieldMath {
                 plane[first..].iter_mut().zip(run).for_each(|(out, value)| *out = *value as f32);
             }
         });
+        let values = |index: usize| -> Vec<Vec<f64>> {
+            let at = |plane: &Option<&[f32]>| plane.map_or(f64::NAN, |plane| f64::from(plane[index]));
+            let inputs =
+                planes.iter().map(|planes| planes.map_or(Vec::new(), |planes| planes.iter().map(at).collect()));
+            inputs.chain(self.own.map(|own| vec![own])).collect()
+        };
         for (component, plane) in wanted.into_iter().enumerate() {
             if let Some(plane) = plane {
-                self.repair(block, component, plane);
+                self.repair(block, component, plane, values);
             }
         }
         Ok(())
@@ -230,5 +251,24 @@ impl Prepared for PreparedFieldMath {
     fn repaired(&self) -> u64 {
         let repaired = self.repaired.lock().unwrap_or_else(PoisonError::into_inner);
         repaired.values().flatten().map(|word| u64::from(word.count_ones())).sum()
+    }
+
+    fn first_repaired(&self) -> Option<Repair> {
+        let first = self.first.lock().unwrap_or_else(PoisonError::into_inner);
+        let FirstNan { place: ([y, x], ..), inputs } = first.as_ref()?;
+        let width = |input: &Vec<f64>| (!input.is_empty()).then_some(input.len());
+        let widths = std::array::from_fn(|input| inputs.get(input).and_then(width));
+        let expression = self.expression(widths).ok()?;
+        let origin = expression.origin(inputs, f64::is_nan)?;
+        let part: String = self.node.expression.chars().skip(origin.text.start).take(origin.text.len()).collect();
+        let list = |numbers: &[f64]| match numbers {
+            [number] => number.to_string(),
+            numbers => format!("[{}]", numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")),
+        };
+        let names = ["a", "b", "c", "d", "frame", "time"].into_iter().enumerate();
+        let used = names.filter(|(input, _)| origin.uses(*input));
+        let used: Vec<String> = used.map(|(input, name)| format!("{name} = {}", list(&inputs[input]))).collect();
+        let with = if used.is_empty() { String::new() } else { format!(" with {}", used.join(", ")) };
+        Some(Repair { pixel: [*x, *y], cause: format!("{part}{with}") })
     }
 }

@@ -11,7 +11,7 @@ mod shared;
 mod tapped;
 
 use crate::planning::plan::{Feed, Fill, Pass, Sample};
-use crate::planning::shading::SHARING_CHANNELS;
+use crate::planning::shading::{SHARING_CHANNELS, sharing_slot};
 use crate::running::certify::{Found, fill_with_bounds};
 use crate::running::keep::PlaneKeeper;
 use crate::running::prepare::{PreparedStage, node_error};
@@ -19,7 +19,7 @@ use crate::{Buffers, EvalError, Monitor, Plan};
 use extent::clamped;
 pub(crate) use extent::extents;
 use runner::Runner;
-use shared::{ReplacedValues, SharingView, UnsharedPixels, sharing_slot};
+use shared::{ReplacedValues, SharingView, UnsharedPixels};
 use std::borrow::Cow;
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
@@ -243,7 +243,8 @@ impl<'p> Fills<'p> {
             let (before, rest) = self.fills.split_at_mut(index);
             let Some(state) = rest.first_mut() else { continue };
             let is_shared = sample > 0 && state.fill.shared.is_some();
-            if state.need.is_empty() && sample == 0 {
+            let is_idle = self.keeper.is_some_and(|keeper| keeper.is_idle(index));
+            if state.need.is_empty() && sample == 0 && !is_idle {
                 // Filled although nothing reads it, where demand is switched off.
                 state.need = tile;
             }
@@ -492,7 +493,8 @@ impl<'p> Fills<'p> {
 /// Channels of one connection; `None` where not requested.
 type ConnectionPlanes<'a> = Vec<Option<Cow<'a, [f32]>>>;
 
-fn by_slot(fills: &[Fill]) -> HashMap<Slot, usize> {
+/// Returns the index of the fill that holds each plane.
+pub(super) fn by_slot(fills: &[Fill]) -> HashMap<Slot, usize> {
     let mut by_slot = HashMap::new();
     for (index, fill) in fills.iter().enumerate() {
         for (output, channels) in fill.wanted.iter().enumerate() {

@@ -4,11 +4,11 @@ use super::runner::Runner;
 use super::tapped::Taps;
 use super::{ConnectionPlanes, FillState, Fills};
 use crate::planning::plan::{Feed, Fill};
-use crate::planning::shading::SHARING_CHANNELS;
+use crate::planning::shading::{SHARING_CHANNELS, sharing_slot};
 use crate::running::certify::{Found, fill_with_bounds};
 use std::borrow::Cow;
 use std::collections::HashMap;
-use trochoid_graph::{Block, Bound, Channel, Connection, Inputs, NodeError, NodeId, Outputs, Slot};
+use trochoid_graph::{Block, Bound, Connection, Inputs, NodeError, NodeId, Outputs, Slot};
 use trochoid_image::{Shading, Window};
 use trochoid_kernel::Plane;
 
@@ -46,11 +46,6 @@ pub(super) struct ReplacedValues {
     /// Indices into the planes.
     pub(super) indices: Vec<usize>,
     values: Vec<Vec<f32>>,
-}
-
-/// Returns the slot of a channel by which a view decides sharing.
-pub(super) fn sharing_slot(node: NodeId, channel: Channel) -> Slot {
-    Slot { node, output: 0, channel: channel as usize }
 }
 
 impl SharingView {
