@@ -141,6 +141,7 @@ struct KnobArguments {
     range: Option<ExprRange>,
     len: Option<ExprRange>,
     unit: Option<LitStr>,
+    places: Option<Ident>,
     flags: Vec<Ident>,
 }
 
@@ -165,8 +166,9 @@ fn parse_knob(input: ParseStream<'_>) -> Result<KnobArguments, Error> {
                 "range" => arguments.range = Some(input.parse()?),
                 "len" => arguments.len = Some(input.parse()?),
                 "unit" => arguments.unit = Some(input.parse()?),
+                "places" => arguments.places = Some(input.parse()?),
                 _ => {
-                    let known = format!("expected default, range, len, unit, or one of {}", FLAGS.join(", "));
+                    let known = format!("expected default, range, len, unit, places, or one of {}", FLAGS.join(", "));
                     return Err(Error::new_spanned(key, known));
                 }
             }
@@ -258,6 +260,10 @@ fn knob(field: &Field, name: &str, help: &str) -> Result<FieldCode, Error> {
     let [hold_keys, accuracy, affects_cost, in_pixels, picture_height] =
         ["hold_keys", "accuracy", "affects_cost", "in_pixels", "picture_height"].map(|flag| arguments.is(flag));
     let unit = arguments.unit.map_or(if in_pixels { "pixels" } else { "" }.to_owned(), |unit| unit.value());
+    let places = match arguments.places {
+        Some(places) => quote! { ::std::option::Option::Some(::trochoid_graph::Placing::#places) },
+        None => quote! { ::std::option::Option::None },
+    };
     Ok(FieldCode {
         items: quote! {
             &[::trochoid_graph::Item::Knob(::trochoid_graph::Knob {
@@ -272,6 +278,7 @@ fn knob(field: &Field, name: &str, help: &str) -> Result<FieldCode, Error> {
                 affects_cost: #affects_cost,
                 in_pixels: #in_pixels,
                 picture_height: #picture_height,
+                places: #places,
             })]
         },
         read: quote! { reader.knob() },

@@ -17,8 +17,9 @@
 //! | `Vec<Record>` | records that derive `Items` | `#[list(1..=8)]` |
 //! | a struct that derives `Items` | its fields, inserted here | `#[items]` |
 //!
-//! With `Option<…>` around its type, a knob may be unset. `#[knob]` also takes `unit = "m"`, `required`, and the
-//! properties `hold_keys`, `accuracy`, `affects_cost`, `in_pixels` and `picture_height`, which `trochoid_graph::Knob` explains.
+//! With `Option<…>` around its type, a knob may be unset. `#[knob]` also takes `unit = "m"`, `required`, `places = X` (what
+//! it sets in the world, a `trochoid_graph::Placing`), and the properties `hold_keys`, `accuracy`, `affects_cost`,
+//! `in_pixels` and `picture_height`, which `trochoid_graph::Knob` explains.
 
 mod choice;
 mod docs;

@@ -202,6 +202,34 @@ pub struct Knob {
     /// Whether the value is the height of a picture for which other knobs of the node are in pixels; if it is unset, that is
     /// the picture itself.
     pub picture_height: bool,
+    /// What the knob sets in the world, for programs that show it there.
+    pub places: Option<Placing>,
+}
+
+/// What a knob sets in the world: lengths in meters, angles in degrees, y up. Knobs of one node, or of one record of a list,
+/// place one thing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Placing {
+    /// A point: x, y, z; or x, z on the ground.
+    Position,
+    /// The point that something at a position looks at.
+    Target,
+    /// The direction toward something far away: x, y, z.
+    Direction,
+    /// The x of a point.
+    X,
+    /// The z of a point.
+    Z,
+    /// The height of a point above the sea at rest.
+    Lift,
+    /// The height of a sea at rest.
+    Level,
+    /// A direction on the ground: 0 is +X, 90 is +Z.
+    Heading,
+    /// Rotations about x, y and z.
+    Rotation,
+    /// Scale factors along x, y and z.
+    Scale,
 }
 
 /// Type and range of a knob's value.

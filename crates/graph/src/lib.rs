@@ -66,7 +66,9 @@ pub use checked::{
     CheckedGraph, CheckedNode, FileState, GroupUse, Guarantee, OutputSpec, PaletteColor, PaletteUse, Precision,
     file_states,
 };
-pub use declare::{Arity, Declaration, End, Files, Item, Knob, KnobDefault, KnobType, List, Offer, Output, Port, Role};
+pub use declare::{
+    Arity, Declaration, End, Files, Item, Knob, KnobDefault, KnobType, List, Offer, Output, Placing, Port, Role,
+};
 pub use diagnostic::{Diagnostic, DocumentPlace, Means, Severity, Statement, nearest};
 pub use document::{Document, MAX_BYTES, MAX_FILE_BYTES, MAX_NODES};
 pub use expand::{INPUT_ACCEPTS, input_accepts, input_kind};

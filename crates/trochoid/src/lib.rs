@@ -128,11 +128,11 @@ pub use trochoid_graph::{
     Control, DataPlace, Declaration, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files,
     GroupUse, Guarantee, Harmonic, INPUT_ACCEPTS, Interpolation, Item, Key, Kind, Knob, KnobDefault, KnobType, List,
     Means, MemoryUse, NodeError, NodeId, NodeType, Offer, Omission, Output as NodeOutput, OutputSpec, PaletteColor,
-    PaletteUse, Paths, Port, Precision, REFUSALS, Recipes, Refusal, RefusedFile, Registry, Relation, Repair, Right,
-    Role, Severity, Source, Spectrum, Stability, StabilityMap, StepErrorGroup, StepErrorRow, StepErrors, Store,
-    StoredEntry, Term, Tolerance, Verdict, Work, counted, escape_frame, expand_frame, expected, folders_to_allow,
-    in_bytes, input_accepts, input_kind, nearest, one_frame_pattern, quoted, quoted_path, refusal, refusals, resolved,
-    schema, split_frame,
+    PaletteUse, Paths, Placing, Port, Precision, REFUSALS, Recipes, Refusal, RefusedFile, Registry, Relation, Repair,
+    Right, Role, Settled, Severity, Source, Spectrum, Stability, StabilityMap, StepErrorGroup, StepErrorRow,
+    StepErrors, Store, StoredEntry, Term, Tolerance, Values, Verdict, Work, counted, escape_frame, expand_frame,
+    expected, folders_to_allow, in_bytes, input_accepts, input_kind, nearest, one_frame_pattern, quoted, quoted_path,
+    refusal, refusals, resolved, schema, split_frame,
 };
 pub use trochoid_image::{
     Format, FormatError, HexError, Plane, Rgb, Shading, Window, WorkingSpace, oklab, oklch, parse_hex, shown_oklch,

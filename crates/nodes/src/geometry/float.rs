@@ -45,16 +45,16 @@ pub(crate) struct Float {
 #[derive(Clone, Items)]
 struct BodyPlacement {
     /// World x of the body's middle.
-    #[knob(default = 0.0, range = -1e8..=1e8, unit = "m")]
+    #[knob(default = 0.0, range = -1e8..=1e8, unit = "m", places = X)]
     x: f64,
     /// World z of the body's middle.
-    #[knob(default = 0.0, range = -1e8..=1e8, unit = "m")]
+    #[knob(default = 0.0, range = -1e8..=1e8, unit = "m", places = Z)]
     z: f64,
     /// Direction of the bow: 0 is +X, 90 is +Z.
-    #[knob(default = 0.0, range = -36e5..=36e5, unit = "degrees")]
+    #[knob(default = 0.0, range = -36e5..=36e5, unit = "degrees", places = Heading)]
     heading: f64,
     /// Height above the normal waterline; negative values sink the body.
-    #[knob(default = 0.0, range = -1e5..=1e5, unit = "m")]
+    #[knob(default = 0.0, range = -1e5..=1e5, unit = "m", places = Lift)]
     lift: f64,
 }
 

@@ -12,13 +12,13 @@ use trochoid_scene::{DVec3, Surface};
 #[derive(Clone, Items)]
 pub(crate) struct PlacementKnobs {
     /// Scale factors along the model's own axes, applied first.
-    #[knob(default = [1.0; 3])]
+    #[knob(default = [1.0; 3], places = Scale)]
     scale: [f64; 3],
     /// Rotations about x, then y, then z.
-    #[knob(default = [0.0; 3], unit = "degrees")]
+    #[knob(default = [0.0; 3], unit = "degrees", places = Rotation)]
     rotate: [f64; 3],
     /// World position of the model's origin.
-    #[knob(default = [0.0; 3], unit = "m")]
+    #[knob(default = [0.0; 3], unit = "m", places = Position)]
     translate: [f64; 3],
     /// Turns the surface inside out.
     #[knob(default = false)]

@@ -26,13 +26,13 @@ pub(crate) struct Light {
     /// Type of light: directional (like the sun), point or spot.
     kind: LightKind,
     /// Direction toward the light; its length does not matter. Directional lights only.
-    #[knob(default = [0.3, 1.0, 0.5])]
+    #[knob(default = [0.3, 1.0, 0.5], places = Direction)]
     direction: [f64; 3],
     /// Position of the light. Point and spot lights only.
-    #[knob(default = [0.0, 10.0, 0.0], unit = "m")]
+    #[knob(default = [0.0, 10.0, 0.0], unit = "m", places = Position)]
     position: [f64; 3],
     /// Point at which the light is aimed. Spot lights only.
-    #[knob(default = [0.0; 3], unit = "m")]
+    #[knob(default = [0.0; 3], unit = "m", places = Target)]
     target: [f64; 3],
     /// Half angle of the light's cone. Spot lights only.
     #[knob(default = 30.0, range = 0.0..=180.0, unit = "degrees")]

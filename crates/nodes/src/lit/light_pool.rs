@@ -45,10 +45,10 @@ pub(crate) struct LightPool {
 #[derive(Clone, Copy, Items)]
 struct Pool {
     /// X coordinate of the pool's center.
-    #[knob(default = 0.0, range = -1e7..=1e7, unit = "m")]
+    #[knob(default = 0.0, range = -1e7..=1e7, unit = "m", places = X)]
     x: f64,
     /// Z coordinate of the pool's center.
-    #[knob(default = 0.0, range = -1e7..=1e7, unit = "m")]
+    #[knob(default = 0.0, range = -1e7..=1e7, unit = "m", places = Z)]
     z: f64,
     /// Half the length of the pool: distance from its center at which 1/e of its light is left.
     #[knob(default = 10.0, range = 1e-3..=1e7, unit = "m")]
@@ -57,7 +57,7 @@ struct Pool {
     #[knob(default = 10.0, range = 1e-3..=1e7, unit = "m")]
     width: f64,
     /// Direction of the pool's length: 0 is +X, 90 is +Z.
-    #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]
+    #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees", places = Heading)]
     direction: f64,
     /// Amount of light in the center of the pool.
     #[knob(default = 1.0, range = 0.0..=1e3)]

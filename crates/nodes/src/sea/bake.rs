@@ -32,10 +32,10 @@ pub(crate) struct Bake {
     /// The sea to bake: a surface with a plane at rest.
     sea: One<port::Surface>,
     /// World x of the left edge.
-    #[knob(default = 0.0, range = -1e7..=1e7, unit = "m")]
+    #[knob(default = 0.0, range = -1e7..=1e7, unit = "m", places = X)]
     x: f64,
     /// World z of the upper edge.
-    #[knob(default = 0.0, range = -1e7..=1e7, unit = "m")]
+    #[knob(default = 0.0, range = -1e7..=1e7, unit = "m", places = Z)]
     z: f64,
     /// World size along x.
     #[knob(default = 100.0, range = 1e-3..=1e7, unit = "m")]

@@ -68,7 +68,7 @@ pub(crate) struct GerstnerSea {
     #[knob(default = 0, range = 0..=1_000_000_000)]
     seed: i64,
     /// World y of the sea at rest.
-    #[knob(default = 0.0, range = -1e5..=1e5, unit = "m")]
+    #[knob(default = 0.0, range = -1e5..=1e5, unit = "m", places = Level)]
     pub(super) level: f64,
     /// Fineness of the drawn waves: 1 resolves what a pixel resolves; 0.5 only what two pixels do, with a quarter of
     /// the vertices.
@@ -113,7 +113,7 @@ struct Group {
     #[knob(range = -1e4..=1e4, unit = "m", required)]
     height: f64,
     /// Direction of travel: 0 is +X, 90 is +Z.
-    #[knob(default = 0.0, range = -3600.0..=3600.0, unit = "degrees")]
+    #[knob(default = 0.0, range = -3600.0..=3600.0, unit = "degrees", places = Heading)]
     direction: f64,
     /// Standard deviation of the group along its travel, at least 0.31 wavelengths; if unset, half a wavelength.
     #[knob(range = 1e-3..=1e6, unit = "m")]
@@ -122,10 +122,10 @@ struct Group {
     #[knob(range = 1e-3..=1e6, unit = "m")]
     across: Option<f64>,
     /// World x of the focus.
-    #[knob(default = 0.0, range = -1e8..=1e8, unit = "m")]
+    #[knob(default = 0.0, range = -1e8..=1e8, unit = "m", places = X)]
     x: f64,
     /// World z of the focus.
-    #[knob(default = 0.0, range = -1e8..=1e8, unit = "m")]
+    #[knob(default = 0.0, range = -1e8..=1e8, unit = "m", places = Z)]
     z: f64,
     /// Time at which the crests meet at the focus.
     #[knob(default = 0.0, range = -1e8..=1e8, unit = "s")]

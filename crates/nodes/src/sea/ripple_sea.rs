@@ -43,7 +43,7 @@ pub(crate) struct RippleSea {
     /// Phases of the two waves: "settled" makes the whole pattern travel, "literal" follows the source as printed.
     convention: RippleConvention,
     /// World y of the sea at rest.
-    #[knob(default = 0.0, range = -1e5..=1e5, unit = "m")]
+    #[knob(default = 0.0, range = -1e5..=1e5, unit = "m", places = Level)]
     pub(super) level: f64,
 }
 

@@ -33,7 +33,7 @@ pub(crate) struct Spray {
     #[port(wants(Folds))]
     sea: Optional<port::Surface>,
     /// Center x, z of the region in which crests throw drops.
-    #[knob(default = [0.0; 2], unit = "m")]
+    #[knob(default = [0.0; 2], unit = "m", places = Position)]
     center: [f64; 2],
     /// Size of the region along x and z.
     #[knob(default = [60.0; 2], unit = "m")]
@@ -111,7 +111,7 @@ pub(crate) struct Spray {
 #[derive(Clone, Items)]
 struct Throw {
     /// Center of the throw.
-    #[knob(default = [0.0; 3], unit = "m")]
+    #[knob(default = [0.0; 3], unit = "m", places = Position)]
     position: [f64; 3],
     /// Radius around the position in which drops are born.
     #[knob(default = 0.3, range = 0.0..=1e6, unit = "m")]

@@ -49,13 +49,13 @@ pub(crate) struct ToonSea {
     #[knob(default = 0.15, range = 1e-4..=1e4, unit = "m")]
     spacing: f64,
     /// World x of the grid's first cell.
-    #[knob(default = 0.0, range = -1e6..=1e6, unit = "m")]
+    #[knob(default = 0.0, range = -1e6..=1e6, unit = "m", places = X)]
     x: f64,
     /// World z of the grid's first cell.
-    #[knob(default = 0.0, range = -1e6..=1e6, unit = "m")]
+    #[knob(default = 0.0, range = -1e6..=1e6, unit = "m", places = Z)]
     z: f64,
     /// World y of the sea at rest.
-    #[knob(default = 0.0, range = -1e5..=1e5, unit = "m")]
+    #[knob(default = 0.0, range = -1e5..=1e5, unit = "m", places = Level)]
     pub(super) level: f64,
     /// Method of the simulation: "resampled" and "literal" use c1 and c2; "physical" uses speed, damping and
     /// frequency.

@@ -21,10 +21,10 @@ use trochoid_scene as scene;
 #[also_called("Camera3D", "PerspectiveCamera", "Viewpoint")]
 pub(crate) struct Camera {
     /// Position of the camera.
-    #[knob(default = [0.0, 2.0, 10.0], unit = "m")]
+    #[knob(default = [0.0, 2.0, 10.0], unit = "m", places = Position)]
     pub(crate) position: [f64; 3],
     /// Point at the center of the picture.
-    #[knob(default = [0.0; 3], unit = "m")]
+    #[knob(default = [0.0; 3], unit = "m", places = Target)]
     pub(crate) target: [f64; 3],
     /// Clockwise rotation about the view axis.
     #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]

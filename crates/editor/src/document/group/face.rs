@@ -135,6 +135,7 @@ fn knob_of(library: &Library, group: &Group, name: &str, written: &Value) -> Kno
         affects_cost: false,
         in_pixels: false,
         picture_height: false,
+        places: None,
     });
     Knob {
         name: kept(name),
@@ -216,6 +217,7 @@ fn literal_of(port: &Port) -> Knob {
         affects_cost: false,
         in_pixels: false,
         picture_height: false,
+        places: None,
     }
 }
 
