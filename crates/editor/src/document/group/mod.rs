@@ -9,6 +9,7 @@ mod local;
 mod make;
 mod unpack;
 mod within;
+mod written;
 
 pub use face::whole_default;
 pub use knobs::{
@@ -19,6 +20,7 @@ pub use local::made_local;
 pub use make::grouped;
 pub use unpack::unpacked;
 pub use within::{OUTPUT, Within, definition_path, enter, is_node, known_kind, needed};
+pub use written::{NotWritten, Written, rewritten};
 
 /// Why a command on groups cannot be carried out, as a sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
