@@ -32,6 +32,8 @@ pub enum Action {
     Give(Edit, egui::Id),
     /// End the gesture: the next change becomes an undo step of its own.
     Seal,
+    /// Take back what the present gesture has changed.
+    TakeBack,
     /// Replace the document's text.
     Rewrite(String),
     /// Undo the last change.
@@ -223,6 +225,8 @@ pub enum Switch {
     Hull,
     /// Toggle the overlay that marks pixels near the hull's faces.
     Near,
+    /// Let the mouse move the camera of the picture, or the picture.
+    Camera,
     /// Toggle histogram, waveform and vectorscope.
     Scopes,
 }

@@ -1,6 +1,7 @@
 //! Table of all commands; menus, shortcuts, and the command palette are built from it.
 
 mod groups;
+mod scene;
 mod space;
 
 use crate::actions::{Action, Line, Pane, Switch};
@@ -70,7 +71,7 @@ pub const MENUS: [&str; 5] = ["File", "Edit", "Graph", "Viewer", "Window"];
 
 /// Returns every command; those of a menu are in its order.
 pub fn commands() -> impl Iterator<Item = &'static Command> {
-    COMMANDS.iter().chain(groups::GROUPS)
+    COMMANDS.iter().chain(groups::GROUPS).chain(scene::SCENE)
 }
 
 /// The other commands, in menu order.

@@ -19,6 +19,7 @@ impl Editor {
             Action::Give(edit, field) => self.give(edit, field, context),
             Action::Rewire(edit) => self.rewire(edit),
             Action::Seal => state.session.seal(),
+            Action::TakeBack => self.take_back(),
             Action::Rewrite(text) => self.rewrite(&text),
             Action::Undo => self.undo(),
             Action::Redo => self.redo(),

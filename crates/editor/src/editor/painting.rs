@@ -205,7 +205,7 @@ impl Editor {
     }
 
     /// Takes back what a cancelled drag has written.
-    fn take_back(&mut self) {
+    pub(super) fn take_back(&mut self) {
         if self.state.session.history().is_open() && self.state.session.undo().is_some() {
             self.changed();
         }

@@ -49,6 +49,11 @@ impl Gesture {
         response.interact_pointer_pos().map(|at| (Self(None), at))
     }
 
+    /// Returns the gesture of a wheel that turned over a widget.
+    pub(crate) fn wheel(response: &Response, turned: bool) -> Option<Self> {
+        (turned && response.hovered()).then_some(Self(None))
+    }
+
     /// Returns the gesture that changed a widget while the pointer, a key, or an accessibility tool was used on it.
     fn of(ui: &Ui, response: &Response) -> Option<Self> {
         let by_hand = response.is_pointer_button_down_on() || response.clicked() || response.drag_stopped();

@@ -1,15 +1,16 @@
 //! Handles in the picture for the Bézier paths of a sea: bursts, guides, and bodies.
 
 use super::picture::{place, share};
+use super::scene::{Eye, Pose};
 use crate::actions::Action;
 use crate::document::{Edit, Path};
 use crate::evaluate::Result;
 use crate::field::Gesture;
 use crate::state::State;
 use egui::{
-    Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, WidgetType, pos2,
-    vec2,
+    Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, WidgetType, vec2,
 };
+use glam::DVec3;
 use serde_json::{Value, json};
 use trochoid::{CheckedNode, Dynamics, NodeId, Paths, Role, Source};
 
@@ -17,96 +18,6 @@ use trochoid::{CheckedNode, Dynamics, NodeId, Paths, Role, Source};
 const PATHS: usize = 64;
 /// Number of segments of a drawn curve.
 const PIECES: usize = 48;
-
-type Vector = [f64; 3];
-
-/// Projection of a camera onto a picture of width and height 1.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Eye {
-    position: Vector,
-    right: Vector,
-    up: Vector,
-    forward: Vector,
-    orthographic: bool,
-    /// Picture widths per unit tangent, or per meter if orthographic.
-    scale: f64,
-    /// Aspect ratio: width divided by height.
-    aspect: f64,
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn sum(a: Vector, by: f64, b: Vector) -> Vector {
-    [0, 1, 2].map(|axis| a[axis] + by * b[axis])
-}
-
-fn unit(a: Vector) -> Option<Vector> {
-    let length = dot(a, a).sqrt();
-    (length > 1e-6).then(|| a.map(|part| part / length))
-}
-
-impl Eye {
-    /// Creates the projection of a camera from its knobs at the frame.
-    pub(super) fn new(result: &Result, camera: NodeId) -> Self {
-        let graph = &result.lens.graph;
-        let knobs = graph.settle(camera, result.frame);
-        let format = graph.format();
-        let aspect = f64::from(format.width()) / f64::from(format.height());
-        let (position, target) = (knobs.vector3("position"), knobs.vector3("target"));
-        let forward = unit(sum(target, -1.0, position)).unwrap_or([0.0, 0.0, -1.0]);
-        let right = unit(cross(forward, [0.0, 1.0, 0.0])).unwrap_or([1.0, 0.0, 0.0]);
-        let up = cross(right, forward);
-        let (sin, cos) = knobs.number("roll").to_radians().sin_cos();
-        let orthographic = knobs.text("projection") == "orthographic";
-        let scale = if orthographic {
-            1.0 / (knobs.number("height") * aspect)
-        } else {
-            0.5 / (0.5 * knobs.number("fov").to_radians()).tan()
-        };
-        let turned = |a: Vector, by: f64, b: Vector| sum(a.map(|part| part * cos), by * sin, b);
-        Self {
-            position,
-            right: turned(right, -1.0, up),
-            up: turned(up, 1.0, right),
-            forward,
-            orthographic,
-            scale,
-            aspect,
-        }
-    }
-
-    /// Projects a world-space point, in fractions of the picture; `None` behind the camera.
-    pub(super) fn project(&self, point: Vector) -> Option<Pos2> {
-        let offset = sum(point, -1.0, self.position);
-        let depth = dot(offset, self.forward);
-        let scale = match self.orthographic {
-            true => self.scale,
-            false if depth > 1e-3 => self.scale / depth,
-            false => return None,
-        };
-        let (x, y) = (dot(offset, self.right) * scale, dot(offset, self.up) * scale * self.aspect);
-        Some(pos2(0.5 + x as f32, 0.5 - y as f32))
-    }
-
-    /// Returns the point of a horizontal plane seen at a place in the picture; `None` above the horizon.
-    pub(super) fn on_level(&self, at: Pos2, level: f64) -> Option<Vector> {
-        let across = (f64::from(at.x) - 0.5) / self.scale;
-        let upward = (0.5 - f64::from(at.y)) / (self.scale * self.aspect);
-        let aside = sum(self.right.map(|part| part * across), upward, self.up);
-        let (origin, direction) = match self.orthographic {
-            true => (sum(self.position, 1.0, aside), self.forward),
-            false => (self.position, sum(self.forward, 1.0, aside)),
-        };
-        let distance = (level - origin[1]) / direction[1];
-        (distance.is_finite() && distance > 0.0 && distance < 1e6).then(|| sum(origin, distance, direction))
-    }
-}
 
 fn has_role(node: &CheckedNode, role: Role) -> bool {
     node.ty.declaration().role == Some(role)
@@ -163,9 +74,13 @@ pub(super) fn handles_ui(
     let Some(sea) = graph.find(&state.whole_name(name)) else { return };
     let settled = graph.settle(sea, result.frame);
     let Some(paths) = settled.node().dynamics().and_then(Dynamics::paths) else { return };
-    let Some(eye) = camera(result, sea).map(|camera| Eye::new(result, camera)) else { return };
+    let format = graph.format();
+    let aspect = f64::from(format.width()) / f64::from(format.height());
+    let eye = |camera: NodeId| Eye::new(&Pose::of(graph, camera, result.frame), aspect);
+    let Some(eye) = camera(result, sea).map(eye) else { return };
     let [x, level, z] = paths.origin;
-    let at = |point: [f64; 2]| eye.project([x + point[0], level, z + point[1]]).map(|share| place(rect, share));
+    let at =
+        |point: [f64; 2]| eye.project(DVec3::new(x + point[0], level, z + point[1])).map(|share| place(rect, share));
     let painter = ui.painter().with_clip_rect(area);
     for way in ways(state, name, &paths) {
         let points: [[f64; 2]; 4] = std::array::from_fn(|index| [way.points[2 * index], way.points[2 * index + 1]]);
@@ -183,7 +98,7 @@ pub(super) fn handles_ui(
                 && let Some(world) = eye.on_level(share(rect, at), level)
             {
                 let mut points = way.points;
-                for (number, world) in points[2 * index..2 * index + 2].iter_mut().zip([world[0] - x, world[2] - z]) {
+                for (number, world) in points[2 * index..2 * index + 2].iter_mut().zip([world.x - x, world.z - z]) {
                     *number = (world * 100.0).round() / 100.0;
                 }
                 let key = format!("handle {} {index}", way.path);

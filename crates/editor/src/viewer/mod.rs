@@ -8,6 +8,7 @@ mod near;
 mod onion;
 mod origin;
 mod picture;
+mod scene;
 mod scopes;
 mod switch;
 #[cfg(test)]
@@ -28,6 +29,7 @@ use hull::Space;
 use near::Near;
 use onion::Onion;
 use picture::{Image, Stage, View, part, place, share};
+use scene::Scene;
 use scopes::Scopes;
 use serde_json::json;
 use std::collections::HashMap;
@@ -43,8 +45,9 @@ pub(crate) struct Viewer {
     space: Space,
     near: Near,
     scopes: Scopes,
+    scene: Scene,
     onion: Onion,
-    /// Whether handles of seas are hidden.
+    /// Whether handles are hidden.
     no_handles: bool,
     /// Whether the next drag in the picture draws the region.
     frames_region: bool,
@@ -70,6 +73,7 @@ impl Viewer {
         self.compare.held = None;
         (self.before, self.drag, self.frames_region) = (None, None, false);
         self.view.fit();
+        self.scene.forget();
     }
 
     /// Receives the requested held picture.
@@ -220,6 +224,9 @@ fn keys(viewer: &mut Viewer, ui: &Ui, state: &State, actions: &mut Vec<Action>) 
     if pressed(Key::Q) {
         viewer.no_handles = !viewer.no_handles;
     }
+    if pressed(Key::C) || (viewer.scene.steers() && state.dropper.is_none() && pressed(Key::Escape)) {
+        viewer.scene.switch();
+    }
     if (state.dropper.is_some() || state.look.pick.is_some() || viewer.frames_region) && pressed(Key::Escape) {
         if viewer.frames_region {
             viewer.frames_region = false;
@@ -257,7 +264,10 @@ fn picture_ui(
         message_ui(ui, stage.area, state, actions);
         return None;
     };
-    move_view(viewer, ui, stage, &response);
+    let steers = viewer.scene.steers() && state.dropper.is_none() && !crate::commands::moves_view(ui.ctx());
+    if !steers {
+        move_view(viewer, ui, stage, &response);
+    }
     let rect = viewer.view.rect(stage);
     let zoom = viewer.view.zoom(stage);
     let own = part(result);
@@ -269,11 +279,16 @@ fn picture_ui(
     if viewer.compare.held.as_ref().is_none_or(|held| held.mode == Mode::Wipe) {
         viewer.near.paint(ui.ctx(), &painter, rect, result);
     }
-    point(viewer, ui, rect, &response, state, result, actions);
+    if steers {
+        viewer.scene.steer(ui, (stage.area, rect), &response, state, result, actions);
+    } else {
+        point(viewer, ui, rect, &response, state, result, actions);
+    }
     marks(viewer, ui, stage, rect, state);
     viewer.compare.wipe_ui(ui, stage, rect, zoom);
     if !viewer.no_handles && state.dropper.is_none() {
         handles::handles_ui(ui, stage.area, rect, state, result, actions);
+        viewer.scene.handles_ui(ui, (stage.area, rect), state, result, actions);
     }
     if result.lens.clay {
         note(ui, stage.area, &clay(state));
@@ -487,6 +502,8 @@ fn bar_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, state: &State, hover:
                 ui.add(egui::Label::new(RichText::new(text).strong()).truncate());
             } else if viewer.space.shown {
                 ui.add(egui::Label::new(RichText::new("Drag to rotate, scroll to zoom").weak()).truncate());
+            } else if viewer.scene.steers() {
+                ui.add(egui::Label::new(RichText::new(scene::HELP).strong()).truncate());
             } else if let (Some(at), Some(result)) = (hover, result)
                 && let Some(pixel) = inspector::pixel(result, at)
             {

@@ -16,6 +16,7 @@ impl Viewer {
             Switch::Region => self.frames_region = true,
             Switch::Hull => self.space.shown = !self.space.shown,
             Switch::Near => self.near.toggle(),
+            Switch::Camera => self.scene.switch(),
             Switch::Scopes => self.scopes.shown = !self.scopes.shown,
         }
     }

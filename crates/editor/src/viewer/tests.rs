@@ -1,8 +1,8 @@
 //! Tests of the viewer, driven by simulated clicks and keys.
 
-use super::handles::Eye;
+use super::scene::{Eye, Pose};
 use crate::actions::{Action, Switch};
-use crate::commands::{COMMANDS, Command};
+use crate::commands::{Command, commands};
 use crate::document::swatches::SwatchKey;
 use crate::document::{Path, Session};
 use crate::evaluate::{Channel, Display, Origin};
@@ -11,7 +11,7 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable;
 
-const WINDOW: [f32; 2] = [1280.0, 800.0];
+pub(super) const WINDOW: [f32; 2] = [1280.0, 800.0];
 
 /// A picture of three control colors.
 const MIXED: &str = r##"{
@@ -40,19 +40,19 @@ pub(crate) const SEA: &str = r##"{
   "outputs": { "beauty": { "color": "sea" } }
 }"##;
 
-fn open(text: &str, size: [f32; 2]) -> Window {
+pub(super) fn open(text: &str, size: [f32; 2]) -> Window {
     let mut window = sized(Session::new(text.into(), None), None, size);
     settle(&mut window);
     window
 }
 
-fn act(window: &mut Window, action: Action) {
+pub(super) fn act(window: &mut Window, action: Action) {
     ask(window, action);
     settle(window);
 }
 
 /// Draws until all is evaluated.
-fn settle(window: &mut Window) {
+pub(super) fn settle(window: &mut Window) {
     window.step();
     until(window, "what is evaluated", |editor| {
         let (seen, look) = (&editor.state().evaluated, &editor.state().look);
@@ -65,33 +65,33 @@ fn settle(window: &mut Window) {
     window.run_steps(2);
 }
 
-fn picture(window: &Window) -> Rect {
+pub(super) fn picture(window: &Window) -> Rect {
     window.get_by_label("Picture").rect()
 }
 
-fn press(window: &mut Window, key: Key) {
+pub(super) fn press(window: &mut Window, key: Key) {
     window.key_press(key);
     settle(window);
 }
 
-fn hover(window: &mut Window, at: Pos2) {
+pub(super) fn hover(window: &mut Window, at: Pos2) {
     window.hover_at(at);
     window.step();
 }
 
-fn button(window: &mut Window, pos: Pos2, pressed: bool, modifiers: Modifiers) {
+pub(super) fn button(window: &mut Window, pos: Pos2, pressed: bool, modifiers: Modifiers) {
     window.event(Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers });
     window.step();
 }
 
-fn click(window: &mut Window, at: Pos2) {
+pub(super) fn click(window: &mut Window, at: Pos2) {
     hover(window, at);
     button(window, at, true, Modifiers::NONE);
     button(window, at, false, Modifiers::NONE);
     settle(window);
 }
 
-fn drag(window: &mut Window, from: Pos2, to: Pos2, modifiers: Modifiers) {
+pub(super) fn drag(window: &mut Window, from: Pos2, to: Pos2, modifiers: Modifiers) {
     window.event(Event::ModifiersChanged(modifiers));
     hover(window, from);
     button(window, from, true, modifiers);
@@ -406,11 +406,11 @@ fn projecting_a_point_and_back_gives_the_same_point() {
         act(&mut window, Action::Rewrite(text));
         let result = editor(&window).state().evaluated.result.clone().unwrap();
         let camera = result.lens.graph.find("camera").unwrap();
-        let eye = Eye::new(&result, camera);
-        assert!((eye.project([5.0, 0.0, 5.0]).unwrap() - pos2(0.5, 0.5)).length() < 1e-5);
+        let eye = Eye::new(&Pose::of(&result.lens.graph, camera, result.frame), 64.0 / 36.0);
+        assert!((eye.project([5.0, 0.0, 5.0].into()).unwrap() - pos2(0.5, 0.5)).length() < 1e-5);
         for share in [pos2(0.2, 0.7), pos2(0.9, 0.9), pos2(0.5, 0.6)] {
             let world = eye.on_level(share, 0.5).unwrap();
-            assert!((world[1] - 0.5).abs() < 1e-9);
+            assert!((world.y - 0.5).abs() < 1e-9);
             assert!((eye.project(world).unwrap() - share).length() < 1e-4, "{knobs} {share:?}");
         }
     }
@@ -420,8 +420,8 @@ fn projecting_a_point_and_back_gives_the_same_point() {
 fn every_switch_of_the_viewer_is_a_command() {
     let run = |window: &mut Window, switch: Switch| {
         let state = editor(window).state();
-        let does = |command: &&Command| (command.action)(state) == Action::Viewer(switch);
-        let command = COMMANDS.iter().find(does).unwrap_or_else(|| panic!("{switch:?} is no command"));
+        let does = |command: &&'static Command| (command.action)(state) == Action::Viewer(switch);
+        let command = commands().find(does).unwrap_or_else(|| panic!("{switch:?} is no command"));
         assert!((command.enabled)(state), "{}", command.name);
         crate::testing::act(window, Action::Viewer(switch));
     };
@@ -468,6 +468,11 @@ fn every_switch_of_the_viewer_is_a_command() {
                 assert!(shows(&window, "The palette is flat: every color lies on its face."));
                 run(&mut window, switch);
                 assert!(!shows(&window, "The palette is flat: every color lies on its face."));
+                Some(Switch::Camera)
+            }
+            Switch::Camera => {
+                let notice = "What is viewed has no camera: view a picture of a scene, then move its camera";
+                assert!(shows(&window, notice));
                 Some(Switch::Scopes)
             }
             Switch::Scopes => {

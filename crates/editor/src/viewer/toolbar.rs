@@ -130,6 +130,11 @@ fn region_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<
 }
 
 fn space_ui(viewer: &mut Viewer, ui: &mut Ui) {
+    let mut steers = viewer.scene.steers();
+    let camera = ui.toggle_value(&mut steers, "Camera").on_hover_text("Move the camera by dragging in the picture (C)");
+    if camera.clicked() {
+        viewer.scene.switch();
+    }
     ui.toggle_value(&mut viewer.space.shown, "Hull")
         .on_hover_text("Show the picture's colors inside the convex hull of the controls (H)");
     let mut shown = viewer.near.shown;

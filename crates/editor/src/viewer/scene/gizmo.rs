@@ -1,0 +1,253 @@
+//! What of the selected nodes stands somewhere in the world, found by what their knobs declare to place.
+
+use crate::document::Step;
+use crate::document::group::{NotWritten, Written};
+use crate::state::State;
+use glam::DVec3;
+use std::cell::OnceCell;
+use trochoid::{CheckedGraph, Item, Knob, KnobType, NodeId, Placing, Role, Settled, Values};
+
+/// Maximum number of things that are shown at once.
+const MOST: usize = 64;
+
+/// A number that a handle changes.
+#[derive(Clone, Debug)]
+pub(super) struct Slot {
+    /// Value at the present frame.
+    pub(super) value: f64,
+    /// Where it is written.
+    pub(super) place: Result<Written, NotWritten>,
+}
+
+/// Something in the world.
+#[derive(Clone, Debug)]
+pub(super) struct Gizmo {
+    /// Name of what it belongs to.
+    pub(super) title: String,
+    /// Where it is.
+    pub(super) at: DVec3,
+    /// Its x, its height, and its z, as far as knobs set them.
+    pub(super) axes: [Option<Slot>; 3],
+    /// Its rotation about y in degrees, and whether that turns +X toward +Z.
+    pub(super) turn: Option<(Slot, bool)>,
+    /// Its scale factors.
+    pub(super) scale: Vec<Slot>,
+    /// The direction toward it, if it is infinitely far away.
+    pub(super) direction: Vec<Slot>,
+}
+
+impl Gizmo {
+    /// Returns the numbers that can be changed.
+    fn slots(&self) -> impl Iterator<Item = &Slot> {
+        let turn = self.turn.iter().map(|(turn, _)| turn);
+        self.axes.iter().flatten().chain(turn).chain(&self.scale).chain(&self.direction)
+    }
+
+    /// Returns the direction toward it, if it is infinitely far away.
+    pub(super) fn toward(&self) -> Option<DVec3> {
+        let [x, y, z] = self.direction.as_slice() else { return None };
+        Some(DVec3::new(x.value, y.value, z.value))
+    }
+
+    /// Leaves out what no knob of a use sets.
+    fn within(mut self, state: &State, name: &str) -> Option<Self> {
+        let root = state.session.sheet();
+        let own = crate::document::group::definition_path(root, &state.whole_name(name));
+        let is_own = |slot: &Slot| match (&slot.place, &own) {
+            (Ok(written), Some(own)) => written.path.0.starts_with(&own.0),
+            _ => false,
+        };
+        for axis in &mut self.axes {
+            axis.take_if(|slot| !is_own(slot));
+        }
+        self.turn.take_if(|(turn, _)| !is_own(turn));
+        for all in [&mut self.scale, &mut self.direction] {
+            if !all.iter().all(is_own) {
+                all.clear();
+            }
+        }
+        self.slots().next()?;
+        Some(self)
+    }
+
+    /// Whether two handles would change the same numbers.
+    fn is_like(&self, other: &Self) -> bool {
+        let same = |(a, b): (&Slot, &Slot)| matches!((&a.place, &b.place), (Ok(a), Ok(b)) if a.is_at(b));
+        self.slots().count() == other.slots().count() && self.slots().zip(other.slots()).all(same)
+    }
+}
+
+/// Returns what the selected nodes have in the world, at the present frame.
+pub(super) fn gizmos(state: &State, graph: &CheckedGraph) -> Vec<Gizmo> {
+    let mut all: Vec<Gizmo> = Vec::new();
+    for name in &state.selection {
+        let Some(node) = state.sheet().node(name) else { continue };
+        let whole = state.whole_name(name);
+        if !node.is_use {
+            let Some(id) = graph.find(&whole) else { continue };
+            all.extend(Finder::new(state, graph, id).all(name));
+            continue;
+        }
+        let inside = format!("{whole}/");
+        let mut own: Vec<Gizmo> = Vec::new();
+        for (index, node) in graph.nodes().iter().enumerate() {
+            let Some(inner) = node.name.strip_prefix(&inside) else { continue };
+            for gizmo in Finder::new(state, graph, NodeId(index)).all(&format!("{name}: {}", inner.replace('/', "."))) {
+                let Some(gizmo) = gizmo.within(state, name) else { continue };
+                if !own.iter().any(|known| known.is_like(&gizmo)) {
+                    own.push(gizmo);
+                }
+            }
+        }
+        if let [only] = own.as_mut_slice() {
+            only.title.clone_from(name);
+        }
+        all.extend(own);
+    }
+    all.truncate(MOST);
+    all
+}
+
+/// Returns the height at which the sea lies at rest that a node depends on.
+pub(super) fn level(graph: &CheckedGraph, node: NodeId, frame: i64) -> Option<f64> {
+    let reached = graph.upstream([node]);
+    graph.nodes().iter().enumerate().filter(|(index, _)| reached[*index]).find_map(|(index, node)| {
+        let knob = knobs(node.ty.declaration().items).find(|knob| knob.places == Some(Placing::Level))?;
+        Some(graph.settle(NodeId(index), frame).number(knob.name))
+    })
+}
+
+fn knobs(items: &'static [Item]) -> impl Iterator<Item = &'static Knob> {
+    items.iter().filter_map(|item| if let Item::Knob(knob) = item { Some(knob) } else { None })
+}
+
+/// Finds what a node has in the world.
+struct Finder<'s> {
+    state: &'s State,
+    graph: &'s CheckedGraph,
+    id: NodeId,
+    /// Height of the sea at rest, once it is needed.
+    rest: OnceCell<f64>,
+}
+
+impl<'s> Finder<'s> {
+    fn new(state: &'s State, graph: &'s CheckedGraph, id: NodeId) -> Self {
+        Self { state, graph, id, rest: OnceCell::new() }
+    }
+
+    fn all(&self, title: &str) -> Vec<Gizmo> {
+        let node = self.graph.node(self.id);
+        let items = node.ty.declaration().items;
+        let places = |items: &'static [Item]| knobs(items).any(|knob| knob.places.is_some());
+        let lists: Vec<_> =
+            items.iter().filter_map(|item| if let Item::List(list) = item { Some(list) } else { None }).collect();
+        let lists: Vec<_> = lists.into_iter().filter(|list| places(list.items)).collect();
+        if node.disabled || (!places(items) && lists.is_empty()) {
+            return Vec::new();
+        }
+        let settled = self.graph.settle(self.id, self.state.frame);
+        let mut all = self.record(title, items, &settled, &[], &|placing| counts(&settled, placing));
+        for list in lists {
+            for (index, record) in settled.list(list.name).iter().enumerate().take(MOST) {
+                let steps = [Step::from(list.name), Step::from(index)];
+                let title = format!("{title}.{}[{index}]", list.name);
+                all.extend(self.record(&title, list.items, record, &steps, &|_| true));
+            }
+        }
+        all
+    }
+
+    /// Returns what the knobs of one record place.
+    fn record(
+        &self,
+        title: &str,
+        items: &'static [Item],
+        values: &Values,
+        steps: &[Step],
+        counts: &dyn Fn(Placing) -> bool,
+    ) -> Vec<Gizmo> {
+        let empty = |title: &str, at: DVec3| Gizmo {
+            title: title.into(),
+            at,
+            axes: [None, None, None],
+            turn: None,
+            scale: Vec::new(),
+            direction: Vec::new(),
+        };
+        let (mut body, mut others) = (empty(title, DVec3::ZERO), Vec::new());
+        let mut lift = None;
+        for knob in knobs(items) {
+            let Some(placing) = knob.places.filter(|placing| counts(*placing)) else { continue };
+            let mut slots = self.slots(knob, values, steps).into_iter();
+            let point = |mut slots: std::vec::IntoIter<Slot>| match slots.len() {
+                // On the ground.
+                2 => [slots.next(), None, slots.next()],
+                _ => [slots.next(), slots.next(), slots.next()],
+            };
+            match placing {
+                Placing::Position => body.axes = point(slots),
+                Placing::Target => {
+                    let mut target = empty(&format!("{title}.{}", knob.name), DVec3::ZERO);
+                    target.axes = point(slots);
+                    others.push(target);
+                }
+                Placing::Direction => {
+                    let mut far = empty(&format!("{title}.{}", knob.name), DVec3::ZERO);
+                    far.direction = slots.collect();
+                    others.push(far);
+                }
+                Placing::X => body.axes[0] = slots.next(),
+                Placing::Z => body.axes[2] = slots.next(),
+                Placing::Level => body.axes[1] = slots.next(),
+                Placing::Lift => lift = slots.next(),
+                Placing::Heading => body.turn = slots.next().map(|turn| (turn, true)),
+                Placing::Rotation => body.turn = slots.nth(1).map(|turn| (turn, false)),
+                Placing::Scale => body.scale = slots.collect(),
+            }
+        }
+        // A direction or a height alone is nowhere.
+        if body.axes[0].is_some() && body.axes[2].is_some() {
+            others.insert(0, body);
+        }
+        for gizmo in &mut others {
+            if gizmo.axes[1].is_none() && gizmo.direction.is_empty() {
+                let rest = self.rest.get_or_init(|| level(self.graph, self.id, self.state.frame).unwrap_or(0.0));
+                gizmo.at.y = rest + lift.as_ref().map_or(0.0, |lift| lift.value);
+                gizmo.axes[1] = lift.take();
+            } else if let Some(height) = &gizmo.axes[1] {
+                gizmo.at.y = height.value;
+            }
+            gizmo.at.x = gizmo.axes[0].as_ref().map_or(0.0, |slot| slot.value);
+            gizmo.at.z = gizmo.axes[2].as_ref().map_or(0.0, |slot| slot.value);
+        }
+        others
+    }
+
+    /// Returns the numbers of a knob.
+    fn slots(&self, knob: &Knob, values: &Values, steps: &[Step]) -> Vec<Slot> {
+        let root = self.state.session.sheet();
+        let name = &self.graph.node(self.id).name;
+        let (count, present) = match knob.takes {
+            KnobType::Vector(count) => (count, values.vector3(knob.name)[..count.min(3)].to_vec()),
+            _ => (1, vec![values.number(knob.name)]),
+        };
+        let is_vector = matches!(knob.takes, KnobType::Vector(_));
+        let slot = |(index, value): (usize, &f64)| {
+            let component = is_vector.then_some(index);
+            Slot { value: *value, place: Written::find(root, name, steps, knob, component, &present) }
+        };
+        present.iter().take(count).enumerate().map(slot).collect()
+    }
+}
+
+/// Returns whether a node uses what one of its knobs places: lights use other knobs for each of their kinds.
+fn counts(settled: &Settled, placing: Placing) -> bool {
+    if settled.ty().declaration().role != Some(Role::Light) {
+        return true;
+    }
+    match settled.text("kind") {
+        "directional" => placing == Placing::Direction,
+        "spot" => placing != Placing::Direction,
+        _ => placing == Placing::Position,
+    }
+}

@@ -1,0 +1,488 @@
+//! Tests of handles and of the camera by mouse, driven by simulated drags.
+
+use super::super::tests::{WINDOW, act, button, click, drag, hover, open, picture, press, settle};
+use super::HELP;
+use crate::actions::Action;
+use crate::document::Path;
+use crate::testing::{Window, editor, until};
+use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, TouchPhase, Vec2, vec2};
+use egui_kittest::kittest::Queryable;
+use glam::DVec3;
+use serde_json::Value;
+
+/// A boat of a group, a model, and lights on a sea.
+const SCENE: &str = r##"{
+  "trochoid": 1, "format": { "width": 64, "height": 36 }, "frames": { "first": 1, "last": 9, "fps": 24 },
+  "knobs": { "far": 2 },
+  "groups": {
+    "Boat": {
+      "inputs": { "sea": "Surface" }, "knobs": { "x": 0, "z": 0, "heading": 0 },
+      "nodes": {
+        "hull": { "type": "BezierModel", "rails": [
+          { "points": [{ "at": [-1, 0, -1] }, { "at": [1, 0, -1] }] }, { "points": [{ "at": [-1, 0, 1] }, { "at": [1, 0, 1] }] } ] },
+        "boat": { "type": "Float", "model": "hull", "sea": "sea",
+                  "bodies": [{ "x": "= knobs.x", "z": "= knobs.z", "heading": "= knobs.heading" }] }
+      },
+      "outputs": { "boat": "boat" }
+    },
+    "Eyes": {
+      "inputs": { "sea": "Surface" }, "knobs": { "from": [0, 6, 14] },
+      "nodes": {
+        "camera": { "type": "Camera", "position": "= knobs.from", "target": [0, 0, 0] },
+        "view": { "type": "Render", "camera": "camera", "surfaces": ["sea"] }
+      },
+      "outputs": { "view": "view" }
+    }
+  },
+  "nodes": {
+    "camera": { "type": "Camera", "position": [0, 6, 14] },
+    "other": { "type": "Camera", "position": [-3, 2, 2], "target": [-1, 0, 0] },
+    "sea": { "type": "RippleSea", "height": 0.05 },
+    "front": { "type": "Boat", "sea": "sea", "x": 1.5 },
+    "model": { "type": "BezierModel", "translate": [-2, 1, 0], "rails": [
+      { "points": [{ "at": [-1, 0, -1] }, { "at": [1, 0, -1] }] }, { "points": [{ "at": [-1, 0, 1] }, { "at": [1, 0, 1] }] } ] },
+    "sun": { "type": "Light", "direction": [0.2, 0.3, -1] },
+    "lamp": { "type": "Light", "kind": "spot", "position": [1, 2, 1] },
+    "view": { "type": "Render", "camera": "camera", "surfaces": ["sea", "front", "model"] },
+    "eyes": { "type": "Eyes", "sea": "sea", "from": [0, 5, 10] },
+    "color": { "type": "Mix", "a": "#102030", "b": "#e0e0d0", "weight": "view.coverage" }
+  },
+  "outputs": { "beauty": { "color": "color" } }
+}"##;
+
+fn select(window: &mut Window, names: &[&str]) {
+    act(window, Action::Select(names.iter().map(|name| (*name).to_string()).collect()));
+}
+
+fn selected(text: &str, name: &str) -> Window {
+    let mut window = open(text, WINDOW);
+    select(&mut window, &[name]);
+    window
+}
+
+fn spot(window: &Window, label: &str) -> Pos2 {
+    window.get_by_label(label).rect().center()
+}
+
+fn value(window: &Window, path: &str) -> Value {
+    let path = path.split('.').fold(Path::default(), |path, step| match step.parse::<usize>() {
+        Ok(index) => path.to(index),
+        Err(_) => path.to(step),
+    });
+    path.find(&editor(window).state().session.sheet().value).cloned().unwrap_or_default()
+}
+
+fn numbers(window: &Window, path: &str) -> Vec<f64> {
+    value(window, path).as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
+}
+
+fn vector(window: &Window, path: &str) -> DVec3 {
+    DVec3::from_slice(&numbers(window, path))
+}
+
+fn text(window: &Window) -> &str {
+    editor(window).state().session.text()
+}
+
+fn undoes(window: &Window) -> Option<&str> {
+    editor(window).state().session.history().undoes()
+}
+
+/// Whether a notice says something.
+fn told(window: &Window, part: &str) -> bool {
+    editor(window).notices.texts().iter().any(|told| told.contains(part))
+}
+
+/// Drags a handle, and asserts that what it belongs to comes with the pointer.
+fn carried(window: &mut Window, label: &str, by: Vec2) {
+    let from = spot(window, label);
+    // What is raised stays on its vertical, which is not quite one in the picture.
+    let (point, along) = match label.strip_suffix("height") {
+        Some(title) => (format!("{title}move"), vec2(0.1, 1.0)),
+        None => (label.to_string(), vec2(1.0, 1.0)),
+    };
+    let before = spot(window, &point);
+    drag(window, from, from + by, Modifiers::NONE);
+    let off = (spot(window, &point) - before - by) * along;
+    assert!(off.length() < 1.0, "{label}: dragged by {by:?}, off by {off:?}");
+}
+
+/// Asserts that all changes are one step of undo, with this label.
+fn is_one_step(window: &mut Window, before: &str, label: &str) {
+    assert_ne!(text(window), before);
+    assert_eq!(undoes(window), Some(label));
+    act(window, Action::Undo);
+    assert_eq!(text(window), before);
+    assert_eq!(undoes(window), None);
+}
+
+#[test]
+fn a_use_of_a_group_is_moved_by_the_knobs_that_place_something_inside() {
+    let mut window = selected(SCENE, "front");
+    for (part, is_there) in [("move", true), ("turn", true), ("height", false), ("scale", false)] {
+        assert_eq!(window.query_by_label(&format!("front: {part}")).is_some(), is_there, "{part}");
+    }
+    carried(&mut window, "front: move", vec2(40.0, 25.0));
+    let [x, z] = ["x", "z"].map(|name| value(&window, &format!("nodes.front.{name}")).as_f64().unwrap());
+    assert!(x > 1.6 && z > 0.1, "{x} {z}");
+    assert_eq!(value(&window, "groups.Boat.knobs.x"), 0, "the group stays");
+    is_one_step(&mut window, SCENE, "Move front");
+    // The same handle belongs to the node inside, seen from there.
+    act(&mut window, Action::Enter(vec!["front".into()]));
+    select(&mut window, &["boat"]);
+    carried(&mut window, "boat.bodies[0]: move", vec2(-30.0, 10.0));
+    assert!(value(&window, "nodes.front.x").as_f64().unwrap() < 1.4);
+}
+
+#[test]
+fn a_model_is_moved_raised_turned_and_scaled() {
+    let mut window = selected(SCENE, "model");
+    carried(&mut window, "model: move", vec2(50.0, 15.0));
+    let moved = vector(&window, "nodes.model.translate");
+    assert!(moved.x > -1.9 && moved.y == 1.0 && moved.z > 0.1, "{moved}");
+    is_one_step(&mut window, SCENE, "Move model");
+    carried(&mut window, "model: height", vec2(0.0, -30.0));
+    let raised = vector(&window, "nodes.model.translate");
+    assert!(raised.y > 1.2 && [raised.x, raised.z] == [-2.0, 0.0], "{raised}");
+    is_one_step(&mut window, SCENE, "Raise model");
+    // Twice as far from the middle is twice as large.
+    let (middle, corner) = (spot(&window, "model: move"), spot(&window, "model: scale"));
+    drag(&mut window, corner, corner + (corner - middle), Modifiers::NONE);
+    assert_eq!(value(&window, "nodes.model.scale"), serde_json::json!([2, 2, 2]));
+    is_one_step(&mut window, SCENE, "Scale model");
+    // The handle turns to where the pointer is.
+    let grip = spot(&window, "model: turn");
+    let to = middle + vec2(-30.0, 25.0);
+    drag(&mut window, grip, to, Modifiers::NONE);
+    let [now, wanted] = [spot(&window, "model: turn") - middle, to - middle].map(Vec2::normalized);
+    assert!((now - wanted).length() < 0.02, "{now:?} {wanted:?}");
+    let turned = vector(&window, "nodes.model.rotate");
+    assert!(turned.x == 0.0 && turned.z == 0.0 && (180.0..270.0).contains(&turned.y.rem_euclid(360.0)), "{turned}");
+    is_one_step(&mut window, SCENE, "Turn model");
+}
+
+#[test]
+fn shift_drags_finely() {
+    let mut window = selected(SCENE, "model");
+    let from = spot(&window, "model: move");
+    drag(&mut window, from, from + vec2(60.0, 0.0), Modifiers::SHIFT);
+    let by = spot(&window, "model: move") - from;
+    assert!((by - vec2(6.0, 0.0)).length() < 1.0, "{by:?}");
+    assert_eq!(editor(&window).state().look.region, None);
+}
+
+#[test]
+fn lights_are_aimed_where_they_are() {
+    // The sun is in the picture of a level camera.
+    let level = SCENE.replace(r#""position": [0, 6, 14]"#, r#""position": [0, 2, 14], "target": [0, 2, 0]"#);
+    let mut window = selected(&level, "sun");
+    carried(&mut window, "sun.direction: direction", vec2(-60.0, 20.0));
+    let direction = vector(&window, "nodes.sun.direction");
+    assert!((direction.length() - DVec3::new(0.2, 0.3, -1.0).length()).abs() < 1e-3, "{direction}");
+    is_one_step(&mut window, &level, "Aim sun.direction");
+    // Elsewhere it is at the tip of an arrow.
+    let mut window = selected(SCENE, "sun");
+    carried(&mut window, "sun.direction: direction", vec2(25.0, -15.0));
+    is_one_step(&mut window, SCENE, "Aim sun.direction");
+    select(&mut window, &["lamp"]);
+    carried(&mut window, "lamp: move", vec2(25.0, -5.0));
+    carried(&mut window, "lamp.target: move", vec2(-25.0, 5.0));
+    assert!(window.query_by_label("lamp.direction: direction").is_none(), "a spot has none");
+}
+
+#[test]
+fn a_camera_has_handles_unless_one_looks_through_it() {
+    let mut window = selected(SCENE, "other");
+    carried(&mut window, "other: move", vec2(15.0, 5.0));
+    carried(&mut window, "other.target: height", vec2(0.0, -15.0));
+    select(&mut window, &["camera"]);
+    assert!(window.query_by_label("camera: move").is_none());
+    assert!(window.query_by_label("camera.target: move").is_some());
+}
+
+#[test]
+fn what_is_behind_the_camera_has_no_handle() {
+    let text = SCENE.replace("[-2, 1, 0]", "[-2, 1, 40]");
+    let window = selected(&text, "model");
+    for part in ["move", "height", "turn", "scale"] {
+        assert!(window.query_by_label(&format!("model: {part}")).is_none(), "{part}");
+    }
+}
+
+#[test]
+fn a_keyed_place_changes_at_its_key() {
+    let keyed = SCENE.replace("[-2, 1, 0]", r#"{ "keys": [[1, [-2, 1, 0]], [9, [2, 1, 0]]] }"#);
+    let mut window = selected(&keyed, "model");
+    carried(&mut window, "model: move", vec2(30.0, 0.0));
+    assert!(value(&window, "nodes.model.translate.keys.0.1.0").as_f64().unwrap() > -1.9);
+    assert_eq!(value(&window, "nodes.model.translate.keys.1"), serde_json::json!([9, [2, 1, 0]]));
+    act(&mut window, Action::Undo);
+    act(&mut window, Action::Frame(5));
+    carried(&mut window, "model: move", vec2(30.0, 0.0));
+    let keys = value(&window, "nodes.model.translate.keys");
+    assert_eq!(keys.as_array().unwrap().len(), 3, "{keys}");
+    assert_eq!((&keys[0][1][0], &keys[1][0], &keys[2][1][0]), (&Value::from(-2), &Value::from(5), &Value::from(2)));
+    is_one_step(&mut window, &keyed, "Move model");
+}
+
+#[test]
+fn what_follows_a_formula_says_so() {
+    let linked = SCENE.replace("[-2, 1, 0]", r#"["= knobs.far", 1, 0]"#);
+    let mut window = selected(&linked, "model");
+    let grip = spot(&window, "model: move");
+    drag(&mut window, grip, grip + vec2(30.0, 0.0), Modifiers::NONE);
+    assert_eq!(text(&window), linked);
+    assert!(told(&window, "model.translate follows \"= knobs.far\""));
+    // Its height is free.
+    carried(&mut window, "model: height", vec2(0.0, -20.0));
+    assert_eq!(value(&window, "nodes.model.translate.0"), "= knobs.far");
+}
+
+#[test]
+fn escape_puts_a_dragged_handle_back() {
+    let mut window = selected(SCENE, "model");
+    let grip = spot(&window, "model: move");
+    hover(&mut window, grip);
+    button(&mut window, grip, true, Modifiers::NONE);
+    for step in 1..=3 {
+        hover(&mut window, grip + vec2(10.0 * step as f32, 0.0));
+    }
+    assert_ne!(text(&window), SCENE);
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+    assert_eq!(text(&window), SCENE);
+    hover(&mut window, grip + vec2(60.0, 0.0));
+    button(&mut window, grip + vec2(60.0, 0.0), false, Modifiers::NONE);
+    settle(&mut window);
+    assert_eq!(text(&window), SCENE);
+    assert_eq!(undoes(&window), None);
+}
+
+#[test]
+fn looking_clicking_and_dragging_to_the_same_place_write_nothing() {
+    let mut window = open(SCENE, WINDOW);
+    act(&mut window, Action::SelectAll);
+    let revision = editor(&window).state().session.revision();
+    for label in ["model: move", "model: turn", "front: move", "other.target: height", "sun.direction: direction"] {
+        let grip = spot(&window, label);
+        click(&mut window, grip);
+        assert_eq!(editor(&window).state().session.revision(), revision, "{label}");
+    }
+    let grip = spot(&window, "model: move");
+    hover(&mut window, grip);
+    button(&mut window, grip, true, Modifiers::NONE);
+    for by in [20.0, 40.0, 0.0] {
+        hover(&mut window, grip + vec2(by, 0.0));
+    }
+    button(&mut window, grip, false, Modifiers::NONE);
+    settle(&mut window);
+    assert_eq!((text(&window), undoes(&window)), (SCENE, None));
+    let at = picture(&window).center();
+    hover(&mut window, at);
+    press(&mut window, Key::C);
+    click(&mut window, at);
+    assert_eq!((text(&window), undoes(&window)), (SCENE, None));
+    assert_eq!(editor(&window).state().look.pick, None, "a click in this mode picks nothing");
+}
+
+/// Opens a scene in whose picture drags move the camera; returns the middle of the picture, too.
+fn steered(text: &str) -> (Window, Pos2) {
+    let mut window = open(text, WINDOW);
+    let at = picture(&window).center();
+    hover(&mut window, at);
+    press(&mut window, Key::C);
+    assert!(window.query_by_label(HELP).is_some());
+    (window, at)
+}
+
+fn wheel(window: &mut Window, by: f32) {
+    let delta = vec2(0.0, by);
+    let (unit, phase) = (MouseWheelUnit::Point, TouchPhase::Move);
+    window.event(Event::MouseWheel { unit, delta, phase, modifiers: Modifiers::NONE });
+    window.run_steps(10);
+}
+
+#[test]
+fn the_camera_orbits_about_what_the_pointer_is_at() {
+    let (mut window, at) = steered(SCENE);
+    drag(&mut window, at, at + vec2(90.0, -30.0), Modifiers::NONE);
+    let (position, old) = (vector(&window, "nodes.camera.position"), DVec3::new(0.0, 6.0, 14.0));
+    assert!((position.length() - old.length()).abs() < 0.01, "{position}");
+    // To the right, the scene turns to the right; up, one looks from lower.
+    assert!(position.x < -1.0 && position.y < 5.0, "{position}");
+    let target = value(&window, "nodes.camera.target");
+    assert!(target.is_array() && vector(&window, "nodes.camera.target").length() < 0.01, "{target}");
+    is_one_step(&mut window, SCENE, "Orbit camera");
+    // At another place, that point stays where it is.
+    select(&mut window, &["front"]);
+    let boat = spot(&window, "front: move");
+    drag(&mut window, boat + vec2(0.0, 9.0), boat + vec2(-80.0, 29.0), Modifiers::NONE);
+    let seen = spot(&window, "front: move");
+    assert!((seen - boat).length() < 25.0, "{seen:?} {boat:?}");
+    assert_eq!(editor(&window).state().look.pick, None);
+}
+
+#[test]
+fn the_camera_pans_with_the_point_under_the_pointer() {
+    let (mut window, at) = steered(SCENE);
+    select(&mut window, &["front"]);
+    let boat = spot(&window, "front: move");
+    drag(&mut window, at, at + vec2(40.0, 20.0), Modifiers::SHIFT);
+    let by = spot(&window, "front: move") - boat;
+    // The boat is a little nearer or farther than the middle.
+    assert!((by - vec2(40.0, 20.0)).length() < 4.0, "{by:?}");
+    assert_eq!(editor(&window).state().look.region, None);
+    let between = vector(&window, "nodes.camera.target") - vector(&window, "nodes.camera.position");
+    assert!(between.distance(DVec3::new(0.0, -6.0, -14.0)) < 0.01, "{between}");
+    is_one_step(&mut window, SCENE, "Pan camera");
+}
+
+#[test]
+fn the_camera_dollies_by_the_wheel_and_never_passes() {
+    let (mut window, at) = steered(SCENE);
+    hover(&mut window, at);
+    let before = picture(&window);
+    wheel(&mut window, 120.0);
+    let near = vector(&window, "nodes.camera.position");
+    assert!(near.length() < 12.0 && near.normalize().distance(DVec3::new(0.0, 6.0, 14.0).normalize()) < 1e-3, "{near}");
+    for _ in 0..20 {
+        wheel(&mut window, 400.0);
+    }
+    let nearest = vector(&window, "nodes.camera.position");
+    assert!(nearest.z > 0.0 && nearest.y > 0.0, "{nearest}");
+    assert_eq!(picture(&window), before, "the picture itself keeps its size");
+    // The wheel runs on for a moment.
+    window.run_steps(20);
+    is_one_step(&mut window, SCENE, "Dolly camera");
+    // After a pause, the wheel begins another step.
+    settle(&mut window);
+    hover(&mut window, at);
+    wheel(&mut window, 60.0);
+    window.run_steps(60);
+    wheel(&mut window, 60.0);
+    act(&mut window, Action::Undo);
+    assert_ne!(text(&window), SCENE);
+    act(&mut window, Action::Undo);
+    assert_eq!(text(&window), SCENE);
+}
+
+#[test]
+fn an_orthographic_camera_dollies_by_its_height() {
+    let parallel = r#""position": [0, 6, 14], "target": [0, 0, 0], "projection": "orthographic""#;
+    let parallel = SCENE.replacen(r#""position": [0, 6, 14]"#, parallel, 1);
+    let (mut window, at) = steered(&parallel);
+    drag(&mut window, at, at + vec2(0.0, -40.0), Modifiers::COMMAND);
+    assert!(value(&window, "nodes.camera.height").as_f64().unwrap() < 9.0);
+    // The middle of the picture is up to half a pixel away from where the pointer was.
+    assert!(vector(&window, "nodes.camera.position").distance(DVec3::new(0.0, 6.0, 14.0)) < 0.01);
+    is_one_step(&mut window, &parallel, "Dolly camera");
+    select(&mut window, &["model"]);
+    for part in ["move", "height"] {
+        carried(&mut window, &format!("model: {part}"), vec2(0.0, -20.0));
+    }
+}
+
+#[test]
+fn escape_ends_the_drag_first_and_then_the_mode() {
+    let (mut window, at) = steered(SCENE);
+    button(&mut window, at, true, Modifiers::NONE);
+    for step in 1..=4 {
+        hover(&mut window, at + vec2(20.0 * step as f32, 0.0));
+    }
+    assert_ne!(text(&window), SCENE);
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+    hover(&mut window, at + vec2(120.0, 0.0));
+    button(&mut window, at + vec2(120.0, 0.0), false, Modifiers::NONE);
+    settle(&mut window);
+    assert_eq!((text(&window), undoes(&window)), (SCENE, None));
+    assert!(window.query_by_label(HELP).is_some());
+    hover(&mut window, at);
+    press(&mut window, Key::Escape);
+    assert!(window.query_by_label(HELP).is_none());
+    // Now drags pick pixels again.
+    drag(&mut window, at, at + vec2(20.0, 0.0), Modifiers::NONE);
+    assert_eq!(text(&window), SCENE);
+    assert!(editor(&window).state().look.pick.is_some());
+}
+
+#[test]
+fn the_middle_button_pans_the_camera_in_the_mode_and_the_picture_outside() {
+    let (mut window, at) = steered(SCENE);
+    let middle = |window: &mut Window| {
+        for (pos, pressed) in [(at, true), (at + vec2(30.0, 0.0), false)] {
+            hover(window, pos);
+            let (button, modifiers) = (PointerButton::Middle, Modifiers::NONE);
+            window.event(Event::PointerButton { pos, button, pressed, modifiers });
+            window.step();
+            if pressed {
+                hover(window, at + vec2(15.0, 0.0));
+            }
+        }
+        settle(window);
+    };
+    middle(&mut window);
+    is_one_step(&mut window, SCENE, "Pan camera");
+    hover(&mut window, at);
+    press(&mut window, Key::C);
+    middle(&mut window);
+    assert_eq!(text(&window), SCENE);
+}
+
+#[test]
+fn the_camera_of_a_group_moves_where_it_is_written() {
+    let inside = SCENE.replace(r#""weight": "view.coverage""#, r#""weight": "mask""#).replace(
+        r#""color": { "type": "Mix""#,
+        r#""mask": { "type": "Clamp", "field": "up" }, "up": { "type": "Height", "view": "eyes" },
+    "color": { "type": "Mix""#,
+    );
+    let (mut window, at) = steered(&inside);
+    drag(&mut window, at, at + vec2(60.0, 0.0), Modifiers::NONE);
+    assert!(vector(&window, "nodes.eyes.from").x < -0.5, "the use hands it in");
+    assert!(vector(&window, "groups.Eyes.nodes.camera.target").length() < 0.01, "the group has it");
+    assert_eq!(value(&window, "groups.Eyes.nodes.camera.position"), "= knobs.from");
+    assert_eq!(value(&window, "nodes.camera.position"), serde_json::json!([0, 6, 14]), "another camera");
+    is_one_step(&mut window, &inside, "Orbit camera");
+}
+
+#[test]
+fn a_camera_that_follows_a_formula_says_so() {
+    let linked = SCENE.replacen(
+        r#""position": [0, 6, 14]"#,
+        r#""position": [0, 6, 14], "target": ["= front.x", 0, "= front.z"]"#,
+        1,
+    );
+    let (mut window, at) = steered(&linked);
+    drag(&mut window, at, at + vec2(60.0, 0.0), Modifiers::NONE);
+    wheel(&mut window, 60.0);
+    assert_eq!((text(&window), undoes(&window)), (linked.as_str(), None));
+    assert!(told(&window, "camera.target follows \"= front.x\""));
+}
+
+#[test]
+fn a_keyed_camera_changes_at_its_key() {
+    let keyed =
+        SCENE.replacen(r#""position": [0, 6, 14]"#, r#""position": { "keys": [[1, [0, 6, 14]], [9, [0, 6, 20]]] }"#, 1);
+    let (mut window, at) = steered(&keyed);
+    drag(&mut window, at, at + vec2(60.0, 0.0), Modifiers::NONE);
+    assert!(value(&window, "nodes.camera.position.keys.0.1.0").as_f64().unwrap() < -0.5);
+    assert_eq!(value(&window, "nodes.camera.position.keys.1"), serde_json::json!([9, [0, 6, 20]]));
+    is_one_step(&mut window, &keyed, "Orbit camera");
+}
+
+#[test]
+fn the_picture_follows_while_the_camera_is_dragged() {
+    let (mut window, at) = steered(SCENE);
+    let before = editor(&window).state().evaluated.result.clone().unwrap();
+    button(&mut window, at, true, Modifiers::NONE);
+    for step in 1..=4 {
+        hover(&mut window, at + vec2(25.0 * step as f32, -10.0));
+    }
+    let revision = editor(&window).state().session.revision();
+    until(&mut window, "the picture of the dragged camera", |editor| {
+        editor.state().evaluated.result.as_ref().is_some_and(|result| result.subject.revision == revision)
+    });
+    let now = editor(&window).state().evaluated.result.clone().unwrap();
+    assert_ne!(before.lens.text, now.lens.text);
+    button(&mut window, at + vec2(100.0, -10.0), false, Modifiers::NONE);
+}
