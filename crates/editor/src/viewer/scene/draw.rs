@@ -58,6 +58,9 @@ pub(super) fn gizmo(painter: &Painter, gizmo: &Gizmo, window: &Window) {
         }
         return;
     }
+    if let Some(of) = gizmo.of {
+        segment(painter, window, [of, gizmo.at], LIGHT);
+    }
     let Some(middle) = part(Part::Move) else { return };
     if part(Part::Turn).is_some() {
         let reach = window.length(gizmo.at) * f64::from(REACH);
@@ -136,7 +139,6 @@ pub(super) fn cameras(painter: &Painter, state: &State, graph: &CheckedGraph, se
             segment(painter, window, [start, *corner], CAMERA);
             segment(painter, window, [*corner, corners[(index + 1) % corners.len()]], CAMERA);
         }
-        segment(painter, window, [pose.position, pose.target], CAMERA);
     }
 }
 

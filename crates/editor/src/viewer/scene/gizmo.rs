@@ -26,6 +26,8 @@ pub(super) struct Gizmo {
     pub(super) title: String,
     /// Where it is.
     pub(super) at: DVec3,
+    /// Where the thing is whose target it is.
+    pub(super) of: Option<DVec3>,
     /// Its x, its height, and its z, as far as knobs set them.
     pub(super) axes: [Option<Slot>; 3],
     /// Its rotation about y in degrees, and whether that turns +X toward +Z.
@@ -169,6 +171,7 @@ impl<'s> Finder<'s> {
         let empty = |title: &str, at: DVec3| Gizmo {
             title: title.into(),
             at,
+            of: None,
             axes: [None, None, None],
             turn: None,
             scale: Vec::new(),
@@ -219,6 +222,9 @@ impl<'s> Finder<'s> {
             }
             gizmo.at.x = gizmo.axes[0].as_ref().map_or(0.0, |slot| slot.value);
             gizmo.at.z = gizmo.axes[2].as_ref().map_or(0.0, |slot| slot.value);
+        }
+        if let [body, others @ ..] = others.as_mut_slice() {
+            others.iter_mut().filter(|other| other.direction.is_empty()).for_each(|other| other.of = Some(body.at));
         }
         others
     }

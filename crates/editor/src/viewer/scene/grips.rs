@@ -296,9 +296,10 @@ impl Window {
     }
 }
 
-/// Draws the handles of the selected nodes over the picture. A dragged handle changes the document.
+/// Draws the handles of the selected nodes over the picture. A dragged handle changes the document, unless drags move the
+/// camera.
 pub(super) fn grips_ui(
-    drag: &mut Option<Drag>,
+    (drag, steers): (&mut Option<Drag>, bool),
     ui: &mut Ui,
     (area, rect): (Rect, Rect),
     state: &State,
@@ -327,10 +328,11 @@ pub(super) fn grips_ui(
             let Some(spot) = spot.or_else(|| drag.as_ref().filter(|_| is_held).map(|drag| drag.spots[1])) else {
                 continue;
             };
-            let grip = ui.interact(Rect::from_center_size(spot, vec2(14.0, 14.0)), id, Sense::drag());
+            let sense = if steers { Sense::hover() } else { Sense::drag() };
+            let grip = ui.interact(Rect::from_center_size(spot, vec2(14.0, 14.0)), id, sense);
             let label = format!("{}: {}", gizmo.title, part.word());
             grip.widget_info(|| WidgetInfo::labeled(WidgetType::Slider, true, &label));
-            let grip = grip.on_hover_cursor(CursorIcon::Grab);
+            let grip = if steers { grip } else { grip.on_hover_cursor(CursorIcon::Grab) };
             if grip.drag_started() {
                 *drag = Some(Drag {
                     id,

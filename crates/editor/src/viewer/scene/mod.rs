@@ -147,6 +147,6 @@ impl Scene {
             return;
         };
         let Some(seen) = self.seen(result).cloned() else { return };
-        grips::grips_ui(&mut self.drag, ui, areas, state, (&seen, &graph), actions);
+        grips::grips_ui((&mut self.drag, self.rig.on), ui, areas, state, (&seen, &graph), actions);
     }
 }
