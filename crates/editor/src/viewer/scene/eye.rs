@@ -197,14 +197,14 @@ impl Eye {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng};
 
-    const ASPECT: f64 = 16.0 / 9.0;
+    pub(in crate::viewer::scene) const ASPECT: f64 = 16.0 / 9.0;
 
     /// Cameras around the origin, of both projections; some of them look almost along the vertical.
-    fn cameras() -> impl Iterator<Item = (Pose, rand_pcg::Pcg64Mcg)> {
+    pub(in crate::viewer::scene) fn cameras() -> impl Iterator<Item = (Pose, rand_pcg::Pcg64Mcg)> {
         (0..400).map(|seed| {
             let mut random = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
             let mut around = |size: f64| DVec3::from([0; 3].map(|_| random.random_range(-size..size)));

@@ -98,7 +98,7 @@ pub(super) fn neat(value: f64, size: f64) -> f64 {
 }
 
 /// The picture on the screen, and the camera that it shows the world through.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
     pub(super) eye: Eye,
     pub(super) rect: Rect,
@@ -193,21 +193,24 @@ impl Drag {
         let slots = part.slots(gizmo);
         let old = slots.iter().map(|slot| slot.value);
         let (at, to) = (share(window.rect, *to), *to);
-        let length = window.length(gizmo.at);
-        let moved = |slot: &Slot, by: f64| neat(slot.value + by, 0.25 * length);
+        // As precise as the nearer of both places needs.
+        let moved = |slot: &Slot, by: f64, there: DVec3| {
+            neat(slot.value + by, 0.25 * window.length(gizmo.at).min(window.length(there)))
+        };
         let sight = window.sight(gizmo.at);
         Some(match part {
             Part::Move => {
-                let by = window.eye.on_level(at, gizmo.at.y)? - gizmo.at;
+                let there = window.eye.on_level(at, gizmo.at.y)?;
+                let by = there - gizmo.at;
                 let axes = [(&gizmo.axes[0], by.x), (&gizmo.axes[2], by.z)];
-                axes.into_iter().filter_map(|(slot, by)| Some(moved(slot.as_ref()?, by))).collect()
+                axes.into_iter().filter_map(|(slot, by)| Some(moved(slot.as_ref()?, by, there))).collect()
             }
             Part::Height => {
                 // The thing itself moves as the pointer does.
                 let at = share(window.rect, window.spot(gizmo.at)? + (to - *from));
                 let across = sight.with_y(0.0).try_normalize()?;
-                let by = window.eye.on_plane(at, (gizmo.at, across))? - gizmo.at;
-                slots.iter().map(|slot| moved(slot, by.y)).collect()
+                let there = window.eye.on_plane(at, (gizmo.at, across))?;
+                slots.iter().map(|slot| moved(slot, there.y - gizmo.at.y, there)).collect()
             }
             Part::Turn => {
                 let heading = gizmo.heading();
@@ -386,3 +389,100 @@ fn held(drag: &mut Option<Drag>, ui: &Ui, (grip, gizmo): (&Response, &Gizmo), fr
 
 /// Returns the corners of the picture, in fractions.
 pub(super) const CORNERS: [Pos2; 4] = [pos2(0.0, 0.0), pos2(1.0, 0.0), pos2(1.0, 1.0), pos2(0.0, 1.0)];
+
+#[cfg(test)]
+mod tests {
+    use super::super::eye::tests::{ASPECT, cameras};
+    use super::*;
+    use crate::document::group::NotWritten;
+    use rand::RngExt;
+
+    fn slot(value: f64) -> Slot {
+        Slot { value, place: Err(NotWritten::Faulty) }
+    }
+
+    fn thing(at: DVec3) -> Gizmo {
+        Gizmo {
+            title: "thing".into(),
+            at,
+            of: None,
+            axes: at.to_array().map(|value| Some(slot(value))),
+            turn: Some((slot(20.0), false)),
+            scale: vec![slot(1.0)],
+            direction: Vec::new(),
+        }
+    }
+
+    /// Returns what a handle becomes that is dragged to a place.
+    fn dragged(gizmo: &Gizmo, window: &Window, part: Part, to: Pos2) -> Option<Gizmo> {
+        let spots = [gizmo.spot(part, window)?, to];
+        let id = Id::new("handle");
+        let mut drag =
+            Drag { id, part, gizmo: gizmo.clone(), window: *window, spots, turned: 0.0, frame: 1, writes: false };
+        let values = drag.values()?;
+        let mut new = gizmo.clone();
+        match part {
+            Part::Move => new.at = DVec3::new(values[0], gizmo.at.y, values[1]),
+            Part::Height => new.at.y = values[0],
+            Part::Turn => new.turn = Some((slot(values[0]), false)),
+            Part::Scale => new.scale = values.into_iter().map(slot).collect(),
+            Part::Direction => new.direction = values.into_iter().map(slot).collect(),
+        }
+        Some(new)
+    }
+
+    /// Pictures of random cameras, 1600 points wide, each with a thing on a plane that it sees, and a place.
+    fn windows() -> impl Iterator<Item = (Window, Gizmo, Pos2)> {
+        let rect = Rect::from_min_size(pos2(30.0, 50.0), vec2(1600.0, 1600.0 / ASPECT as f32));
+        cameras().filter_map(move |(pose, mut random)| {
+            let eye = Eye::new(&pose, ASPECT);
+            let mut share = || pos2(random.random_range(0.05..0.95), random.random_range(0.05..0.95));
+            let at = eye.on_level(share(), 1.25).filter(|at| at.distance(pose.position) < 500.0)?;
+            Some((Window { eye, rect, focus: pose.target }, thing(at), place(rect, share())))
+        })
+    }
+
+    #[test]
+    fn what_is_dragged_comes_under_the_pointer() {
+        let (mut moved, mut raised, mut turned, mut aimed) = (0, 0, 0, 0);
+        for (window, mut gizmo, to) in windows() {
+            if let Some(new) = dragged(&gizmo, &window, Part::Move, to) {
+                let off = window.spot(new.at).unwrap() - to;
+                assert!(off.length() < 1.0, "{off:?}");
+                moved += 1;
+            }
+            let middle = window.spot(gizmo.at).unwrap();
+            // By a little, straight along its vertical as the picture shows it.
+            if let Some(top) = gizmo.spot(Part::Height, &window) {
+                let by = (top - middle).normalized() * 20.0;
+                if let Some(new) = dragged(&gizmo, &window, Part::Height, top + by) {
+                    let off = window.spot(new.at).unwrap() - middle - by;
+                    assert!(off.length() < 1.0, "{off:?} {by:?} {window:?} {gizmo:?}");
+                    raised += 1;
+                }
+            }
+            let flat = window.sight(gizmo.at).y.abs() < NARROW;
+            if let Some(new) = dragged(&gizmo, &window, Part::Turn, to).filter(|_| !flat) {
+                let heading = window.spot(gizmo.at + new.heading() * 1e-3 * gizmo.at.distance(window.eye.position));
+                let [now, wanted] = [heading.unwrap() - middle, to - middle].map(Vec2::normalized);
+                assert!((now - wanted).length() < 0.05, "{now:?} {wanted:?}");
+                turned += 1;
+            }
+            let direction = window.eye.ray(share(window.rect, middle)).1 * 3.0;
+            gizmo.direction = direction.to_array().map(slot).into();
+            if let Some(new) = dragged(&gizmo, &window, Part::Direction, to).filter(|_| !window.eye.orthographic) {
+                let off = window.far(new.toward().unwrap()).unwrap() - to;
+                assert!(off.length() < 1.0, "{off:?}");
+                aimed += 1;
+            }
+        }
+        assert!([moved, raised, turned, aimed].iter().all(|count| *count > 40), "{moved} {raised} {turned} {aimed}");
+    }
+
+    #[test]
+    fn numbers_have_no_more_digits_than_they_need() {
+        assert_eq!(neat(1.23456, 0.004), 1.235);
+        assert_eq!(neat(-0.0001, 0.01).to_string(), "0");
+        assert_eq!(neat(1234.5678, 20.0), 1235.0);
+    }
+}

@@ -285,6 +285,30 @@ fn looking_clicking_and_dragging_to_the_same_place_write_nothing() {
     assert_eq!(editor(&window).state().look.pick, None, "a click in this mode picks nothing");
 }
 
+#[test]
+fn a_surface_is_shown_by_a_camera_of_the_document_or_one_that_cannot_be_moved() {
+    let mut window = selected(SCENE, "model");
+    act(&mut window, Action::Look("model".into(), 0));
+    carried(&mut window, "model: move", vec2(30.0, 10.0));
+    act(&mut window, Action::Undo);
+    let at = picture(&window).center();
+    hover(&mut window, at);
+    press(&mut window, Key::C);
+    drag(&mut window, at, at + vec2(60.0, 0.0), Modifiers::NONE);
+    is_one_step(&mut window, SCENE, "Orbit camera");
+    let bare = r##"{ "trochoid": 1, "format": { "width": 64, "height": 36 },
+      "nodes": { "sea": { "type": "RippleSea" }, "flat": { "type": "Mix", "a": "#102030", "b": "#f0e0d0", "weight": 0.5 } },
+      "outputs": { "beauty": { "color": "flat" } } }"##;
+    let mut window = open(bare, WINDOW);
+    act(&mut window, Action::Look("sea".into(), 0));
+    let at = picture(&window).center();
+    hover(&mut window, at);
+    press(&mut window, Key::C);
+    drag(&mut window, at, at + vec2(60.0, 0.0), Modifiers::NONE);
+    assert_eq!((text(&window), undoes(&window)), (bare, None));
+    assert!(told(&window, "a camera for this picture is not in the document: add it there first"));
+}
+
 /// Opens a scene in whose picture drags move the camera; returns the middle of the picture, too.
 fn steered(text: &str) -> (Window, Pos2) {
     let mut window = open(text, WINDOW);
