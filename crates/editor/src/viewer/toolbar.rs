@@ -131,7 +131,7 @@ fn region_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<
 
 fn space_ui(viewer: &mut Viewer, ui: &mut Ui) {
     let mut steers = viewer.scene.steers();
-    let camera = ui.toggle_value(&mut steers, "Camera").on_hover_text("Move the camera by dragging in the picture (C)");
+    let camera = ui.toggle_value(&mut steers, "Orbit").on_hover_text("Move the camera by dragging in the picture (C)");
     if camera.clicked() {
         viewer.scene.switch();
     }
