@@ -98,10 +98,14 @@ pub fn open(document: Option<&Path>, allow: &[PathBuf]) -> Result<(), OpenError>
             .with_min_inner_size([800.0, 500.0]),
         ..eframe::NativeOptions::default()
     };
+    let is_new = document.is_none();
     let (data, allow) = (eframe::storage_dir("trochoid"), allow.to_vec());
     let create = move |creation: &eframe::CreationContext<'_>| {
         let mut editor = Editor::new(&creation.egui_ctx, session, data.as_deref())?;
         editor.allow_all(&allow);
+        if is_new {
+            editor.welcome();
+        }
         let app: Box<dyn eframe::App> = Box::new(App::new(editor, creation.egui_ctx.clone(), creation.storage));
         Ok(app)
     };

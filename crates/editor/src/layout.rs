@@ -1,6 +1,6 @@
 //! Layout of the panels, and its storage.
 
-use crate::actions::Pane;
+use crate::actions::{Layout, Pane};
 use egui::ThemePreference;
 use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
 use std::collections::HashSet;
@@ -10,7 +10,7 @@ pub fn first() -> Tree<Pane> {
     let mut tiles = Tiles::default();
     let viewer = tiles.insert_pane(Pane::Viewer);
     let canvas = tiles.insert_pane(Pane::Canvas);
-    let side: Vec<TileId> = [Pane::Properties, Pane::Palette, Pane::Waves, Pane::Report, Pane::Text]
+    let side: Vec<TileId> = [Pane::Properties, Pane::Palette, Pane::Waves, Pane::Report, Pane::Text, Pane::Help]
         .map(|pane| tiles.insert_pane(pane))
         .into();
     let first = side[0];
@@ -32,6 +32,41 @@ pub fn bring(tree: &mut Tree<Pane>, pane: Pane) {
     };
     tree.set_visible(tile, true);
     tree.make_active(|id, _| id == tile);
+}
+
+/// Returns the arrangement of the panels that a layout is.
+pub fn arranged(layout: Layout) -> Tree<Pane> {
+    let mut tiles = Tiles::default();
+    let mut pane = |pane: Pane| tiles.insert_pane(pane);
+    let (viewer, canvas) = (pane(Pane::Viewer), pane(Pane::Canvas));
+    let first = match layout {
+        Layout::First => return first(),
+        Layout::Painting => Pane::Palette,
+        Layout::Animation => Pane::Properties,
+    };
+    // Panels that have no place of their own are tabs.
+    let placed = [Pane::Viewer, Pane::Canvas];
+    let others: Vec<TileId> = Pane::ALL.into_iter().filter(|other| !placed.contains(other)).map(&mut pane).collect();
+    let front = others.iter().copied().find(|id| tiles.get(*id) == Some(&Tile::Pane(first)));
+    let tabs = tiles.insert_tab_tile(others);
+    if let (Some(Tile::Container(Container::Tabs(tabs))), Some(front)) = (tiles.get_mut(tabs), front) {
+        tabs.set_active(front);
+    }
+    let mut binary = |direction, children, share| {
+        let linear = Linear::new_binary(direction, children, share);
+        tiles.insert_container(linear)
+    };
+    let root = match layout {
+        Layout::First | Layout::Painting => {
+            let side = binary(LinearDir::Vertical, [tabs, canvas], 0.6);
+            binary(LinearDir::Horizontal, [viewer, side], 0.66)
+        }
+        Layout::Animation => {
+            let top = binary(LinearDir::Horizontal, [viewer, canvas], 0.55);
+            binary(LinearDir::Vertical, [top, tabs], 0.6)
+        }
+    };
+    Tree::new("panels", root, tiles)
 }
 
 /// Version of the stored layout; increment when its meaning changes.

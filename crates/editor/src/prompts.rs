@@ -5,6 +5,7 @@ use crate::actions::After;
 use crate::document::Session;
 use crate::document::find::Entry;
 use crate::document::keep::UnsavedCopy;
+use crate::welcome::Welcome;
 use egui_file_dialog::{FileDialog, Filter};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -48,8 +49,27 @@ pub(crate) enum Prompt {
         chosen: usize,
     },
     Find(Search),
+    /// Templates and recent documents.
+    Welcome(Welcome),
+    /// What the user calls something that is kept.
+    Name(Naming),
     /// What to do with the colors of a dropped file of this name.
     Colors(String, Vec<(String, Value)>),
+}
+
+/// A name that is being typed.
+pub(crate) struct Naming {
+    pub(crate) of: Named,
+    pub(crate) text: String,
+    /// Names that are taken: whatever has one of them would be replaced.
+    pub(crate) taken: Vec<String>,
+}
+
+/// What is named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Named {
+    Preset,
+    Layout,
 }
 
 /// An open search in the document.
@@ -125,6 +145,18 @@ impl Prompts {
     /// Opens the command palette.
     pub(crate) fn palette(&mut self) {
         self.open = Some(Prompt::Palette { text: String::new(), chosen: 0 });
+    }
+
+    /// Shows templates and recent documents, unless something else is asked.
+    pub(crate) fn welcome(&mut self, recent: &[PathBuf]) {
+        if !self.is_open() {
+            self.open = Some(Prompt::Welcome(Welcome::new(recent)));
+        }
+    }
+
+    /// Asks for a name.
+    pub(crate) fn name(&mut self, of: Named, taken: Vec<String>) {
+        self.open = Some(Prompt::Name(Naming { of, text: String::new(), taken }));
     }
 
     /// Opens the search in the document, which has these places.

@@ -3,6 +3,9 @@
 use egui::text::{LayoutJob, TextFormat};
 use egui::{FontFamily, FontId, TextStyle, Ui};
 
+/// Size of monospace letters beside others, which look smaller at the same size.
+pub(crate) const MONOSPACE: f32 = 0.94;
+
 /// Lays out a text with the parts in backticks in a monospace font.
 pub(crate) fn prose(ui: &Ui, text: &str, style: &TextStyle, is_weak: bool) -> LayoutJob {
     let font = style.resolve(ui.style());
@@ -12,8 +15,7 @@ pub(crate) fn prose(ui: &Ui, text: &str, style: &TextStyle, is_weak: bool) -> La
     job.wrap.max_width = ui.available_width();
     for (index, part) in text.split('`').enumerate() {
         let family = if index % 2 == 1 { FontFamily::Monospace } else { font.family.clone() };
-        // Monospace letters look larger than others of the same size.
-        let size = if index % 2 == 1 { 0.94 * font.size } else { font.size };
+        let size = if index % 2 == 1 { MONOSPACE * font.size } else { font.size };
         job.append(part, 0.0, TextFormat::simple(FontId::new(size, family), color));
     }
     job

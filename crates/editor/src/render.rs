@@ -235,7 +235,7 @@ mod tests {
     fn a_run_that_is_stopped_says_where_its_files_are() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("new.json");
-        let text = crate::document::session::NEW.replace("1280", "32").replace("720", "18");
+        let text = crate::testing::RAMP.replace("1280", "32").replace("720", "18");
         std::fs::write(&file, text.replace("beauty.####.png", "made/beauty.####.png")).unwrap();
         std::fs::create_dir(folder.path().join("made")).unwrap();
         let graph = Session::open(&file).unwrap().meaning().graph.clone().unwrap();

@@ -7,6 +7,24 @@ use egui_kittest::Harness;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+/// A vertical color ramp.
+pub(crate) const RAMP: &str = r##"{
+  "trochoid": 1,
+  "format": { "width": 1280, "height": 720, "samples": 1 },
+  "working_space": "srgb",
+  "frames": { "first": 1, "last": 96, "fps": 24 },
+  "nodes": {
+    "down": { "type": "ScreenY" },
+    "sky": { "type": "Ramp", "weight": "down", "stops": [
+      { "at": 0, "color": "#2d3f52" }, { "at": 0.6, "color": "#b98a63" }, { "at": 1, "color": "#f0cf8e" }
+    ] }
+  },
+  "outputs": {
+    "beauty": { "color": "sky", "file": "beauty.####.png", "require": { "guarantee": "hull" } }
+  }
+}
+"##;
+
 /// A headless window with an editor.
 pub(crate) type Window = Harness<'static, Option<Editor>>;
 

@@ -7,6 +7,8 @@ use std::path::PathBuf;
 pub enum After {
     /// Start a new document.
     New,
+    /// Start a new document from the template of this name.
+    Template(&'static str),
     /// Ask which document to open.
     Ask,
     /// Open this document.

@@ -4,12 +4,16 @@
 mod after;
 mod color;
 mod grant;
+mod help;
+mod layout;
 mod line;
 mod pane;
 
 pub use after::After;
 pub use color::{OtherPalette, Tint};
 pub use grant::Grant;
+pub use help::HelpPage;
+pub use layout::Layout;
 pub use line::Line;
 pub use pane::Pane;
 
@@ -58,7 +62,7 @@ pub enum Action {
     Unpack,
     /// Copy the group that is entered, or that the selected node uses, from an included file into the document.
     MakeLocal,
-    /// Make the value at this place a knob of the group that is entered.
+    /// Make the value at this place a knob of the group that is entered, or else of the document.
     Promote(Path),
     /// View an output of the node of this name in the expanded document.
     Look(String, usize),
@@ -109,6 +113,12 @@ pub enum Action {
     Range(i64, i64),
     /// Start a new document.
     New,
+    /// Start a new document from the template of this name.
+    Template(&'static str),
+    /// Show templates and recent documents.
+    Welcome,
+    /// Remove a document from the list of recent ones.
+    ForgetRecent(PathBuf),
     /// Ask which document to open.
     Open,
     /// Open this document.
@@ -159,6 +169,10 @@ pub enum Action {
     Frames,
     /// Ask which node to add.
     AddNode,
+    /// Add a node of this type, connected to the selected one.
+    AddType(String),
+    /// Show a page of the help.
+    Help(HelpPage),
     /// Render the outputs of all frames in the range to their files.
     Render,
     /// Stop rendering.
@@ -177,6 +191,24 @@ pub enum Action {
     Viewer(Switch),
     /// Restore the initial panel layout.
     ResetPanels,
+    /// Arrange the panels.
+    Layout(Layout),
+    /// Arrange the panels as the user kept them under a name.
+    OwnLayout(String),
+    /// Ask for a name under which the layout is kept.
+    NameLayout,
+    /// Keep the layout under a name.
+    KeepLayout(String),
+    /// Delete a layout that the user kept.
+    ForgetLayout(String),
+    /// Ask for a name under which the knobs of the selected node are kept.
+    NamePreset,
+    /// Keep the knobs of the selected node under a name.
+    KeepPreset(String),
+    /// Give the selected nodes the knobs of a preset of their type.
+    Preset(String),
+    /// Delete a preset of a type.
+    ForgetPreset(String, String),
     /// Switch between the dark and the light theme.
     Theme,
     /// Show the user a notice.
@@ -188,7 +220,7 @@ pub enum Action {
 impl Action {
     /// Returns whether pending text in fields must be committed before this action.
     pub(crate) fn needs_all(&self) -> bool {
-        matches!(self, Self::Save | Self::SaveAs | Self::Render) || self.hides()
+        matches!(self, Self::Save | Self::SaveAs | Self::Render | Self::Preset(_)) || self.hides()
     }
 
     /// Returns whether this action removes fields from the screen, together with any refusals shown for them.
@@ -201,6 +233,7 @@ impl Action {
                 | Self::Visit(_)
                 | Self::GoTo(_)
                 | Self::New
+                | Self::Template(_)
                 | Self::Open
                 | Self::OpenFile(_)
                 | Self::Quit

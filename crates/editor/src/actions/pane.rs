@@ -17,12 +17,22 @@ pub enum Pane {
     Report,
     /// The document's text.
     Text,
+    /// The manual.
+    Help,
 }
 
 impl Pane {
     /// Every panel, in menu order.
-    pub const ALL: [Self; 7] =
-        [Self::Viewer, Self::Canvas, Self::Properties, Self::Palette, Self::Waves, Self::Report, Self::Text];
+    pub const ALL: [Self; 8] = [
+        Self::Viewer,
+        Self::Canvas,
+        Self::Properties,
+        Self::Palette,
+        Self::Waves,
+        Self::Report,
+        Self::Text,
+        Self::Help,
+    ];
 
     /// Returns the panel's title.
     pub fn title(self) -> &'static str {
@@ -34,6 +44,7 @@ impl Pane {
             Self::Waves => "Waves",
             Self::Report => "Report",
             Self::Text => "Text",
+            Self::Help => "Help",
         }
     }
 }

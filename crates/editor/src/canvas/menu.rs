@@ -3,7 +3,7 @@
 use super::Canvas;
 use super::plan::Plan;
 use super::search::Search;
-use crate::actions::{Action, Line};
+use crate::actions::{Action, HelpPage, Line};
 use crate::document::sheet::Backdrop;
 use crate::document::{Point, decor};
 use crate::state::State;
@@ -142,6 +142,14 @@ impl Canvas {
                     actions.push(Action::MakeLocal);
                 }
             }
+            if plan.sheet.nodes[node].side.is_none() && ui.button("Help").clicked() {
+                actions.push(Action::Help(HelpPage::Node(plan.sheet.nodes[node].ty.clone())));
+            }
+        }
+        if let Some(ty) = nodes.first().map(|node| plan.sheet.nodes[*node].ty.as_str())
+            && nodes.iter().all(|node| plan.sheet.nodes[*node].ty == ty && plan.sheet.nodes[*node].side.is_none())
+        {
+            self.presets_menu(ui, ty, nodes.len() == 1, actions);
             ui.separator();
         }
         if nodes.len() > 1 {

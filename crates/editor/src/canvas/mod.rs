@@ -17,6 +17,7 @@ mod pin;
 mod place;
 mod plan;
 mod popup;
+mod presets;
 mod route;
 mod search;
 #[cfg(test)]
@@ -26,6 +27,7 @@ mod wire;
 
 use crate::actions::{Action, Line};
 use crate::document::{Edit, Point, Sheet, edit};
+use crate::presets::Presets;
 use crate::state::State;
 use drag::Gesture;
 use egui::{Align2, Color32, Event, FontId, Key, Modifiers, MouseWheelUnit, PointerButton, Rect, Response, Sense};
@@ -57,6 +59,9 @@ pub struct Canvas {
     wants_backdrop: Option<String>,
     wants_search: bool,
     wants_replacement: bool,
+    presets: Arc<Presets>,
+    /// Type of a node to add on the next draw.
+    wants_type: Option<String>,
     /// Whether the next paste was requested from a menu, so it applies wherever the pointer is.
     wants_paste: bool,
     /// Screen area of each output's mark.
@@ -93,6 +98,16 @@ impl Canvas {
     /// Opens the search for a node to add on the next draw.
     pub fn search(&mut self) {
         self.wants_search = true;
+    }
+
+    /// Offers presets with the types of nodes, and in the menus of nodes.
+    pub(crate) fn offer_presets(&mut self, presets: Arc<Presets>) {
+        self.presets = presets;
+    }
+
+    /// Adds a node of a type on the next draw, connected to the selected one.
+    pub fn add_type(&mut self, name: String) {
+        self.wants_type = Some(name);
     }
 
     /// Opens the search for a replacement of the selected node on the next draw.
@@ -445,6 +460,7 @@ pub fn canvas_ui(canvas: &mut Canvas, ui: &mut Ui, state: &State, actions: &mut 
     let background = ui.interact(rect, ui.id().with("background"), Sense::click_and_drag());
     background.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "Graph"));
     canvas.navigate(ui, &background);
+    canvas.add_wanted(&plan, state, actions);
     canvas.advance(&mut plan, ui, state, actions);
     canvas.ground(ui);
     canvas.backdrops_ui(&plan, ui);

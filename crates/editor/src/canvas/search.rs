@@ -4,9 +4,10 @@ use super::Canvas;
 use super::connect::{self, NewNodeLink};
 use super::place;
 use super::plan::Plan;
-use crate::actions::Action;
+use crate::actions::{Action, HelpPage};
 use crate::choice::{matches, moved};
 use crate::document::edit;
+use crate::presets::Presets;
 use crate::state::State;
 use crate::theme;
 use egui::{Area, Button, Color32, Frame, Id, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui};
@@ -31,6 +32,22 @@ enum Purpose {
     Replace(String),
 }
 
+/// What can be chosen: a type, or a preset of one.
+#[derive(Clone)]
+struct Found {
+    known: &'static Declaration,
+    preset: Option<String>,
+}
+
+impl Found {
+    fn name(&self) -> String {
+        match &self.preset {
+            Some(preset) => format!("{}: {preset}", self.known.name),
+            None => self.known.name.into(),
+        }
+    }
+}
+
 impl Search {
     fn new(at: Pos2, purpose: Purpose) -> Self {
         Self { at, text: String::new(), chosen: 0, purpose, fresh: true }
@@ -41,8 +58,8 @@ impl Search {
         Self::new(at, Purpose::Replace(name.into()))
     }
 
-    /// Returns the matching types, best first.
-    fn found(&self, plan: &Plan) -> Vec<&'static Declaration> {
+    /// Returns the matching types and presets, best first.
+    fn found(&self, plan: &Plan, presets: &Presets) -> Vec<Found> {
         let library = &plan.sheet.library;
         // Groups are used like types.
         // A group cannot contain itself.
@@ -60,8 +77,17 @@ impl Search {
         // Those that take the output themselves come first.
         let mut all = all;
         all.sort_by_key(|known| self.conversion(plan, known).is_some());
-        let names = all.iter().enumerate().map(|(index, known)| (index, known.name));
-        matches(&self.text, names).into_iter().map(|index| all[index]).collect()
+        let all: Vec<Found> = all.into_iter().flat_map(|known| self.with_presets(known, presets)).collect();
+        let names: Vec<String> = all.iter().map(Found::name).collect();
+        let names = names.iter().enumerate().map(|(index, name)| (index, name.as_str()));
+        matches(&self.text, names).into_iter().map(|index| all[index].clone()).collect()
+    }
+
+    /// Returns a type, and its presets if a node is added.
+    fn with_presets(&self, known: &'static Declaration, presets: &Presets) -> Vec<Found> {
+        let own = presets.get(known.name).filter(|_| matches!(self.purpose, Purpose::Add(_)));
+        let own = own.into_iter().flatten().map(|name| Found { known, preset: Some(name.clone()) });
+        std::iter::once(Found { known, preset: None }).chain(own).collect()
     }
 
     /// Returns the conversion that a node of this type would get before it.
@@ -96,18 +122,31 @@ impl Canvas {
         let shown = area.constrain_to(ui.ctx().content_rect()).show(ui.ctx(), |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_width(240.0);
-                taken = list_ui(&mut search, plan, ui);
+                taken = list_ui(&mut search, plan, &self.presets, ui, actions);
             });
         });
         let (escape, pressed) = ui.input(|input| (input.key_pressed(Key::Escape), input.pointer.any_pressed()));
         match taken {
-            Some(declaration) => self.take(&search, plan, state, declaration, actions),
+            Some(Found { known, preset }) => {
+                self.take(&search, plan, state, known, actions);
+                actions.extend(preset.map(Action::Preset));
+            }
             None if std::mem::take(&mut search.fresh) => {
                 self.search = Some(search);
                 ui.ctx().request_repaint();
             }
             None if escape || pressed && !shown.response.contains_pointer() => {}
             None => self.search = Some(search),
+        }
+    }
+
+    /// Adds the node that was asked for elsewhere.
+    pub(super) fn add_wanted(&mut self, plan: &Plan, state: &State, actions: &mut Vec<Action>) {
+        let Some(name) = self.wants_type.take() else { return };
+        let known = registry().get(&name).map(|ty| ty.declaration()).or_else(|| plan.sheet.library.face(&name));
+        if let Some(declaration) = known {
+            let search = Search::new(self.view.rect.center(), Purpose::Add(NewNodeLink::Nothing));
+            self.take(&search, plan, state, declaration, actions);
         }
     }
 
@@ -144,10 +183,16 @@ impl Canvas {
     }
 }
 
-fn list_ui(search: &mut Search, plan: &Plan, ui: &mut Ui) -> Option<&'static Declaration> {
+fn list_ui(
+    search: &mut Search,
+    plan: &Plan,
+    presets: &Presets,
+    ui: &mut Ui,
+    actions: &mut Vec<Action>,
+) -> Option<Found> {
     let id = Id::new("node search");
     // Read the arrow keys before the text field sees them.
-    let found = search.found(plan);
+    let found = search.found(plan, presets);
     search.chosen = moved(ui, search.chosen, found.len());
     let title = search.title();
     let field = TextEdit::singleline(&mut search.text).id(id).hint_text(title.as_str()).desired_width(f32::INFINITY);
@@ -157,36 +202,41 @@ fn list_ui(search: &mut Search, plan: &Plan, ui: &mut Ui) -> Option<&'static Dec
     field.request_focus();
     let found = if field.changed() {
         search.chosen = 0;
-        search.found(plan)
+        search.found(plan, presets)
     } else {
         found
     };
     let mut taken = None;
     ScrollArea::vertical().max_height(260.0).auto_shrink([false, true]).show(ui, |ui| {
-        for (index, known) in found.iter().enumerate() {
+        for (index, own) in found.iter().enumerate() {
+            let (known, name) = (own.known, own.name());
             let kind = known.outputs.first().map(|output| output.kind);
-            let mut button = Button::selectable(index == search.chosen, format!("    {}", known.name));
+            let mut button = Button::selectable(index == search.chosen, format!("    {name}"));
             if let Some(ty) = search.conversion(plan, known) {
                 button = button.shortcut_text(format!("with {}", ty.name));
             }
             let row = ui.add(button.min_size(vec2(ui.available_width(), 0.0)));
             ui.painter().circle_filled(row.rect.left_center() + vec2(9.0, 0.0), 3.5, theme::kind(kind));
-            row.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, index == search.chosen, known.name));
+            row.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, index == search.chosen, &name));
             if index == search.chosen && (field.changed() || moving(ui)) {
                 row.scroll_to_me(None);
             }
             if row.clicked() {
-                taken = Some(*known);
+                taken = Some(own.clone());
             }
             row.on_hover_text(known.summary);
         }
     });
     match found.get(search.chosen) {
-        Some(known) => {
+        Some(own) => {
             ui.separator();
-            ui.label(RichText::new(known.summary).small());
+            ui.label(RichText::new(own.known.summary).small());
+            let help = ui.small_button("Help").on_hover_text("Explain this type in the Help panel (F1)");
+            if help.clicked() || ui.input(|input| input.key_pressed(Key::F1)) {
+                actions.push(Action::Help(HelpPage::Node(own.known.name.into())));
+            }
             if enter {
-                taken = Some(known);
+                taken = Some(own.clone());
             }
         }
         None => drop(ui.colored_label(Color32::GRAY, "No node type matches.")),

@@ -1,10 +1,11 @@
 //! Table of all commands; menus, shortcuts, and the command palette are built from it.
 
 mod groups;
+mod help;
 mod scene;
 mod space;
 
-use crate::actions::{Action, Line, Pane, Switch};
+use crate::actions::{Action, Layout, Line, Pane, Switch};
 use crate::state::State;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use space::PLAY;
@@ -67,16 +68,24 @@ fn several(state: &State) -> bool {
 }
 
 /// The menus, from left to right.
-pub const MENUS: [&str; 5] = ["File", "Edit", "Graph", "Viewer", "Window"];
+pub const MENUS: [&str; 6] = ["File", "Edit", "Graph", "Viewer", "Window", "Help"];
 
 /// Returns every command; those of a menu are in its order.
 pub fn commands() -> impl Iterator<Item = &'static Command> {
-    COMMANDS.iter().chain(groups::GROUPS).chain(scene::SCENE)
+    COMMANDS.iter().chain(groups::GROUPS).chain(scene::SCENE).chain(help::HELP)
 }
 
 /// The other commands, in menu order.
 pub static COMMANDS: &[Command] = &[
     command("File", "New", keys(COMMAND, Key::N), "Start a new document.", |_| Action::New, always),
+    command(
+        "File",
+        "Welcome",
+        None,
+        "Show the scenes that are templates, and recent documents.",
+        |_| Action::Welcome,
+        always,
+    ),
     command("File", "Open …", keys(COMMAND, Key::O), "Open a document.", |_| Action::Open, always),
     command("File", "Save", keys(COMMAND, Key::S), "Save the document.", |_| Action::Save, always),
     command("File", "Save as …", keys(SHIFTED, Key::S), "Save to another file.", |_| Action::SaveAs, always),
@@ -452,6 +461,39 @@ pub static COMMANDS: &[Command] = &[
     ),
     command("Window", "Show text", None, "Show the document's text.", |_| Action::Panel(Pane::Text), always),
     command("Window", "Reset panels", None, "Restore the initial panel layout.", |_| Action::ResetPanels, always),
+    command(
+        "Window",
+        "Default layout",
+        None,
+        "Arrange the panels as in the beginning.",
+        |_| Action::Layout(Layout::First),
+        always,
+    ),
+    command(
+        "Window",
+        "Painting layout",
+        None,
+        "Arrange the panels for colors: a large picture, and the palette beside it.",
+        |_| Action::Layout(Layout::Painting),
+        always,
+    ),
+    command(
+        "Window",
+        "Animation layout",
+        None,
+        "Arrange the panels for movement: picture and graph side by side, above wide panels.",
+        |_| Action::Layout(Layout::Animation),
+        always,
+    ),
+    command(
+        "Window",
+        "Save layout …",
+        None,
+        "Keep the arrangement of the panels under a name.",
+        |_| Action::NameLayout,
+        always,
+    ),
+    command("Window", "Show help", None, "Show the manual.", |_| Action::Panel(Pane::Help), always),
     command("Window", "Dark or light", None, "Switch between the dark and the light theme.", |_| Action::Theme, always),
 ];
 

@@ -163,10 +163,10 @@ mod tests {
     use super::*;
     use crate::document::Session;
     use crate::document::edit::{deleted, renamed};
-    use crate::document::session::NEW;
+    use crate::testing::RAMP;
 
     fn new() -> Session {
-        Session::new(NEW.into(), None)
+        Session::new(RAMP.into(), None)
     }
 
     fn pin(sheet: &Sheet) -> (usize, usize) {
@@ -191,7 +191,7 @@ mod tests {
         session.undo();
         session.undo();
         session.undo();
-        assert_eq!(session.text(), NEW);
+        assert_eq!(session.text(), RAMP);
     }
 
     #[test]
@@ -206,7 +206,7 @@ mod tests {
     #[test]
     fn dots_stay_with_the_elements_of_a_list() {
         let text =
-            NEW.replace("\"down\": {", "\"all\": { \"type\": \"Stack\", \"layers\": [0, 1, 2, 3] },\n    \"down\": {");
+            RAMP.replace("\"down\": {", "\"all\": { \"type\": \"Stack\", \"layers\": [0, 1, 2, 3] },\n    \"down\": {");
         let text = text.replacen(
             '{',
             "{ \"ui\": { \"wires\": { \"all.layers[0]\": [[0, 0]], \"all.layers[1]\": [[1, 1]], \

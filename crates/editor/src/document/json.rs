@@ -201,6 +201,13 @@ pub fn place(text: &str, path: &Path) -> Option<[usize; 2]> {
     Some([before.matches('\n').count() + 1, before[line..].chars().count() + 1])
 }
 
+/// Returns the text of a value, as it is written.
+pub fn written<'t>(text: &'t str, path: &Path) -> Option<&'t str> {
+    let parsed = parse_to_ast(text, &CollectOptions::default(), &STRICT).ok()?;
+    let root = parsed.value?;
+    descend(&root, &path.0).and_then(|value| text.get(value.start()..value.end()))
+}
+
 fn in_lines(text: &str, op: &Op) -> Result<Splice, Misplaced> {
     let parsed = parse_to_ast(text, &CollectOptions::default(), &STRICT)?;
     let root = parsed.value.ok_or(Misplaced::Empty)?;

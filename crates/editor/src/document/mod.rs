@@ -20,6 +20,7 @@ pub mod relocate;
 pub mod session;
 pub mod sheet;
 pub mod swatches;
+pub mod template;
 #[cfg(test)]
 pub(crate) mod tests;
 mod trial;

@@ -35,6 +35,8 @@ pub enum SaveError {
 pub struct Session {
     text: String,
     file: Option<PathBuf>,
+    /// Folder that paths are relative to as long as there is no file; `None` is the current one.
+    base: Option<PathBuf>,
     history: History,
     revision: u64,
     meaning: Meaning,
@@ -43,23 +45,8 @@ pub struct Session {
     access: Access,
 }
 
-/// Document shown in a new window: a vertical color ramp to start from.
-pub const NEW: &str = r##"{
-  "trochoid": 1,
-  "format": { "width": 1280, "height": 720, "samples": 1 },
-  "working_space": "srgb",
-  "frames": { "first": 1, "last": 96, "fps": 24 },
-  "nodes": {
-    "down": { "type": "ScreenY" },
-    "sky": { "type": "Ramp", "weight": "down", "stops": [
-      { "at": 0, "color": "#2d3f52" }, { "at": 0.6, "color": "#b98a63" }, { "at": 1, "color": "#f0cf8e" }
-    ] }
-  },
-  "outputs": {
-    "beauty": { "color": "sky", "file": "beauty.####.png", "require": { "guarantee": "hull" } }
-  }
-}
-"##;
+/// Document shown in a new window: a sea to start from.
+pub const NEW: &str = include_str!("../../templates/new.json");
 
 impl Session {
     /// Creates a session for a text and the file it came from. The path is made absolute, because backups and
@@ -71,10 +58,19 @@ impl Session {
             access: Access::usual(&folder_of(file.as_deref())),
             text,
             file,
+            base: None,
             history: History::default(),
             revision: 0,
             meaning: Meaning::default(),
         };
+        session.understand();
+        session
+    }
+
+    /// Creates a session for a document without a file, whose paths are relative to a folder until it is saved.
+    pub fn based(text: String, folder: &Path) -> Self {
+        let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.into());
+        let mut session = Self { access: Access::usual(&folder), base: Some(folder), ..Self::new(text, None) };
         session.understand();
         session
     }
@@ -127,7 +123,10 @@ impl Session {
 
     /// Returns the folder that paths in the document are relative to.
     pub fn folder(&self) -> PathBuf {
-        folder_of(self.file.as_deref())
+        match (&self.file, &self.base) {
+            (None, Some(base)) => base.clone(),
+            (file, _) => folder_of(file.as_deref()),
+        }
     }
 
     /// Returns the files that the document may access; initially [`Access::usual`].

@@ -6,6 +6,7 @@ use crate::actions::{Action, After, Pane};
 use crate::document::sheet::{FAR, Side};
 use crate::document::{edit, group, output};
 use crate::layout;
+use crate::prompts::Named;
 use egui::Context;
 use std::collections::BTreeSet;
 
@@ -52,6 +53,9 @@ impl Editor {
             Action::Onion(on) => state.look.onion = on,
             Action::Range(first, last) => state.range = (first.min(last), first.max(last)),
             Action::New => self.leave(After::New, context),
+            Action::Template(name) => self.leave(After::Template(name), context),
+            Action::Welcome => self.welcome(),
+            Action::ForgetRecent(file) => self.forget_recent(&file),
             Action::Open => self.leave(After::Ask, context),
             Action::OpenFile(file) => self.leave(After::Open(file), context),
             Action::Quit => self.leave(After::Close, context),
@@ -85,6 +89,8 @@ impl Editor {
             Action::AskPaste => self.ask_paste(context),
             Action::Frames => self.panels.canvas.frame(),
             Action::AddNode => self.panels.canvas.search(),
+            Action::AddType(name) => self.add_type(name),
+            Action::Help(page) => self.help(page),
             Action::Render => self.render(context),
             Action::Allow(grant) => self.allow(grant),
             Action::ShowAllowed => self.prompts.allowed(),
@@ -94,6 +100,15 @@ impl Editor {
             Action::Viewer(switch) => self.panels.viewer.switch(switch, &self.state),
             Action::Panel(pane) => layout::bring(&mut self.tree, pane),
             Action::ResetPanels => self.tree = layout::first(),
+            Action::Layout(layout) => self.tree = layout::arranged(layout),
+            Action::OwnLayout(name) => self.own_layout(&name),
+            Action::NameLayout => self.prompts.name(Named::Layout, self.layouts.names()),
+            Action::KeepLayout(name) => self.keep_layout(name, context),
+            Action::ForgetLayout(name) => self.forget_layout(&name),
+            Action::NamePreset => self.name_preset(),
+            Action::KeepPreset(name) => self.keep_preset(&name),
+            Action::Preset(name) => self.apply_preset(&name),
+            Action::ForgetPreset(ty, name) => self.forget_preset(&ty, &name),
             Action::Theme => switch_theme(context),
             Action::Notice(text) => {
                 self.notices.info(text);

@@ -172,7 +172,11 @@ impl Editor {
     }
 
     /// Applies a change if the text is JSON; returns its result if it was made.
-    fn make<T>(&mut self, edit: Edit, change: impl FnOnce(&mut Session, Edit) -> Result<T, Misplaced>) -> Option<T> {
+    pub(super) fn make<T>(
+        &mut self,
+        edit: Edit,
+        change: impl FnOnce(&mut Session, Edit) -> Result<T, Misplaced>,
+    ) -> Option<T> {
         if !self.state.session.meaning().readable {
             // At most one notice per 5 seconds, however fast the user types.
             if self.complained.is_none_or(|since| since.elapsed() > Duration::from_secs(5)) {

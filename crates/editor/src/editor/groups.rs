@@ -86,7 +86,7 @@ impl Editor {
         }
     }
 
-    /// Makes the value at a place in the entered group a knob of the group.
+    /// Makes the value at a place a knob of the entered group, or of the document.
     pub(super) fn promote(&mut self, place: &Path) {
         let sheet = self.state.sheet().clone();
         let name = match place.0.get(1) {
@@ -95,7 +95,18 @@ impl Editor {
         };
         let items = sheet.node(name).and_then(|node| node.declaration).map_or(&[][..], |known| known.items);
         let declared = group::declared_at(items, place.0.get(2..).unwrap_or_default());
-        match group::promoted(&sheet, place, declared) {
+        let is_inside = sheet.within.is_some();
+        let promoted = match is_inside {
+            true => group::promoted(&sheet, place, declared),
+            false => group::promoted_to_document(&sheet, place, declared),
+        };
+        match promoted {
+            Ok((edit, knob)) if !is_inside => {
+                self.state.session.seal();
+                self.edit(edit);
+                self.state.session.seal();
+                self.notices.info(format!("\"{knob}\" is a knob of the document now: select nothing to see it"));
+            }
             Ok((edit, knob)) => {
                 self.state.session.seal();
                 self.edit(edit);

@@ -26,7 +26,8 @@ impl Editor {
     /// Performs the next step, discarding unsaved work.
     pub(crate) fn go(&mut self, after: After, context: &Context) {
         match after {
-            After::New => self.start(Session::new(crate::document::session::NEW.into(), None), context),
+            After::New => self.start_new(context),
+            After::Template(name) => self.start_template(name, context),
             After::Ask => self.prompts.ask_open(&self.state.session),
             After::Open(file) => match Session::open(&file) {
                 Ok(session) => {

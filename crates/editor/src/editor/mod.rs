@@ -6,11 +6,15 @@ mod colors;
 mod dropped;
 mod find;
 mod groups;
+mod help;
+mod layouts;
 mod leave;
 mod painting;
 mod pictures;
 mod play;
+mod presets;
 mod rendering;
+mod welcome;
 
 use crate::actions::{Action, Grant, Pane};
 use crate::canvas::Canvas;
@@ -18,7 +22,9 @@ use crate::commands::Space;
 use crate::document::keep::{Keeper, UnsavedCopy, discard, kept};
 use crate::document::{Session, Sheet};
 use crate::evaluate::{Painter, Worker};
+use crate::help::Help;
 use crate::layout;
+use crate::layouts::Layouts;
 use crate::notices::Notices;
 use crate::palette::Palette;
 use crate::prompts::Prompts;
@@ -52,6 +58,8 @@ pub struct Editor {
     /// Time of the last notice about text that is not JSON.
     complained: Option<Instant>,
     pub(crate) recent: Vec<PathBuf>,
+    /// Layouts that the user kept.
+    pub(crate) layouts: Layouts,
     /// Paths that every document may access in this run.
     allowed: Vec<PathBuf>,
     /// Permissions of this document, newest first; stored if the document has a file.
@@ -101,6 +109,7 @@ pub(crate) struct Panels {
     pub(crate) waves: Waves,
     pub(crate) report: Report,
     pub(crate) text: TextPanel,
+    pub(crate) help: Help,
 }
 
 impl Editor {
@@ -111,6 +120,7 @@ impl Editor {
     /// Fails if the system cannot start a thread.
     pub fn new(context: &Context, session: Session, data: Option<&Path>) -> std::io::Result<Self> {
         crate::theme::install(context);
+        crate::fonts::install(context);
         crate::turns::install(context);
         let wake = context.clone();
         let worker = Worker::new(move || wake.request_repaint())?;
@@ -126,6 +136,7 @@ impl Editor {
             notices: Notices::default(),
             complained: None,
             recent,
+            layouts: data.map(Layouts::read).unwrap_or_default(),
             allowed: Vec::new(),
             answers: Vec::new(),
             worker,
@@ -344,6 +355,7 @@ impl Editor {
             self.recent = crate::recent::add(data, file);
         }
         self.panels.canvas = Canvas::default();
+        self.read_presets();
         self.asked.what = None;
         self.asked.thumbnails = Default::default();
         context.request_repaint();

@@ -22,6 +22,8 @@ pub(crate) struct Properties {
     pub(super) dialog: Option<egui_file_dialog::FileDialog>,
     /// Value that is being linked, before it has a link.
     pub(super) linking: Option<Linking>,
+    /// Declarations of the document's knobs, at a revision.
+    pub(super) document_knobs: Option<(u64, &'static [trochoid::Item])>,
     sought: Option<Sought>,
 }
 

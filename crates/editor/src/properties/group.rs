@@ -15,14 +15,14 @@ use trochoid::{INPUT_ACCEPTS, Item, Knob, input_kind, registry};
 
 /// Why a name cannot be that of a group, of an input, or of a knob.
 #[derive(Debug, thiserror::Error)]
-enum WrongName {
+pub(super) enum WrongName {
     #[error("a name of a–z, A–Z, 0–9 and _ that does not start with a digit")]
     Illegal,
     #[error("another name: this one is taken")]
     Taken,
 }
 
-fn name_of(typed: &str, is_taken: impl Fn(&str) -> bool) -> Result<String, WrongName> {
+pub(super) fn name_of(typed: &str, is_taken: impl Fn(&str) -> bool) -> Result<String, WrongName> {
     let name = typed.trim();
     let is_legal = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
@@ -102,7 +102,7 @@ pub(super) fn use_ui(panel: &mut Properties, ui: &mut Ui, state: &State, node: &
 }
 
 /// Returns whether the widgets of knobs can show a value: it is constant or keyed.
-fn is_plain(value: &Value) -> bool {
+pub(super) fn is_plain(value: &Value) -> bool {
     match value {
         Value::String(text) => !is_link(text),
         Value::Array(items) => items.iter().all(Value::is_number),
@@ -117,7 +117,13 @@ fn is_plain(value: &Value) -> bool {
 struct NoValue;
 
 /// Draws a knob whose value is a link, or a list of anything, as it is written.
-fn written_ui(ui: &mut Ui, declared: &Knob, shown: &Value, place: &WidgetContext<'_>, actions: &mut Vec<Action>) {
+pub(super) fn written_ui(
+    ui: &mut Ui,
+    declared: &Knob,
+    shown: &Value,
+    place: &WidgetContext<'_>,
+    actions: &mut Vec<Action>,
+) {
     ui.horizontal_wrapped(|ui| {
         let label = label_ui(ui, declared.name, declared.help, place.value.is_some());
         label.context_menu(|ui| {

@@ -68,6 +68,21 @@ pub(super) fn help(knob: &Knob, default: &Value) -> String {
     format!("{}\n\n{}; {default}.", knob.help, knob.takes_in_words())
 }
 
+/// Draws the entry of a value's menu that makes it a knob of the group that is entered, or of the document.
+pub(super) fn promote_ui(ui: &mut Ui, place: &WidgetContext<'_>, actions: &mut Vec<Action>) {
+    let (name, help) = match place.state.sheet().within {
+        Some(_) => ("Make it a knob of the group", "Each use of the group can set it then; this value is the default"),
+        None => (
+            "Make it a knob of the document",
+            "It is set in the document's properties then, and other knobs can follow it",
+        ),
+    };
+    if ui.button(name).on_hover_text(help).clicked() {
+        actions.push(Action::Promote(place.path.clone()));
+        ui.close();
+    }
+}
+
 fn menu_ui(
     panel: &mut Properties,
     ui: &mut Ui,
@@ -83,12 +98,8 @@ fn menu_ui(
         ui.close();
     }
     link::menu_ui(panel, ui, place);
-    if place.state.sheet().within.is_some() && place.path.0.first() == Some(&"nodes".into()) {
-        let promote = ui.button("Make it a knob of the group");
-        if promote.on_hover_text("Each use of the group can set it then; this value is the default").clicked() {
-            actions.push(Action::Promote(place.path.clone()));
-            ui.close();
-        }
+    if place.path.0.first() == Some(&"nodes".into()) {
+        promote_ui(ui, place, actions);
     }
     if ui.button("Copy value").clicked() {
         ui.ctx().copy_text(crate::document::change::style(shown));

@@ -2,6 +2,7 @@
 
 mod color;
 mod context;
+mod document_knobs;
 mod group;
 mod key;
 mod knob;
@@ -180,7 +181,7 @@ fn wrong_name(name: &str, sheet: &crate::document::Sheet) -> Option<WrongName> {
 }
 
 /// Draws the properties of the document: format, frames, and working space.
-fn document_ui(panel: &Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+fn document_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
     ui.label(RichText::new("Document").heading());
     ui.weak("Select a node to see its knobs.");
@@ -237,6 +238,8 @@ fn document_ui(panel: &Properties, ui: &mut Ui, state: &State, actions: &mut Vec
             }
         }
     });
+    ui.separator();
+    document_knobs::knobs_ui(panel, ui, state, actions);
     ui.separator();
     output::outputs_ui(ui, state, actions);
     ui.separator();

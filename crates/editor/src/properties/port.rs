@@ -61,12 +61,8 @@ fn source_ui(
                 link::menu_ui(panel, ui, place);
             }
             let is_literal = connected.is_none() && place.value.is_some();
-            if place.state.sheet().within.is_some() && is_literal {
-                let promote = ui.button("Make it a knob of the group");
-                if promote.on_hover_text("Each use of the group can set it then; this value is the default").clicked() {
-                    actions.push(Action::Promote(place.path.clone()));
-                    ui.close();
-                }
+            if is_literal {
+                knob::promote_ui(ui, place, actions);
             }
         });
         panel.mark(ui, &place.path, &label);

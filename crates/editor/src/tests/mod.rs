@@ -1,9 +1,11 @@
+mod document_knobs;
 mod drops;
 mod files;
 mod find;
 mod formulas;
 mod graph;
 mod groups;
+mod help;
 mod keys;
 mod lasting;
 mod leaving;
@@ -12,14 +14,17 @@ mod modules;
 mod palette;
 mod panels;
 mod play;
+mod presets;
 mod reach;
 mod safety;
 mod several;
 #[cfg(feature = "snapshots")]
 mod snapshots;
+mod steady;
 mod told;
 mod typing;
 mod versions;
+mod welcome;
 
 use crate::document::Session;
 

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Modules of the panels.
-const PANELS: [&str; 8] = ["canvas", "palette", "properties", "report", "text_panel", "timeline", "viewer", "waves"];
+const PANELS: [&str; 9] =
+    ["canvas", "help", "palette", "properties", "report", "text_panel", "timeline", "viewer", "waves"];
 
 /// Modules above the panels, which combine them.
 const ABOVE: [&str; 2] = ["editor", "window"];

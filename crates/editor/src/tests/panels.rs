@@ -144,6 +144,7 @@ fn all_panels_can_be_shown_in_both_themes() {
             Pane::Waves => "The document has no sea. Add a GerstnerSea or a ToonSea (Tab in the graph).",
             Pane::Report => "Left out",
             Pane::Text => "Revert",
+            Pane::Help => "Keys and commands",
         };
         window.query_by_label(label).is_some()
     };

@@ -5,11 +5,13 @@ mod allowed;
 mod find;
 mod leave;
 mod modal;
+mod name;
 mod palette;
 mod questions;
 mod recover;
+mod welcome;
 
-use crate::actions::{Action, Pane};
+use crate::actions::{Action, Layout as LayoutChoice, Pane};
 use crate::commands::{MENUS, commands};
 use crate::document::VersionStatus;
 use crate::editor::{Editor, Panels};
@@ -79,6 +81,7 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::Palette => crate::palette::palette_ui(&mut panels.palette, ui, state, actions),
             Pane::Waves => crate::waves::waves_ui(&mut panels.waves, ui, state, actions),
             Pane::Report => crate::report::report_ui(&mut panels.report, ui, state, actions),
+            Pane::Help => crate::help::help_ui(&mut panels.help, ui, state, actions),
             Pane::Text => crate::text_panel::text_panel_ui(&mut panels.text, ui, state, actions),
         });
         UiResponse::None
@@ -107,9 +110,12 @@ fn menus_ui(editor: &Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
                         actions.push((command.action)(&editor.state));
                     }
                 }
+                if menu == "Window" {
+                    layouts_ui(editor, ui, actions);
+                }
                 if menu == "File" && !editor.recent.is_empty() {
                     ui.menu_button("Open recent", |ui| {
-                        for file in &editor.recent {
+                        for file in editor.recent.iter().filter(|file| file.is_file()) {
                             let name = file.file_name().unwrap_or_default().to_string_lossy();
                             if ui.button(name).on_hover_text(file.display().to_string()).clicked() {
                                 actions.push(Action::OpenFile(file.clone()));
@@ -122,6 +128,39 @@ fn menus_ui(editor: &Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.weak(editor.title());
         });
+    });
+}
+
+/// Draws the menu of layouts.
+fn layouts_ui(editor: &Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
+    ui.menu_button("Layout", |ui| {
+        for layout in LayoutChoice::ALL {
+            if ui.button(layout.name()).clicked() {
+                actions.push(Action::Layout(layout));
+            }
+        }
+        let own = editor.layouts.names();
+        if !own.is_empty() {
+            ui.separator();
+        }
+        for name in &own {
+            if ui.button(name).clicked() {
+                actions.push(Action::OwnLayout(name.clone()));
+            }
+        }
+        ui.separator();
+        if ui.button("Save layout …").clicked() {
+            actions.push(Action::NameLayout);
+        }
+        if !own.is_empty() {
+            ui.menu_button("Delete layout", |ui| {
+                for name in own {
+                    if ui.button(&name).clicked() {
+                        actions.push(Action::ForgetLayout(name));
+                    }
+                }
+            });
+        }
     });
 }
 

@@ -1,7 +1,7 @@
 //! Draws the open prompt and performs the answer.
 
 use super::modal::titled;
-use super::{allowed, find, leave, palette as commands, recover};
+use super::{allowed, find, leave, name, palette as commands, recover, welcome};
 use crate::actions::{Action, After, Pane};
 use crate::document::edit::count;
 use crate::document::{palette, palette_file, swatches};
@@ -27,6 +27,8 @@ pub(super) fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut V
         Prompt::Allowed => allowed::allowed_ui(editor, context).then_some(Prompt::Allowed),
         Prompt::Palette { text, chosen } => commands::palette_ui(editor, context, text, chosen, actions),
         Prompt::Colors(file, colors) => colors_ui(editor, context, file, colors, actions),
+        Prompt::Welcome(shown) => welcome::welcome_ui(context, shown, actions),
+        Prompt::Name(naming) => name::name_ui(context, naming, actions),
         Prompt::Find(search) => find::find_ui(context, search, actions),
     };
     // An answer may have opened another prompt.

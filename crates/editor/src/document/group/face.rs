@@ -3,6 +3,7 @@
 use super::library::{Group, Library, object};
 use super::link;
 use crate::document::color::is_color;
+use crate::document::sheet::Sheet;
 use serde_json::Value;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -92,6 +93,45 @@ pub(super) fn with_lists(face: &'static Declaration, body: &Value) -> &'static D
         item => *item,
     });
     declared(*face, items.collect(), face.outputs.to_vec())
+}
+
+/// Returns the declarations of the knobs of a document, which are like what is linked to them.
+pub fn document_knobs(sheet: &Sheet) -> Vec<Item> {
+    // The document stands for a group of its nodes, and values for defaults.
+    let nodes = sheet.value.get("nodes").cloned().unwrap_or_default();
+    let document = Group { body: serde_json::json!({ "nodes": nodes }), file: None };
+    let knobs = sheet.value.get("knobs").and_then(Value::as_object).into_iter().flatten();
+    let knob = |(name, written): (&String, &Value)| {
+        let mut described = written.clone();
+        if let Some(entries) = described.as_object_mut()
+            && let Some(value) = entries.remove("value")
+        {
+            entries.insert("default".into(), value);
+        }
+        // Without a default, it has always a value of its own.
+        Item::Knob(Knob { default: None, ..knob_of(&sheet.library, &document, name, &described) })
+    };
+    knobs.map(knob).collect()
+}
+
+/// Keeps declarations as long as the program.
+pub fn kept_items(items: Vec<Item>) -> &'static [Item] {
+    let base = Declaration {
+        name: "",
+        end: End::Back,
+        summary: "",
+        formula: "",
+        edge_cases: "",
+        source: "",
+        items: &[],
+        outputs: &[],
+        role: None,
+        offers: &[],
+        reads: None,
+        aliases: &[],
+        revision: 0,
+    };
+    declared(base, items, Vec::new()).items
 }
 
 fn knob_of(library: &Library, group: &Group, name: &str, written: &Value) -> Knob {

@@ -113,7 +113,7 @@ pub fn relinked_to(sheet: &Sheet, from: &str, to: &str) -> Vec<Op> {
 }
 
 /// Rewrites links to a knob of a node, or to all of its knobs, below a path.
-fn relinked(sheet: &Sheet, at: &Path, from: (&str, Option<&str>), to: (&str, &str), ops: &mut Vec<Op>) {
+pub(super) fn relinked(sheet: &Sheet, at: &Path, from: (&str, Option<&str>), to: (&str, &str), ops: &mut Vec<Op>) {
     let mut new = |text: &str| {
         let linked = link::replaced::<()>(text, |node, knob| {
             let is_it = node == from.0 && from.1.is_none_or(|known| known == knob);

@@ -1,6 +1,7 @@
 //! Groups of nodes: what their uses look like, their insides, and the edits that make, unpack and change them.
 
 mod body;
+mod document_knobs;
 mod face;
 mod knobs;
 mod library;
@@ -11,7 +12,10 @@ mod unpack;
 mod within;
 mod written;
 
-pub use face::whole_default;
+pub use document_knobs::{
+    added_knob, deleted_knob, described, document_knob, document_value, promoted_to_document, renamed_document_knob,
+};
+pub use face::{document_knobs, kept_items, whole_default};
 pub use knobs::{
     declared_at, groups_using, promoted, relinked_to, renamed_group, renamed_input, renamed_knob, renamed_output,
 };
@@ -57,6 +61,9 @@ pub enum NoGroup {
     /// The value is a link already.
     #[error("{0} is a link already: change what it leads to instead")]
     Linked(String),
+    /// Values follow a knob of the document.
+    #[error("the knob {0} cannot be deleted, because {1} follows it: remove the links first")]
+    Followed(String, String),
     /// The definition is in another file.
     #[error(
         "the group {group} belongs to {file}, which this document only includes: choose Make local to copy it here"

@@ -1,0 +1,37 @@
+//! Templates and recent documents.
+
+use super::Editor;
+use crate::document::Session;
+use crate::welcome::templates;
+use egui::Context;
+use std::path::Path;
+
+impl Editor {
+    /// Shows templates and recent documents.
+    pub fn welcome(&mut self) {
+        self.panels.canvas.close_search();
+        self.prompts.welcome(&self.recent);
+    }
+
+    /// Starts a new document from a template.
+    pub(super) fn start_template(&mut self, name: &str, context: &Context) {
+        let Some(template) = templates::ALL.iter().find(|known| known.name == name) else { return };
+        match template.open() {
+            Ok(session) => self.start(session, context),
+            Err(why) => self.notices.error(format!("The template “{name}” cannot be opened: {why}")),
+        }
+    }
+
+    /// Removes a document from the list of recent ones.
+    pub(super) fn forget_recent(&mut self, file: &Path) {
+        self.recent.retain(|known| known != file);
+        if let Some(data) = self.prompts.data() {
+            self.recent = crate::recent::remove(data, file);
+        }
+    }
+
+    /// Starts the document of a new window.
+    pub(super) fn start_new(&mut self, context: &Context) {
+        self.start(Session::new(crate::document::session::NEW.into(), None), context);
+    }
+}

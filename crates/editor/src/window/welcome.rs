@@ -1,0 +1,210 @@
+//! The welcome: a new document, recent ones, and the scenes that are templates.
+
+use crate::actions::Action;
+use crate::prompts::Prompt;
+use crate::welcome::templates::Template;
+use crate::welcome::{Choice, Welcome};
+use egui::{
+    Align, Align2, ColorImage, Context, CursorIcon, FontId, Key, Layout, Modal, Rect, Response, RichText, ScrollArea,
+    Sense, Stroke, StrokeKind, TextStyle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType, vec2,
+};
+use std::path::Path;
+
+/// Widths of the lists, in points.
+const LEFT: f32 = 250.0;
+const PICTURE: Vec2 = vec2(176.0, 99.0);
+/// Height of the lists, in points.
+const HEIGHT: f32 = 440.0;
+
+/// Draws the welcome, and does what is chosen.
+pub(super) fn welcome_ui(context: &Context, mut shown: Welcome, actions: &mut Vec<Action>) -> Option<Prompt> {
+    for (key, towards) in
+        [(Key::ArrowLeft, -Vec2::X), (Key::ArrowRight, Vec2::X), (Key::ArrowUp, -Vec2::Y), (Key::ArrowDown, Vec2::Y)]
+    {
+        if context.input_mut(|input| input.consume_key(egui::Modifiers::NONE, key)) {
+            shown.step(towards);
+        }
+    }
+    let moved = context.input(|input| input.events.iter().any(|event| matches!(event, egui::Event::Key { .. })));
+    let mut taken = None;
+    let room = context.content_rect().size() - vec2(80.0, 120.0);
+    let height = HEIGHT.min(room.y);
+    let columns = ((room.x - LEFT - 30.0) / (PICTURE.x + 10.0)).floor().clamp(1.0, 3.0);
+    let right = columns * (PICTURE.x + 10.0) + 14.0;
+    let modal = Modal::new("welcome".into()).show(context, |ui| {
+        ui.set_width(LEFT + 18.0 + right);
+        ui.label(RichText::new("Trochoid").heading());
+        ui.add_space(6.0);
+        let mut places = vec![Rect::NOTHING; shown.choices.len()];
+        ui.horizontal_top(|ui| {
+            ui.allocate_ui_with_layout(vec2(LEFT, height), Layout::top_down(Align::Min), |ui| {
+                ui.set_width(LEFT);
+                list_ui(ui, &mut shown, height, &mut places, &mut taken, actions);
+            });
+            ui.add_space(8.0);
+            ui.allocate_ui_with_layout(vec2(right, height), Layout::top_down(Align::Min), |ui| {
+                ui.set_width(right);
+                ui.strong("Begin with a scene");
+                ui.add_space(4.0);
+                let area = ScrollArea::vertical().id_salt("templates").max_height(height - 30.0).auto_shrink(false);
+                area.show(ui, |ui| templates_ui(ui, &mut shown, moved, &mut places, &mut taken));
+            });
+        });
+        shown.places = places;
+        ui.separator();
+        ui.weak("Arrow keys and Enter choose; Esc goes to the new document.");
+    });
+    if context.input(|input| input.key_pressed(Key::Enter)) {
+        taken = taken.or(Some(shown.chosen));
+    }
+    if let Some(index) = taken {
+        actions.push(match &shown.choices[index] {
+            Choice::New => Action::New,
+            Choice::Open => Action::Open,
+            Choice::Recent(file) => Action::OpenFile(file.clone()),
+            Choice::Template(scene) => Action::Template(scene.name),
+        });
+        return None;
+    }
+    (!modal.should_close()).then_some(Prompt::Welcome(shown))
+}
+
+/// Draws what begins without a template, and the recent documents.
+fn list_ui(
+    ui: &mut Ui,
+    shown: &mut Welcome,
+    height: f32,
+    places: &mut [Rect],
+    taken: &mut Option<usize>,
+    actions: &mut Vec<Action>,
+) {
+    let mut row = |ui: &mut Ui, index: usize, name: &str, told: &str| {
+        let response = row_ui(ui, name, told, index == shown.chosen);
+        places[index] = response.rect;
+        if response.clicked() {
+            *taken = Some(index);
+        }
+        response
+    };
+    row(ui, 0, "New", "A sea to start from");
+    row(ui, 1, "Open …", "A document on disk");
+    ui.add_space(8.0);
+    ui.strong("Recent documents");
+    ui.add_space(4.0);
+    let area = ScrollArea::vertical().id_salt("recent").max_height(height - 150.0).auto_shrink(false);
+    area.show(ui, |ui| {
+        let recent = shown.choices.iter().enumerate().filter_map(|(index, choice)| match choice {
+            Choice::Recent(file) => Some((index, file.as_path())),
+            _ => None,
+        });
+        for (index, file) in recent {
+            row(ui, index, &name(file), &folder(file)).on_hover_text(file.display().to_string());
+        }
+        let mut forgotten = None;
+        for (index, file) in shown.gone.iter().enumerate() {
+            ui.horizontal(|ui| {
+                let text = RichText::new(format!("{} is gone", name(file))).weak().italics();
+                let label = ui.add_sized(
+                    vec2(LEFT - 80.0, ui.spacing().interact_size.y),
+                    egui::Label::new(text).truncate().halign(Align::Min),
+                );
+                label.on_hover_text(file.display().to_string());
+                let remove = ui.small_button("Remove").on_hover_text("Remove it from this list");
+                remove.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, format!("Remove {}", name(file))));
+                if remove.clicked() {
+                    forgotten = Some(index);
+                }
+            });
+        }
+        if let Some(index) = forgotten {
+            actions.push(Action::ForgetRecent(shown.gone.remove(index)));
+        }
+        if shown.gone.is_empty() && !shown.choices.iter().any(|choice| matches!(choice, Choice::Recent(_))) {
+            ui.weak("None so far.");
+        }
+    });
+}
+
+/// Draws a row with a name, and a line about it.
+fn row_ui(ui: &mut Ui, name: &str, told: &str, chosen: bool) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 38.0), Sense::click());
+    response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, chosen, name));
+    mark(ui, rect, chosen, &response);
+    let color = if chosen { ui.visuals().selection.stroke.color } else { ui.visuals().text_color() };
+    for (text, style, above) in [(name, TextStyle::Body, 3.0), (told, TextStyle::Small, 21.0)] {
+        let text = egui::WidgetText::from(text);
+        let galley = text.into_galley(ui, Some(egui::TextWrapMode::Truncate), rect.width() - 16.0, style);
+        ui.painter().galley(rect.min + vec2(8.0, above), galley, color);
+    }
+    response.on_hover_cursor(CursorIcon::PointingHand)
+}
+
+/// Draws the pictures of the templates.
+fn templates_ui(ui: &mut Ui, shown: &mut Welcome, moved: bool, places: &mut [Rect], taken: &mut Option<usize>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = vec2(10.0, 8.0);
+        for index in 0..shown.choices.len() {
+            let Choice::Template(scene) = shown.choices[index] else { continue };
+            let size = PICTURE + vec2(0.0, 20.0);
+            let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+            let chosen = index == shown.chosen;
+            response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, chosen, scene.name));
+            places[index] = rect;
+            if chosen && moved {
+                response.scroll_to_me(None);
+            }
+            if ui.is_rect_visible(rect) {
+                let picture = Rect::from_min_size(rect.min, PICTURE);
+                if let Some(texture) = picture_of(ui, shown, scene) {
+                    let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+                    ui.painter().image(texture, picture.shrink(2.0), whole, egui::Color32::WHITE);
+                }
+                mark_edge(ui, picture, chosen, &response);
+                let font = FontId::new(TextStyle::Small.resolve(ui.style()).size + 1.0, egui::FontFamily::Proportional);
+                let at = picture.left_bottom() + vec2(4.0, 3.0);
+                ui.painter().text(at, Align2::LEFT_TOP, scene.name, font, ui.visuals().text_color());
+            }
+            if response.on_hover_cursor(CursorIcon::PointingHand).clicked() {
+                *taken = Some(index);
+            }
+        }
+    });
+}
+
+fn mark(ui: &Ui, rect: Rect, chosen: bool, response: &Response) {
+    let visuals = ui.visuals();
+    if chosen {
+        ui.painter().rect_filled(rect, 4.0, visuals.selection.bg_fill);
+    } else if response.hovered() {
+        ui.painter().rect_filled(rect, 4.0, visuals.widgets.hovered.weak_bg_fill);
+    }
+}
+
+fn mark_edge(ui: &Ui, rect: Rect, chosen: bool, response: &Response) {
+    let visuals = ui.visuals();
+    let stroke = match (chosen, response.hovered()) {
+        (true, _) => Stroke::new(2.5, visuals.selection.stroke.color),
+        (_, true) => Stroke::new(1.5, visuals.widgets.hovered.fg_stroke.color),
+        _ => Stroke::new(1.0, visuals.widgets.noninteractive.bg_stroke.color),
+    };
+    ui.painter().rect_stroke(rect.shrink(1.0), 3.0, stroke, StrokeKind::Inside);
+}
+
+/// Returns the texture of a template's picture, uploading it when it is first drawn.
+fn picture_of(ui: &Ui, shown: &mut Welcome, scene: &'static Template) -> Option<egui::TextureId> {
+    if !shown.pictures.contains_key(scene.file) {
+        let picture = image::load_from_memory(scene.picture).ok()?.to_rgb8();
+        let size = [picture.width() as usize, picture.height() as usize];
+        let texture = ColorImage::from_rgb(size, picture.as_raw());
+        shown.pictures.insert(scene.file, ui.ctx().load_texture(scene.file, texture, TextureOptions::LINEAR));
+    }
+    shown.pictures.get(scene.file).map(egui::TextureHandle::id)
+}
+
+fn name(file: &Path) -> String {
+    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn folder(file: &Path) -> String {
+    file.parent().unwrap_or(file).display().to_string()
+}
