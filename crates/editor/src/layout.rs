@@ -95,9 +95,22 @@ pub fn written(panels: &Tree<Pane>, (theme, zoom): (ThemePreference, f32)) -> St
 
 /// Parses a stored layout; returns `None` if it is damaged or from a version with other panels.
 pub fn read(text: &str) -> Option<(Tree<Pane>, (ThemePreference, f32))> {
-    let kept: StoredLayout<Tree<Pane>> = serde_json::from_str(text).ok()?;
+    let mut kept: StoredLayout<Tree<Pane>> = serde_json::from_str(text).ok()?;
+    complete(&mut kept.panels);
     let legal = kept.version == VERSION && is_whole(&kept.panels) && (0.2..=5.0).contains(&kept.zoom);
     legal.then_some((kept.panels, (kept.theme, kept.zoom)))
+}
+
+/// Adds panels that the editor did not have when a layout was stored: as tabs beside the properties.
+fn complete(tree: &mut Tree<Pane>) {
+    let tabs = tree.tiles.find_pane(&Pane::Properties).and_then(|properties| tree.tiles.parent_of(properties));
+    let missing = Pane::ALL.into_iter().filter(|pane| tree.tiles.find_pane(pane).is_none());
+    for pane in missing.collect::<Vec<Pane>>() {
+        let new = tree.tiles.insert_pane(pane);
+        if let Some(Tile::Container(Container::Tabs(tabs))) = tabs.and_then(|tabs| tree.tiles.get_mut(tabs)) {
+            tabs.add_child(new);
+        }
+    }
 }
 
 /// Returns whether every panel is reachable exactly once and has a size.

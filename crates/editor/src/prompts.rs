@@ -150,7 +150,7 @@ impl Prompts {
     /// Shows templates and recent documents, unless something else is asked.
     pub(crate) fn welcome(&mut self, recent: &[PathBuf]) {
         if !self.is_open() {
-            self.open = Some(Prompt::Welcome(Welcome::new(recent)));
+            self.open = Some(Prompt::Welcome(Welcome::new(recent, self.data.as_deref())));
         }
     }
 

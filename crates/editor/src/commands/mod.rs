@@ -2,10 +2,11 @@
 
 mod groups;
 mod help;
+mod layouts;
 mod scene;
 mod space;
 
-use crate::actions::{Action, Layout, Line, Pane, Switch};
+use crate::actions::{Action, Line, Pane, Switch};
 use crate::state::State;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use space::PLAY;
@@ -72,7 +73,7 @@ pub const MENUS: [&str; 6] = ["File", "Edit", "Graph", "Viewer", "Window", "Help
 
 /// Returns every command; those of a menu are in its order.
 pub fn commands() -> impl Iterator<Item = &'static Command> {
-    COMMANDS.iter().chain(groups::GROUPS).chain(scene::SCENE).chain(help::HELP)
+    COMMANDS.iter().chain(groups::GROUPS).chain(scene::SCENE).chain(layouts::LAYOUTS).chain(help::HELP)
 }
 
 /// The other commands, in menu order.
@@ -461,38 +462,6 @@ pub static COMMANDS: &[Command] = &[
     ),
     command("Window", "Show text", None, "Show the document's text.", |_| Action::Panel(Pane::Text), always),
     command("Window", "Reset panels", None, "Restore the initial panel layout.", |_| Action::ResetPanels, always),
-    command(
-        "Window",
-        "Default layout",
-        None,
-        "Arrange the panels as in the beginning.",
-        |_| Action::Layout(Layout::First),
-        always,
-    ),
-    command(
-        "Window",
-        "Painting layout",
-        None,
-        "Arrange the panels for colors: a large picture, and the palette beside it.",
-        |_| Action::Layout(Layout::Painting),
-        always,
-    ),
-    command(
-        "Window",
-        "Animation layout",
-        None,
-        "Arrange the panels for movement: picture and graph side by side, above wide panels.",
-        |_| Action::Layout(Layout::Animation),
-        always,
-    ),
-    command(
-        "Window",
-        "Save layout …",
-        None,
-        "Keep the arrangement of the panels under a name.",
-        |_| Action::NameLayout,
-        always,
-    ),
     command("Window", "Show help", None, "Show the manual.", |_| Action::Panel(Pane::Help), always),
     command("Window", "Dark or light", None, "Switch between the dark and the light theme.", |_| Action::Theme, always),
 ];

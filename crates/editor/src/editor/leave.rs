@@ -41,6 +41,7 @@ impl Editor {
             },
             After::Render => self.render(context),
             After::Close => {
+                self.keep_recent_picture();
                 self.closing = true;
                 context.send_viewport_cmd(egui::ViewportCommand::Close);
             }

@@ -362,6 +362,7 @@ impl Editor {
     }
 
     fn start(&mut self, session: Session, context: &Context) {
+        self.keep_recent_picture();
         self.worker.stop();
         if let Some(keeper) = &self.keeper {
             keeper.forget();

@@ -2,6 +2,7 @@
 
 use super::Editor;
 use crate::document::Session;
+use crate::state::State;
 use crate::welcome::templates;
 use egui::Context;
 use std::path::Path;
@@ -10,7 +11,17 @@ impl Editor {
     /// Shows templates and recent documents.
     pub fn welcome(&mut self) {
         self.panels.canvas.close_search();
+        self.keep_recent_picture();
         self.prompts.welcome(&self.recent);
+    }
+
+    /// Keeps the picture of the document for the list of recent ones, if there is one by now.
+    pub(super) fn keep_recent_picture(&self) {
+        let sheet = self.state.session.sheet();
+        let seen = State::first_output(sheet).and_then(|(node, _)| self.state.evaluated.thumbnails.get(&node));
+        if let (Some(data), Some(file), Some(screen)) = (self.prompts.data(), self.state.session.file(), seen) {
+            crate::recent::keep_picture(data, file, screen);
+        }
     }
 
     /// Starts a new document from a template.

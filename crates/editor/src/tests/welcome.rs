@@ -4,7 +4,7 @@ use super::{DUSK, dusk};
 use crate::actions::Action;
 use crate::document::session::NEW;
 use crate::document::{Edit, Path, Session};
-use crate::testing::{Window, act, editor, unseen, window};
+use crate::testing::{Window, act, editor, unseen, until, window};
 use crate::welcome::templates;
 use egui::Key;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -149,7 +149,7 @@ fn recent_documents_are_opened_and_those_that_are_gone_removed() {
     window.get_by_label("Remove two.json").click();
     window.run_steps(3);
     assert!(window.query_by_label("two.json is gone").is_none());
-    assert_eq!(crate::recent::read(&data), [one.clone()]);
+    assert_eq!(crate::recent::read(&data), std::slice::from_ref(&one));
     window.get_by_label("one.json").click();
     window.run_steps(4);
     assert_eq!(editor(&window).state().session.file(), Some(one.as_path()));
@@ -168,4 +168,21 @@ fn a_scene_that_reads_files_finds_them_wherever_it_is_saved() {
         let file = folder.path().join(include.as_str().unwrap());
         assert!(file.is_file(), "{}", file.display());
     }
+}
+
+#[test]
+fn a_recent_document_has_the_picture_that_was_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let (data, one) = (folder.path().join("data"), folder.path().join("one.json"));
+    std::fs::write(&one, DUSK).unwrap();
+    let mut window = window(Session::open(&one).unwrap(), Some(data.clone()));
+    assert!(crate::recent::picture_of(&data, &one).is_none());
+    until(&mut window, "the thumbnails", |editor| editor.state().evaluated.thumbnails.contains_key("dusk"));
+    let seen = editor(&window).state().evaluated.thumbnails["dusk"].clone();
+    act(&mut window, Action::New);
+    assert_eq!(crate::recent::picture_of(&data, &one).as_ref(), Some(&*seen));
+    act(&mut window, Action::Welcome);
+    window.get_by_label("one.json");
+    crate::recent::remove(&data, &one);
+    assert!(crate::recent::picture_of(&data, &one).is_none());
 }

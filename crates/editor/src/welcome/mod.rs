@@ -2,9 +2,10 @@
 
 pub(crate) mod templates;
 
+use crate::evaluate::Screen;
 use egui::{Rect, TextureHandle};
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use templates::Template;
 
 /// Something that can be chosen.
@@ -27,16 +28,26 @@ pub(crate) struct Welcome {
     /// Where the choices were drawn last.
     pub(crate) places: Vec<Rect>,
     pub(crate) pictures: HashMap<&'static str, TextureHandle>,
+    /// Pictures of recent documents.
+    pub(crate) seen: HashMap<PathBuf, Seen>,
+}
+
+/// The picture of a recent document.
+pub(crate) enum Seen {
+    Read(Screen),
+    Shown(TextureHandle),
 }
 
 impl Welcome {
-    /// Creates a welcome with these recent documents.
-    pub(crate) fn new(recent: &[PathBuf]) -> Self {
+    /// Creates a welcome with these recent documents, whose pictures are in the folder for the program's data.
+    pub(crate) fn new(recent: &[PathBuf], data: Option<&Path>) -> Self {
         let (there, gone): (Vec<PathBuf>, Vec<PathBuf>) = recent.iter().cloned().partition(|file| file.is_file());
+        let picture = |file: &PathBuf| Some((file.clone(), Seen::Read(crate::recent::picture_of(data?, file)?)));
+        let seen = there.iter().filter_map(picture).collect();
         let mut choices = vec![Choice::New, Choice::Open];
         choices.extend(there.into_iter().map(Choice::Recent));
         choices.extend(templates::offered().map(Choice::Template));
-        Self { choices, gone, chosen: 0, places: Vec::new(), pictures: HashMap::new() }
+        Self { choices, gone, chosen: 0, places: Vec::new(), pictures: HashMap::new(), seen }
     }
 
     /// Marks the nearest choice in a direction, if there is one.

@@ -3,18 +3,21 @@
 use crate::actions::Action;
 use crate::prompts::Prompt;
 use crate::welcome::templates::Template;
-use crate::welcome::{Choice, Welcome};
+use crate::welcome::{Choice, Seen, Welcome};
 use egui::{
     Align, Align2, ColorImage, Context, CursorIcon, FontId, Key, Layout, Modal, Rect, Response, RichText, ScrollArea,
-    Sense, Stroke, StrokeKind, TextStyle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType, vec2,
+    Sense, Stroke, StrokeKind, TextStyle, TextureId, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType, vec2,
 };
-use std::path::Path;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
 /// Widths of the lists, in points.
 const LEFT: f32 = 250.0;
 const PICTURE: Vec2 = vec2(176.0, 99.0);
+/// All of a texture.
+const WHOLE: Rect = Rect { min: egui::pos2(0.0, 0.0), max: egui::pos2(1.0, 1.0) };
 /// Height of the lists, in points.
-const HEIGHT: f32 = 440.0;
+const HEIGHT: f32 = 520.0;
 
 /// Draws the welcome, and does what is chosen.
 pub(super) fn welcome_ui(context: &Context, mut shown: Welcome, actions: &mut Vec<Action>) -> Option<Prompt> {
@@ -52,7 +55,7 @@ pub(super) fn welcome_ui(context: &Context, mut shown: Welcome, actions: &mut Ve
         });
         shown.places = places;
         ui.separator();
-        ui.weak("Arrow keys and Enter choose; Esc goes to the new document.");
+        ui.weak("Arrow keys and Enter choose; Esc closes this window.");
     });
     if context.input(|input| input.key_pressed(Key::Enter)) {
         taken = taken.or(Some(shown.chosen));
@@ -78,16 +81,17 @@ fn list_ui(
     taken: &mut Option<usize>,
     actions: &mut Vec<Action>,
 ) {
-    let mut row = |ui: &mut Ui, index: usize, name: &str, told: &str| {
-        let response = row_ui(ui, name, told, index == shown.chosen);
+    let chosen = shown.chosen;
+    let mut row = |ui: &mut Ui, index: usize, name: &str, told: &str, picture: Option<(TextureId, Vec2)>| {
+        let response = row_ui(ui, name, told, index == chosen, picture);
         places[index] = response.rect;
         if response.clicked() {
             *taken = Some(index);
         }
         response
     };
-    row(ui, 0, "New", "A sea to start from");
-    row(ui, 1, "Open …", "A document on disk");
+    row(ui, 0, "New", "A sea to start from", None);
+    row(ui, 1, "Open …", "A document on disk", None);
     ui.add_space(8.0);
     ui.strong("Recent documents");
     ui.add_space(4.0);
@@ -98,16 +102,20 @@ fn list_ui(
             _ => None,
         });
         for (index, file) in recent {
-            row(ui, index, &name(file), &folder(file)).on_hover_text(file.display().to_string());
+            let picture = seen(ui, &mut shown.seen, file);
+            row(ui, index, &name(file), &folder(file), picture).on_hover_text(file.display().to_string());
         }
         let mut forgotten = None;
         for (index, file) in shown.gone.iter().enumerate() {
             ui.horizontal(|ui| {
                 let text = RichText::new(format!("{} is gone", name(file))).weak().italics();
-                let label = ui.add_sized(
-                    vec2(LEFT - 80.0, ui.spacing().interact_size.y),
-                    egui::Label::new(text).truncate().halign(Align::Min),
-                );
+                let room = vec2(LEFT - 80.0, ui.spacing().interact_size.y);
+                let label = ui.allocate_ui_with_layout(room, Layout::left_to_right(Align::Center), |ui| {
+                    ui.set_min_width(room.x);
+                    ui.add_space(8.0);
+                    ui.add(egui::Label::new(text).truncate())
+                });
+                let label = label.inner;
                 label.on_hover_text(file.display().to_string());
                 let remove = ui.small_button("Remove").on_hover_text("Remove it from this list");
                 remove.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, format!("Remove {}", name(file))));
@@ -125,16 +133,43 @@ fn list_ui(
     });
 }
 
+/// Returns the texture of a recent document's picture and its size, uploading it when it is first drawn.
+fn seen(ui: &Ui, all: &mut HashMap<PathBuf, Seen>, file: &Path) -> Option<(TextureId, Vec2)> {
+    let seen = all.get_mut(file)?;
+    if let Seen::Read(screen) = seen {
+        let picture = ColorImage::from_rgba_unmultiplied(screen.size, &screen.pixels);
+        let name = file.display().to_string();
+        *seen = Seen::Shown(ui.ctx().load_texture(name, picture, TextureOptions::LINEAR));
+    }
+    match seen {
+        Seen::Shown(texture) => Some((texture.id(), texture.size_vec2())),
+        Seen::Read(_) => None,
+    }
+}
+
 /// Draws a row with a name, and a line about it.
-fn row_ui(ui: &mut Ui, name: &str, told: &str, chosen: bool) -> Response {
+fn row_ui(ui: &mut Ui, name: &str, told: &str, chosen: bool, picture: Option<(TextureId, Vec2)>) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 38.0), Sense::click());
     response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, chosen, name));
     mark(ui, rect, chosen, &response);
-    let color = if chosen { ui.visuals().selection.stroke.color } else { ui.visuals().text_color() };
-    for (text, style, above) in [(name, TextStyle::Body, 3.0), (told, TextStyle::Small, 21.0)] {
+    let left = match picture {
+        Some((texture, size)) => {
+            let room = Rect::from_min_size(rect.min + vec2(4.0, 2.0), vec2(60.0, 34.0));
+            let place = Rect::from_center_size(room.center(), size * (room.size() / size).min_elem());
+            ui.painter().image(texture, place, WHOLE, egui::Color32::WHITE);
+            72.0
+        }
+        None => 8.0,
+    };
+    let visuals = ui.visuals();
+    let [color, weak] = match chosen {
+        true => [visuals.selection.stroke.color; 2],
+        false => [visuals.text_color(), visuals.weak_text_color()],
+    };
+    for (text, style, color, above) in [(name, TextStyle::Body, color, 3.0), (told, TextStyle::Small, weak, 21.0)] {
         let text = egui::WidgetText::from(text);
-        let galley = text.into_galley(ui, Some(egui::TextWrapMode::Truncate), rect.width() - 16.0, style);
-        ui.painter().galley(rect.min + vec2(8.0, above), galley, color);
+        let galley = text.into_galley(ui, Some(egui::TextWrapMode::Truncate), rect.width() - left - 8.0, style);
+        ui.painter().galley(rect.min + vec2(left, above), galley, color);
     }
     response.on_hover_cursor(CursorIcon::PointingHand)
 }
@@ -143,21 +178,20 @@ fn row_ui(ui: &mut Ui, name: &str, told: &str, chosen: bool) -> Response {
 fn templates_ui(ui: &mut Ui, shown: &mut Welcome, moved: bool, places: &mut [Rect], taken: &mut Option<usize>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(10.0, 8.0);
-        for index in 0..shown.choices.len() {
+        for (index, place) in places.iter_mut().enumerate() {
             let Choice::Template(scene) = shown.choices[index] else { continue };
             let size = PICTURE + vec2(0.0, 20.0);
             let (rect, response) = ui.allocate_exact_size(size, Sense::click());
             let chosen = index == shown.chosen;
             response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, chosen, scene.name));
-            places[index] = rect;
+            *place = rect;
             if chosen && moved {
                 response.scroll_to_me(None);
             }
             if ui.is_rect_visible(rect) {
                 let picture = Rect::from_min_size(rect.min, PICTURE);
                 if let Some(texture) = picture_of(ui, shown, scene) {
-                    let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-                    ui.painter().image(texture, picture.shrink(2.0), whole, egui::Color32::WHITE);
+                    ui.painter().image(texture, picture.shrink(2.0), WHOLE, egui::Color32::WHITE);
                 }
                 mark_edge(ui, picture, chosen, &response);
                 let font = FontId::new(TextStyle::Small.resolve(ui.style()).size + 1.0, egui::FontFamily::Proportional);
@@ -191,7 +225,7 @@ fn mark_edge(ui: &Ui, rect: Rect, chosen: bool, response: &Response) {
 }
 
 /// Returns the texture of a template's picture, uploading it when it is first drawn.
-fn picture_of(ui: &Ui, shown: &mut Welcome, scene: &'static Template) -> Option<egui::TextureId> {
+fn picture_of(ui: &Ui, shown: &mut Welcome, scene: &'static Template) -> Option<TextureId> {
     if !shown.pictures.contains_key(scene.file) {
         let picture = image::load_from_memory(scene.picture).ok()?.to_rgb8();
         let size = [picture.width() as usize, picture.height() as usize];
