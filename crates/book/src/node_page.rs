@@ -13,7 +13,7 @@ pub(crate) fn node_page(declaration: &Declaration, document: &str) -> String {
     page.push_str("## Outputs\n\n| name | what it is | what it holds |\n|---|---|---|\n");
     for (index, output) in declaration.outputs.iter().enumerate() {
         let main = if index == 0 { ", the node's name alone" } else { "" };
-        let _ = writeln!(page, "| `{}`{main} | {} | {} |", output.name, output.kind, cell(output.help));
+        let _ = writeln!(page, "| `{}`{main} | {} | {} |", output.name, output.kinds_in_words(), cell(output.help));
     }
     for (heading, body) in
         [("Formula", declaration.formula), ("Edge cases", declaration.edge_cases), ("Source", declaration.source)]

@@ -215,14 +215,14 @@ impl PlanFindings {
                 Self {
                     frame,
                     left_out: plan.left_out().to_vec(),
-                    notes: plan.notes(),
+                    notes: plan.notes().into_iter().chain(plan.file_notes()).collect(),
                     faults: faults.map(invalid).collect(),
                     memory: Some(account),
                 }
             }
             Err(error) => {
                 let all = (0..graph.nodes().len()).map(NodeId);
-                let notes = all.map(|id| (id, graph.settle(id, frame).node().notes()));
+                let notes = all.map(|id| (id, graph.settle(id, frame).node().notes(graph.times())));
                 let notes = notes.filter(|(_, notes)| !notes.is_empty()).collect();
                 Self {
                     frame,

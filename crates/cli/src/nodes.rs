@@ -3,8 +3,13 @@
 use crate::failure::Failure;
 use crate::shell::{self, HEADING, wrap};
 use serde_json::{Value, json};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use trochoid::{Arity, Declaration, End, Item, Knob, KnobType, Port, Term, counted, expected, nearest, registry};
+use trochoid::{
+    Accepts, Arity, Declaration, End, Item, Knob, KnobType, Port, Term, counted, expected, nearest, registry,
+    smallest_node,
+};
 
 /// Options of `trochoid nodes`.
 #[derive(Debug, clap::Args)]
@@ -94,9 +99,55 @@ fn manual(declaration: &Declaration) -> String {
     }
     let _ = writeln!(text, "\n{HEADING}Outputs{HEADING:#}");
     for output in declaration.outputs {
-        write_entry(&mut text, output.name, &output.kind.to_string(), output.help, 2);
+        write_entry(&mut text, output.name, &output.kinds_in_words(), output.help, 2);
+    }
+    let (example, connected) = example(declaration);
+    let _ = writeln!(text, "\n{HEADING}In a document{HEADING:#}\n  \"name\": {}", spaced(&example));
+    for (name, accepts) in connected {
+        let _ = writeln!(text, "  \"{name}\" stands for the name of a node that makes a {accepts}.");
     }
     text
+}
+
+/// Returns the smallest node of a type, with the names of other nodes in it and what they make.
+fn example(declaration: &Declaration) -> (Value, BTreeMap<&'static str, Accepts>) {
+    let connected = RefCell::new(BTreeMap::new());
+    let mut node = smallest_node(declaration, &|accepts| {
+        let name = match accepts {
+            Accepts::Surface => "sea",
+            Accepts::Camera => "camera",
+            Accepts::Light => "light",
+            Accepts::View => "view",
+            Accepts::Weights => "weights",
+            Accepts::Direction => "direction",
+            // These take literals.
+            Accepts::Color | Accepts::Image | Accepts::Mask | Accepts::Scalar | Accepts::Field => return None,
+        };
+        connected.borrow_mut().insert(name, accepts);
+        Some(json!(name))
+    });
+    // A file that the node can read.
+    let ending = declaration.reads.and_then(|files| files.endings.first()).copied().unwrap_or("exr");
+    for item in declaration.items {
+        if let Item::Knob(Knob { takes: KnobType::Path, name, .. }) = item
+            && let Some(file) = node.get_mut(name)
+        {
+            *file = json!(format!("file.{ending}"));
+        }
+    }
+    (node, connected.into_inner())
+}
+
+/// Writes JSON in one line, with spaces as in the book.
+fn spaced(value: &Value) -> String {
+    match value {
+        Value::Array(items) => format!("[{}]", items.iter().map(spaced).collect::<Vec<_>>().join(", ")),
+        Value::Object(entries) => {
+            let entry = |(key, value): (&String, &Value)| format!("{}: {}", Value::from(key.as_str()), spaced(value));
+            format!("{{ {} }}", entries.iter().map(entry).collect::<Vec<_>>().join(", "))
+        }
+        value => value.to_string(),
+    }
 }
 
 fn end_name(end: End) -> &'static str {
@@ -143,7 +194,7 @@ fn describe(declaration: &'static Declaration) -> Value {
     let outputs: Vec<Value> = declaration
         .outputs
         .iter()
-        .map(|output| json!({ "name": output.name, "kind": output.kind.to_string(), "help": output.help }))
+        .map(|output| json!({ "name": output.name, "kind": output.kinds_in_words(), "help": output.help }))
         .collect();
     json!({
         "type": declaration.name,
@@ -155,6 +206,7 @@ fn describe(declaration: &'static Declaration) -> Value {
         "revision": declaration.revision,
         "items": declaration.items.iter().map(describe_item).collect::<Vec<_>>(),
         "outputs": outputs,
+        "example": example(declaration).0,
     })
 }
 

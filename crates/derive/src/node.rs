@@ -7,7 +7,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 use syn::parse::{Parse, ParseStream};
 use syn::token::Paren;
-use syn::{DeriveInput, Error, Expr, Ident, LitInt, LitStr, Path, Token, parenthesized, parse_quote};
+use syn::{DeriveInput, Error, Expr, Ident, LitInt, LitStr, Path, Token, bracketed, parenthesized, parse_quote};
 
 /// Arguments of `#[node(…)]`.
 #[derive(Default)]
@@ -22,7 +22,8 @@ struct NodeArguments {
     body: Option<Ident>,
 }
 
-/// Parses a single output, `mask: Kind::MASK = "Help."`, optionally followed by the names of its channels in files.
+/// Parses a single output, `mask: Kind::MASK = "Help."`, optionally followed by the names of its channels in files. Kinds
+/// that knobs can decide instead follow the kind: `image: Kind::Color or [Kind::MASK] = "Help."`.
 fn single(input: ParseStream<'_>) -> Result<TokenStream, Error> {
     let name: Ident = input.parse()?;
     input.parse::<Token![:]>()?;
@@ -35,6 +36,16 @@ fn single(input: ParseStream<'_>) -> Result<TokenStream, Error> {
     } else {
         parse_quote! { #path }
     };
+    let mut others = Vec::new();
+    if input.peek(Ident) {
+        let word: Ident = input.parse()?;
+        if word != "or" {
+            return Err(Error::new_spanned(word, "expected = or the word or"));
+        }
+        let content;
+        bracketed!(content in input);
+        others = content.parse_terminated(Expr::parse, Token![,])?.into_iter().collect();
+    }
     input.parse::<Token![=]>()?;
     let help = input.parse::<LitStr>()?.value();
     let mut stored = None;
@@ -42,7 +53,7 @@ fn single(input: ParseStream<'_>) -> Result<TokenStream, Error> {
         input.parse::<Token![,]>()?;
         stored = Some(input.parse::<Expr>()?);
     }
-    let output = output(&name.to_string(), &kind, &help, stored.as_ref());
+    let output = output(&name.to_string(), &kind, &others, &help, stored.as_ref());
     Ok(quote! { &[#output] })
 }
 

@@ -31,9 +31,11 @@ fn parse(input: ParseStream<'_>) -> Result<OutputArguments, Error> {
 }
 
 /// Makes the expression for one output.
-pub(crate) fn output(name: &str, kind: &Expr, help: &str, stored: Option<&Expr>) -> TokenStream {
+pub(crate) fn output(name: &str, kind: &Expr, others: &[Expr], help: &str, stored: Option<&Expr>) -> TokenStream {
     let stored = stored.map_or(quote!(&[]), |stored| quote!(&#stored));
-    quote! { ::trochoid_graph::Output { name: #name, kind: #kind, help: #help, stored: #stored } }
+    quote! {
+        ::trochoid_graph::Output { name: #name, kind: #kind, others: &[#(#others),*], help: #help, stored: #stored }
+    }
 }
 
 pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
@@ -45,7 +47,7 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
             attribute.ok_or_else(|| Error::new_spanned(variant, "expected its kind: #[output(Kind::MASK)]"))?;
         let arguments = attribute.parse_args_with(parse)?;
         let name = arguments.name.unwrap_or_else(|| snake(&variant.ident));
-        outputs.push(output(&name, &arguments.kind, &help(&variant.attrs, variant)?, arguments.stored.as_ref()));
+        outputs.push(output(&name, &arguments.kind, &[], &help(&variant.attrs, variant)?, arguments.stored.as_ref()));
         names.push(&variant.ident);
     }
     let (name, count) = (&input.ident, names.len());

@@ -3,8 +3,8 @@
 
 use crate::Tolerance;
 use crate::{
-    Access, Animated, DocumentPlace, FrameContext, Item, Kind, KnobType, NodeId, NodeType, Recipes, Record, Setting,
-    Settled, Work,
+    Access, Animated, DocumentPlace, FrameContext, FrameTimes, Item, Kind, KnobType, NodeId, NodeType, Recipes, Record,
+    Setting, Settled, Work,
 };
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -258,6 +258,11 @@ impl CheckedGraph {
     /// Returns the frames per second.
     pub fn fps(&self) -> f64 {
         self.fps
+    }
+
+    /// Returns the times of all frames.
+    pub fn times(&self) -> FrameTimes {
+        FrameTimes { count: self.first.abs_diff(self.last).saturating_add(1), fps: self.fps }
     }
 
     /// Returns the accuracy that the document requires of pictures, if any.

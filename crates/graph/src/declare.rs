@@ -116,6 +116,8 @@ pub struct Output {
     pub name: &'static str,
     /// Kind, if the declaration alone determines it.
     pub kind: Kind,
+    /// Kinds that knobs can decide instead.
+    pub others: &'static [Kind],
     /// Help text: meaning and unit.
     pub help: &'static str,
     /// Channel names in files that other programs expect; empty for the standard names of the kind.

@@ -36,6 +36,7 @@ mod manual;
 mod memory;
 mod node;
 mod node_error;
+mod profile;
 mod program;
 mod recipe;
 mod record;
@@ -84,13 +85,14 @@ pub use frame::{FrameContext, escape_frame, escape_remedy, expand_frame, one_fra
 pub use kind::{Accepts, Kind};
 pub use literal::{LITERAL_SUM_TOLERANCE, literal, literal_error};
 pub use lowering::Lowering;
-pub use manual::counted;
+pub use manual::{counted, smallest_node, smallest_record, stand_in};
 pub use memory::{MemoryContext, MemoryUse, in_bytes};
 pub use node::{
     Body, Computes, Declare, Dynamics, Handle, Node, NodeType, Omission, Paths, Pointwise, Prepared, Rate, Repair,
     SharedResult, Stage, Variance,
 };
 pub use node_error::{BadData, DataPlace, Failure, NodeError};
+pub use profile::{FrameTimes, Profile, ProfileLine, ProfilePoint, Reached};
 pub use program::{Color, Op, Partition, Program, Scalar, Slot, Type};
 pub use recipe::{Control, Recipes};
 pub use record::{NodeId, Record, Setting, Source, Values};
@@ -102,7 +104,7 @@ pub use settled::Settled;
 pub use shell::{quoted, quoted_path};
 pub use span::Span;
 pub use spanned::{MAX_DEPTH, MAX_VALUES};
-pub use spectrum::{Harmonic, Spectrum};
+pub use spectrum::{Harmonic, LengthDistribution, Spectrum};
 pub use stability::{Figure, Relation, Stability, StabilityMap, StepErrorGroup, StepErrorRow, StepErrors, Verdict};
 pub use stage_io::{Block, Connection, Inputs, Outputs, Pool, Prepare, Purpose};
 pub use store::{Store, StoredEntry};

@@ -10,9 +10,9 @@
 //! opened. It **must not** read clocks or global state, or open files outside of `prepare`.
 
 use crate::{
-    Block, Bounding, ChannelSet, Check, Declaration, FrameContext, Inputs, ItemName, Items, Kind, Lowering,
-    MemoryContext, MemoryUse, NoBound, NodeError, Outputs, PortId, Prepare, Reader, Reference, References, Settled,
-    Source, Spectrum, Stability, StepErrors, Value, Values, Work,
+    Block, Bounding, ChannelSet, Check, Declaration, FrameContext, FrameTimes, Inputs, ItemName, Items, Kind, Lowering,
+    MemoryContext, MemoryUse, NoBound, NodeError, Outputs, PortId, Prepare, Profile, ProfileLine, Reached, Reader,
+    Reference, References, Settled, Source, Spectrum, Stability, StepErrors, Value, Values, Work,
 };
 use std::any::Any;
 use std::path::PathBuf;
@@ -83,8 +83,10 @@ pub trait Node: Computes + Any + Send + Sync {
         None
     }
 
-    /// Returns remarks about the node for users, in sentences, which `trochoid check` shows.
-    fn notes(&self) -> Vec<String> {
+    /// Returns remarks about the node for users, in sentences, which `trochoid check` shows; `times` are those of the
+    /// document's frames.
+    fn notes(&self, times: FrameTimes) -> Vec<String> {
+        let _ = times;
         Vec::new()
     }
 
@@ -117,6 +119,20 @@ pub trait Dynamics {
 
     /// Returns the waves of a sea.
     fn spectrum(&self) -> Option<Spectrum> {
+        None
+    }
+
+    /// Returns the surface of a sea above a line, at a time in seconds since the first frame; `None` if the node has no
+    /// surface, or one that takes seconds to simulate.
+    fn profile(&self, line: &ProfileLine, time: f64) -> Option<Profile> {
+        let _ = (line, time);
+        None
+    }
+
+    /// Returns what a simulated sea reaches at these times, as far as it gets within some seconds of work; `None` if the
+    /// node simulates nothing, or soon after `stop` says that it is no longer needed.
+    fn reached(&self, times: FrameTimes, stop: &dyn Fn() -> bool) -> Option<Reached> {
+        let _ = (times, stop);
         None
     }
 
@@ -243,6 +259,13 @@ pub trait Stage {
     fn check_headers(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
         let _ = (frame, wanted);
         Ok(())
+    }
+
+    /// Returns remarks about the node's files at a frame for users, in sentences, which `trochoid check` shows. Never called
+    /// for files that do not exist.
+    fn file_notes(&self, frame: &FrameContext) -> Vec<String> {
+        let _ = frame;
+        Vec::new()
     }
 
     /// Does the work that is independent of tiles once per frame: simulates, builds, decodes.

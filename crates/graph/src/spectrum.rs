@@ -21,4 +21,17 @@ pub struct Spectrum {
     /// Largest factor on all sharpnesses without crests that fold over: below 1, some crests fold; infinite if none
     /// ever do.
     pub unfolded: f64,
+    /// How the lengths of the random waves are drawn, which come first; `None` if no waves are random.
+    pub lengths: Option<LengthDistribution>,
+}
+
+/// A log-normal distribution of wavelengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LengthDistribution {
+    /// Number of waves.
+    pub count: usize,
+    /// Mean wavelength, m.
+    pub mean: f64,
+    /// Standard deviation of the logarithm of the wavelength.
+    pub spread: f64,
 }

@@ -9,7 +9,7 @@ use super::link;
 use super::sheet::{Node, Point, Sheet, Wire};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, HashMap, HashSet};
-use trochoid::{Accepts, Declaration, Item, Kind, Knob, KnobDefault, KnobType};
+use trochoid::{Accepts, Declaration, Item, Kind, Knob, KnobDefault, smallest_node, smallest_record, stand_in};
 
 /// Formats a count: `2 nodes`, `1 node`.
 pub fn count(n: usize, what: &str) -> String {
@@ -44,11 +44,8 @@ pub fn laid_out(sheet: &Sheet, places: &[(String, Point)]) -> Edit {
 /// Adds a node, with a value for every required item that can be a constant; also returns its name.
 pub fn added(sheet: &Sheet, declaration: &'static Declaration, at: Point) -> (Edit, String) {
     let name = sheet.free_name(&snake(declaration.name));
-    let mut body = Map::new();
-    body.insert("type".into(), declaration.name.into());
-    fill(declaration.items, &mut body);
-    let ops =
-        vec![Op::Set(Path::node(&name), style(&Value::Object(body))), Op::Set(placed(&name), style(&position(at)))];
+    let body = smallest_node(declaration, &|_| None);
+    let ops = vec![Op::Set(Path::node(&name), style(&body)), Op::Set(placed(&name), style(&position(at)))];
     (Edit::new(format!("Add {}", declaration.name), ops), name)
 }
 
@@ -64,65 +61,9 @@ fn snake(name: &str) -> String {
     snake
 }
 
-/// Adds a value for every required item that can be a constant.
-fn fill(items: &[Item], body: &mut Map<String, Value>) {
-    for item in items {
-        match item {
-            Item::Port(port) => {
-                let literal = if port.accepts.takes_color() {
-                    json!("#808080")
-                } else if port.accepts == Accepts::Mask {
-                    json!(0.5)
-                } else if port.accepts.takes_number() {
-                    json!(0)
-                } else {
-                    continue;
-                };
-                match port.arity {
-                    trochoid::Arity::One => body.insert(port.name.into(), literal),
-                    trochoid::Arity::Optional => None,
-                    trochoid::Arity::Many { min: 0, .. } => None,
-                    trochoid::Arity::Many { min, .. } => body.insert(port.name.into(), vec![literal; min].into()),
-                };
-            }
-            Item::Knob(knob) if knob.default.is_none() => {
-                body.insert(knob.name.into(), stand_in(&knob.takes));
-            }
-            Item::Knob(_) => {}
-            Item::List(list) if list.min > 0 => {
-                body.insert(list.name.into(), (0..list.min).map(|index| record(list.items, index)).collect());
-            }
-            Item::List(_) => {}
-        }
-    }
-}
-
-/// Returns a list record with a value for every required item.
+/// Returns a list record with a value for every required item that can be a constant.
 pub fn record(items: &[Item], index: usize) -> Value {
-    let mut body = Map::new();
-    fill(items, &mut body);
-    // Stops of a ramp ascend, as far as their range allows.
-    for item in items {
-        if let Item::Knob(Knob { name: "at", takes: KnobType::Number { min, max }, .. }) = item {
-            body.insert("at".into(), json!((index as f64).clamp(*min, *max)));
-        }
-    }
-    Value::Object(body)
-}
-
-/// Returns a valid value for a knob without a default.
-fn stand_in(takes: &KnobType) -> Value {
-    match takes {
-        KnobType::Number { min, max } => json!(0.0_f64.clamp(*min, *max)),
-        KnobType::Integer { min, max } => json!(0_i64.clamp(*min, *max)),
-        KnobType::Bool => json!(false),
-        KnobType::Choice(words) => json!(words.first()),
-        KnobType::Color => json!("#808080"),
-        KnobType::Vector(n) => json!(vec![0; *n]),
-        KnobType::Text | KnobType::Path => json!(""),
-        KnobType::Numbers { min, .. } => json!(vec![0; *min]),
-        KnobType::Texts { .. } => json!([]),
-    }
+    smallest_record(items, index, &|_| None)
 }
 
 /// Returns the value of a knob that the document does not set.
@@ -305,11 +246,9 @@ pub fn inserted(sheet: &Sheet, node: usize, wire: &Wire) -> Option<Edit> {
 
 /// Changes the type of a node and keeps the entries that both types have.
 pub fn retyped(sheet: &Sheet, name: &str, declaration: &'static Declaration) -> Edit {
-    let mut body = Map::new();
-    body.insert("type".into(), declaration.name.into());
-    fill(declaration.items, &mut body);
+    let mut body = smallest_node(declaration, &|_| None);
     let path = Path::node(name);
-    if let Some(Value::Object(old)) = sheet.get(&path) {
+    if let (Value::Object(body), Some(Value::Object(old))) = (&mut body, sheet.get(&path)) {
         let known: HashSet<&str> = declaration.items.iter().map(Item::name).collect();
         for (key, value) in old.iter().filter(|(key, _)| *key != "type") {
             if known.contains(key.as_str()) || matches!(key.as_str(), "disabled" | "notes" | "ui") {
@@ -317,7 +256,7 @@ pub fn retyped(sheet: &Sheet, name: &str, declaration: &'static Declaration) -> 
             }
         }
     }
-    let ops = vec![Op::Set(path, style(&Value::Object(body)))];
+    let ops = vec![Op::Set(path, style(&body))];
     Edit::new(format!("Replace {name} with {}", declaration.name), ops)
 }
 

@@ -24,6 +24,7 @@ mod steady;
 mod told;
 mod typing;
 mod versions;
+mod waves;
 mod welcome;
 
 use crate::document::Session;

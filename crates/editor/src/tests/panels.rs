@@ -174,30 +174,6 @@ fn all_panels_can_be_shown_in_both_themes() {
 }
 
 #[test]
-fn a_sea_shows_its_waves() {
-    let text = r#"{
-      "trochoid": 1,
-      "format": { "width": 32, "height": 18 },
-      "nodes": {
-        "eye": { "type": "Camera", "position": [0, 6, 20] },
-        "storm": { "type": "GerstnerSea", "count": 40, "sharpness": 3 },
-        "view": { "type": "Render", "camera": "eye", "surfaces": ["storm"] },
-        "deep": { "type": "Depth", "view": "view" }
-      },
-      "outputs": { "depth": { "field": "deep" } }
-    }"#;
-    let mut window = window(Session::new(text.into(), None), None);
-    finished(&mut window);
-    act(&mut window, Action::Panel(Pane::Waves));
-    window.get_by_label_contains("Crests fold over");
-    let set = |sharpness: f64| {
-        Action::Edit(crate::document::Edit::set(Path::node("storm").to("sharpness"), &json!(sharpness)))
-    };
-    act(&mut window, set(0.1));
-    window.get_by_label_contains("Crests do not fold over");
-}
-
-#[test]
 fn a_window_at_rest_draws_nothing() {
     let mut window = window(dusk(), None);
     finished(&mut window);

@@ -287,7 +287,7 @@ impl<'g> Plan<'g> {
         let evaluated = self.left_out.iter().zip(&self.settled).enumerate().filter(|(_, (why, _))| why.is_none());
         evaluated
             .filter_map(|(index, (_, settled))| {
-                let notes = settled.as_ref()?.node().notes();
+                let notes = settled.as_ref()?.node().notes(self.graph.times());
                 (!notes.is_empty()).then_some((NodeId(index), notes))
             })
             .collect()

@@ -234,15 +234,20 @@ impl<'a> Checker<'a> {
                 found += &format!(", with the nodes that only {whose}: {}", names(&others));
             }
             let remedy = match (ends.len(), ends.len() + others.len() + 1) {
-                (0, 1) => "it is not evaluated; connect it to a node that an output needs, or remove it".to_string(),
+                (0, 1) => {
+                    "it is not evaluated; add an output of it, connect it to a node that an output needs, or disable it"
+                        .to_string()
+                }
                 (0, all) => {
                     format!(
-                        "none of the {all} is evaluated; connect {} to a node that an output needs, or remove all",
+                        "none of the {all} is evaluated; add an output of {0}, connect {0} to a node that an output needs, \
+                         or disable all",
                         draft.name
                     )
                 }
                 (_, all) => format!(
-                    "none of the {all} is evaluated; connect {}, {} to a node that an output needs, or remove all",
+                    "none of the {all} is evaluated; add outputs of {0}, {1}, connect them to nodes that an output needs, \
+                     or disable all",
                     draft.name,
                     names(&ends)
                 ),

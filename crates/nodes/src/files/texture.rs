@@ -32,7 +32,7 @@ use trochoid_image::{Plane, Rgb, Window};
     end = Back,
     revision = 1,
     reads("a picture": "exr", "png", "jpg", "jpeg", "tif", "tiff"),
-    output(image: Kind::Color = "The picture: a Color, mask, Weights or Field, depending on `as` and `channels`.")
+    output(image: Kind::Color or [Kind::MASK, Kind::ANY_WEIGHTS, Kind::Field(1)] = "The picture, of the kind that `as` and `channels` decide.")
 )]
 #[also_called("ImageTexture", "TexImage", "STMap", "UVMap", "Tile")]
 pub(crate) struct Texture {

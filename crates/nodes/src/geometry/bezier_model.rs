@@ -128,6 +128,12 @@ impl BezierModel {
     }
 }
 
+/// Says how the patches of a model join.
+fn joints(patches: &[Patch]) -> Vec<String> {
+    let shapes: Vec<_> = patches.iter().map(|patch| &patch.shape).collect();
+    if shapes.is_empty() { Vec::new() } else { vec![continuity(shapes).to_string()] }
+}
+
 impl Node for BezierModel {
     fn check(&self, check: &mut Check<'_>) {
         self.placement.check(check);
@@ -146,13 +152,10 @@ impl Node for BezierModel {
         }
     }
 
-    fn notes(&self) -> Vec<String> {
-        // Notes are made without opening files.
+    fn notes(&self, _times: FrameTimes) -> Vec<String> {
+        // Those of a file are in `file_notes`.
         match self.inline() {
-            Ok(patches) if !patches.is_empty() => {
-                let shapes: Vec<_> = patches.iter().map(|patch| &patch.shape).collect();
-                vec![continuity(shapes).to_string()]
-            }
+            Ok(patches) if self.model.is_none() => joints(&patches),
             _ => Vec::new(),
         }
     }
@@ -174,6 +177,15 @@ impl Stage for BezierModel {
         let Some(model) = &self.model else { return Ok(()) };
         read_model(&named(frame, model)?)?;
         Ok(())
+    }
+
+    fn file_notes(&self, frame: &FrameContext) -> Vec<String> {
+        let Some(model) = &self.model else { return Vec::new() };
+        // What is wrong with the file is reported as its error.
+        let read = named(frame, model).and_then(|path| read_model(&path));
+        let (Ok(read), Ok(mut patches)) = (read, self.inline()) else { return Vec::new() };
+        patches.extend(read);
+        joints(&patches)
     }
 
     fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {

@@ -1,6 +1,6 @@
 //! GerstnerSea: a sum of trochoidal waves.
 
-use super::stability;
+use super::{profile, stability};
 use crate::geometry::{PreparedSurface, memory};
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
@@ -285,6 +285,31 @@ impl GerstnerSea {
         Ok(waves)
     }
 
+    /// Returns the knob or list with the sharpest waves, and which numbers to lower so that no crests fold.
+    fn less_sharp(&self, factor: f64) -> (ItemName, String) {
+        const NAMED: usize = 4;
+        let random = (self.count > 0).then(|| (Self::SHARPNESS, "\"sharpness\"".to_string(), self.sharpness));
+        let listed = |item: ItemName, list: &'static str, all: Vec<f64>| {
+            let named = move |(index, sharpness)| (item, format!("the \"sharpness\" of {list}[{index}]"), sharpness);
+            all.into_iter().enumerate().map(named)
+        };
+        let waves = listed(Self::WAVES, "waves", self.waves.iter().map(|wave| wave.sharpness).collect());
+        let groups = listed(Self::GROUPS, "groups", self.groups.iter().map(|group| group.sharpness).collect());
+        let mut sharp: Vec<(ItemName, String, f64)> = random.into_iter().chain(waves).chain(groups).collect();
+        sharp.retain(|(.., sharpness)| *sharpness > 0.0);
+        // Stable: of equals, the first in the document.
+        sharp.sort_by(|(.., a), (.., b)| b.total_cmp(a));
+        match sharp.as_slice() {
+            [] => (Self::SHARPNESS, "lower \"sharpness\"".into()),
+            [(item, name, sharpness)] => (*item, format!("lower {name} to {:.3}", sharpness * factor)),
+            [(item, ..), ..] => {
+                let mut names: Vec<&str> = sharp.iter().map(|(_, name, _)| name.as_str()).take(NAMED).collect();
+                names.extend((sharp.len() > NAMED).then_some("every other one"));
+                (*item, format!("multiply {} by {factor:.3}", names.join(", ")))
+            }
+        }
+    }
+
     /// Returns the knob that a parameter of the spectrum comes from.
     fn of_spectrum(parameter: WaveParameter) -> ItemName {
         match parameter {
@@ -343,13 +368,8 @@ impl Node for GerstnerSea {
         let folds = folding(waves);
         if is_folded(&folds) {
             let found = format!("crests that fold over on {:.2} % of the sea", 100.0 * folds.folded_share);
-            let sharpness = self.sharpness * folds.unfolded_scale;
-            let remedy = if self.waves.is_empty() && self.groups.is_empty() {
-                format!("lower \"sharpness\" to {sharpness:.3}")
-            } else {
-                format!("multiply every \"sharpness\" by {:.3}", folds.unfolded_scale)
-            };
-            check.warning(Self::SHARPNESS, found, "crests that do not fold", remedy);
+            let (item, remedy) = self.less_sharp(folds.unfolded_scale);
+            check.warning(item, found, "crests that do not fold", remedy);
         }
     }
 
@@ -364,9 +384,9 @@ impl Node for GerstnerSea {
         Some(Work { seconds: WAVE * waves * vertices, item: Self::COUNT, remedy })
     }
 
-    fn notes(&self) -> Vec<String> {
+    fn notes(&self, _times: FrameTimes) -> Vec<String> {
         let Ok(waves) = self.waves() else { return Vec::new() };
-        let count = waves.len();
+        let (count, noun) = (waves.len(), if waves.len() == 1 { "wave" } else { "waves" });
         let folds = folding(waves);
         let verdict = if is_folded(&folds) {
             format!(
@@ -391,7 +411,7 @@ impl Node for GerstnerSea {
             format!("estimated from {points} points")
         };
         vec![format!(
-            "{count} waves; {verdict} ({proof}). In figures: least det J {:.3} (1 at rest, negative where folded), λ1 {:.3} \
+            "{count} {noun}; {verdict} ({proof}). In figures: least det J {:.3} (1 at rest, negative where folded), λ1 {:.3} \
              (less than 1 proves that nothing folds), Σq {:.3}",
             folds.jacobian_min, folds.lambda[0], folds.q_sum,
         )]
@@ -409,13 +429,16 @@ impl Dynamics for GerstnerSea {
 
     fn spectrum(&self) -> Option<Spectrum> {
         let waves = self.waves().ok()?;
-        let harmonic = |wave: &Wave| Harmonic {
-            wavelength: wave.wavelength,
-            amplitude: wave.amplitude,
-            direction: libm::atan2(wave.direction[1], wave.direction[0]).to_degrees(),
-            sharpness: wave.compression(),
-        };
-        Some(Spectrum { waves: waves.iter().map(harmonic).collect(), unfolded: folding(waves).unfolded_scale })
+        let lengths = LengthDistribution { count: self.count as usize, mean: self.wavelength, spread: self.spread };
+        Some(Spectrum {
+            waves: profile::harmonics(&waves),
+            unfolded: folding(waves).unfolded_scale,
+            lengths: (self.count > 0).then_some(lengths),
+        })
+    }
+
+    fn profile(&self, line: &ProfileLine, time: f64) -> Option<Profile> {
+        Some(profile::of_waves(self.waves().ok()?, line, time))
     }
 }
 

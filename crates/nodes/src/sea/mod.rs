@@ -8,6 +8,8 @@ mod drift_lines;
 mod fold_foam;
 #[cfg(feature = "sea")]
 mod gerstner_sea;
+#[cfg(feature = "sea")]
+mod profile;
 mod rift;
 #[cfg(feature = "sea")]
 mod ripple_sea;

@@ -1,6 +1,6 @@
 //! RippleSea: crossed ripples of cartoon water.
 
-use super::stability;
+use super::{profile, stability};
 use crate::geometry::{PreparedSurface, memory};
 use trochoid_graph::*;
 use trochoid_scene::SeaSurface;
@@ -80,6 +80,15 @@ impl Node for RippleSea {
 impl Dynamics for RippleSea {
     fn stability(&self) -> Option<Stability> {
         Some(stability::waves(self.waves().ok()?))
+    }
+
+    fn spectrum(&self) -> Option<Spectrum> {
+        let waves = profile::harmonics(&self.waves().ok()?);
+        Some(Spectrum { waves, unfolded: f64::INFINITY, lengths: None })
+    }
+
+    fn profile(&self, line: &ProfileLine, time: f64) -> Option<Profile> {
+        Some(profile::of_waves(self.waves().ok()?, line, time))
     }
 }
 

@@ -1,13 +1,13 @@
 //! ToonSea: a height field raised by traveling bursts.
 
-use super::stability;
-use super::toon::{Burst, FloatingBody, GridLayout, Guide, PreparedToonSea, TimedPath};
+use super::toon::{self, Burst, FloatingBody, GridLayout, Guide, PreparedToonSea, TimedPath};
+use super::{profile, stability};
 use crate::geometry::memory;
 use trochoid_graph::*;
 use trochoid_image::Format;
 use trochoid_sea::toon::{
-    self as model, Basin, Behavior, Boundary, Combine, Drift, Forecast, Instability, Mixing, Motion, Physics, Rift,
-    Shape, ToonError, ToonParameter, TrailFields,
+    self as model, Basin, Behavior, Boundary, Combine, Drift, Instability, Mixing, Motion, Physics, Rift, Shape,
+    ToonError, ToonParameter, TrailFields,
 };
 
 /// A finite sea raised by bursts that travel along splines. Their heights spread over a grid and die away; foam and
@@ -24,7 +24,8 @@ use trochoid_sea::toon::{
 /// Without bursts the sea is flat. Every frame is simulated from the sea at rest, `preroll` steps before the first
 /// frame; consecutive frames cost only the steps between them. Mode "resampled" needs 0 < c1 < 1 and equals "literal"
 /// at 60 frames per second; "literal" moves unevenly at 24. Unstable coefficients are refused, and the nearest stable
-/// ones are suggested. A keyed knob's value at a frame applies to the whole simulation up to that frame, so only `x`,
+/// ones are suggested. A "literal" burst adds cos(π + 1)·H = −0.54·H to every cell beyond its radius at each step, so
+/// that the whole sea sinks toward −0.54·ΣH/(1 − c1 − c2) while bursts last. A keyed knob's value at a frame applies to the whole simulation up to that frame, so only `x`,
 /// `z` and `level` are cheap to key.
 ///
 /// # Source
@@ -88,7 +89,7 @@ pub(crate) struct ToonSea {
     #[knob(default = 120, range = 0..=100_000)]
     preroll: i64,
     /// Profile of bursts: "intended", or "literal", as printed: cos(min(p|u−x|/r, π) + 1).
-    burst: Profile,
+    burst: BurstProfile,
     /// Share of a burst that a step adds; if unset, 1 − c1 − c2, or 1 for "literal" bursts.
     #[knob(range = -1e6..=1e6)]
     injection: Option<f64>,
@@ -144,7 +145,7 @@ enum Beyond {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
-enum Profile {
+enum BurstProfile {
     Intended,
     Literal,
 }
@@ -160,6 +161,10 @@ impl ToonSea {
     pub(super) fn extent(&self) -> [[f64; 2]; 2] {
         let side = |cells: i64| (cells as f64 - 1.0) * self.spacing;
         [[self.x, self.z], [self.x + side(self.columns), self.z + side(self.rows)]]
+    }
+
+    fn layout(&self, basin: &Basin) -> GridLayout {
+        GridLayout { columns: basin.columns, spacing: basin.spacing, origin: [self.x, self.z], level: self.level }
     }
 
     fn basin(&self) -> Basin {
@@ -194,8 +199,8 @@ impl ToonSea {
     fn behavior(&self) -> Behavior {
         Behavior {
             shape: match self.burst {
-                Profile::Intended => Shape::Intended,
-                Profile::Literal => Shape::Literal,
+                BurstProfile::Intended => Shape::Intended,
+                BurstProfile::Literal => Shape::Literal,
             },
             oriented: self.oriented,
             injection: self.injection,
@@ -230,23 +235,30 @@ impl ToonSea {
         model::ToonSea::new(self.basin(), self.motion(), self.behavior(), bursts)
     }
 
-    /// Tells what heights and rift reach in the first seconds, unless it takes long to find out.
-    fn reached(&self, sea: &model::ToonSea) -> Option<String> {
-        const SECONDS: f64 = 2.0;
-        const LOOKS: u32 = 8;
-        const MOST_WORK: f64 = 1.0;
-        if sea.bursts().is_empty() || sea.steps_to(SECONDS) as f64 * step_seconds(sea) > MOST_WORK {
+    /// Runs a sea over the frames of a document, as far as it gets within some seconds of work.
+    fn run(sea: &model::ToonSea, times: FrameTimes, work: f64, stop: &dyn Fn() -> bool) -> Option<Reached> {
+        if sea.bursts().is_empty() {
             return None;
         }
         let mut simulation = sea.simulate(TrailFields { rift: true, drift: false });
-        let (mut low, mut high, mut most) = (0.0_f32, 0.0_f32, 0.0_f32);
-        for look in 0..=LOOKS {
-            let frame = simulation.at(SECONDS * f64::from(look) / f64::from(LOOKS));
-            (low, high) =
+        let mut reached: Option<Reached> = None;
+        for time in times.iter() {
+            if sea.steps_to(time) as f64 * step_seconds(sea) > work {
+                break;
+            }
+            if !simulation.reach(time, stop) {
+                return None;
+            }
+            let frame = simulation.at(time);
+            let so_far =
+                reached.map_or(([0.0_f32; 2], 0.0), |so_far| (so_far.heights.map(|h| h as f32), so_far.rift as f32));
+            let ([low, high], most) = so_far;
+            let (low, high) =
                 frame.height.iter().fold((low, high), |(low, high), height| (low.min(*height), high.max(*height)));
-            most = frame.rift.iter().copied().fold(most, f32::max);
+            let rift = frame.rift.iter().copied().fold(most, f32::max);
+            reached = Some(Reached { until: time, heights: [low, high].map(f64::from), rift: f64::from(rift) });
         }
-        Some(format!("in the first {SECONDS} s, heights from {low:.3} to {high:.3} m, a rift of up to {most:.3}"))
+        reached
     }
 
     /// Returns the list that a burst comes from, given its index among all bursts.
@@ -341,47 +353,12 @@ fn step_seconds(sea: &model::ToonSea) -> f64 {
     STEP + CELL * sea.basin().cells() as f64 + BURST * sea.bursts().len() as f64
 }
 
-/// Warns about a level sea with neither damping nor a restoring force.
-fn check_free(sea: &model::ToonSea, check: &mut Check<'_>) {
-    if !Forecast::new(sea.motion(), sea.basin()).bounded {
-        let found = "damping 0 and frequency 0, so the sea's level drifts without limit once bursts push it";
-        let remedy = "raise \"damping\" or \"frequency\"";
-        check.warning(ToonSea::DAMPING, found, "damping or a restoring force", remedy);
-    }
-}
-
-/// Warns about a sea without waves.
-fn check_bursts(sea: &model::ToonSea, check: &mut Check<'_>) {
-    let remedy = "add \"guides\" or \"bursts\" with a \"path\" on the grid";
-    if sea.bursts().is_empty() {
-        let found = "no bursts, guides or bodies, so the sea is flat";
-        return check.warning(ToonSea::BURSTS, found, "at least one of them", remedy);
-    }
-    let basin = sea.basin();
-    let sides = [basin.columns, basin.rows].map(|cells| (cells - 1) as f64 * basin.spacing);
-    // A profile ends within three radii.
-    let misses = |burst: &model::Burst| {
-        let reach = 3.0 * burst.influence[0].max(burst.influence[1]) * burst.peak.max(1.0);
-        (0..2).any(|axis| {
-            burst.path.iter().all(|point| point[axis] < -reach)
-                || burst.path.iter().all(|point| point[axis] > sides[axis] + reach)
-        })
-    };
-    if basin.boundary != Boundary::Periodic && sea.bursts().iter().all(misses) {
-        let [x, z] = sides;
-        let found = format!("every path outside the grid of {x:.2} × {z:.2} m, so the sea is flat");
-        let item = if sea.bursts().len() > 1 { ToonSea::GUIDES } else { ToonSea::BURSTS };
-        check.warning(item, found, "a path over the grid", remedy);
-    }
-}
-
 impl Node for ToonSea {
     fn check(&self, check: &mut Check<'_>) {
         match self.sea() {
             Err(error) => self.report(&error, check),
             Ok(sea) => {
-                check_free(&sea, check);
-                check_bursts(&sea, check);
+                toon::check(&sea, check);
             }
         }
     }
@@ -393,12 +370,24 @@ impl Node for ToonSea {
         Some(Work { seconds: sea.steps_to(time) as f64 * step_seconds(&sea), item: Self::PREROLL, remedy })
     }
 
-    fn notes(&self) -> Vec<String> {
+    fn notes(&self, times: FrameTimes) -> Vec<String> {
+        const WORK: f64 = 1.0;
         let Ok(sea) = self.sea() else { return Vec::new() };
         let size = |cells: usize| (cells - 1) as f64 * sea.basin().spacing;
         let (x, z) = (size(sea.basin().columns), size(sea.basin().rows));
-        let mut notes = vec![format!("{} bursts on {x:.2} × {z:.2} m", sea.bursts().len())];
-        notes.extend(self.reached(&sea));
+        let noun = if sea.bursts().len() == 1 { "burst" } else { "bursts" };
+        let mut notes = vec![format!("{} {noun} on {x:.2} × {z:.2} m", sea.bursts().len())];
+        notes.extend(Self::run(&sea, times, WORK, &|| false).map(|reached| {
+            let Reached { until, heights: [low, high], rift } = reached;
+            let frames = if times.count <= 1 {
+                "at the only frame".into()
+            } else if until < times.last() {
+                format!("in the first {until:.2} of {:.2} s", times.last())
+            } else {
+                format!("over all frames, {until:.2} s")
+            };
+            format!("{frames}: heights from {low:.3} to {high:.3} m, a rift of up to {rift:.3}, for thresholds")
+        }));
         notes
     }
 
@@ -414,6 +403,22 @@ impl Dynamics for ToonSea {
 
     fn step_errors(&self, steps: u64, stop: &(dyn Fn() -> bool + Sync)) -> Option<StepErrors> {
         stability::errors(&self.sea().ok()?, steps, stop)
+    }
+
+    fn profile(&self, line: &ProfileLine, time: f64) -> Option<Profile> {
+        const WORK: f64 = 2.0;
+        let sea = self.sea().ok()?;
+        if sea.steps_to(time) as f64 * step_seconds(&sea) > WORK {
+            return None;
+        }
+        let mut simulation = sea.simulate(TrailFields::default());
+        let heights = simulation.at(time).height;
+        Some(profile::of_grid(heights, &self.layout(sea.basin()), self.extent(), line))
+    }
+
+    fn reached(&self, times: FrameTimes, stop: &dyn Fn() -> bool) -> Option<Reached> {
+        const WORK: f64 = 5.0;
+        Self::run(&self.sea().ok()?, times, WORK, stop)
     }
 
     fn paths(&self) -> Option<Paths> {
@@ -447,12 +452,7 @@ impl Stage for ToonSea {
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let sea = self.sea()?;
-        let layout = GridLayout {
-            columns: sea.basin().columns,
-            spacing: sea.basin().spacing,
-            origin: [self.x, self.z],
-            level: self.level,
-        };
+        let layout = self.layout(sea.basin());
         Ok(Box::new(PreparedToonSea::new(sea, layout, prepare)?))
     }
 }

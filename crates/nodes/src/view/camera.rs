@@ -11,7 +11,9 @@ use trochoid_scene as scene;
 /// are parallel, and the picture is `height` meters high. Exactly: see Definitions in the book.
 ///
 /// # Edge cases
-/// If position and target are equal, the camera looks along −Z. If it looks straight up or down, −Z or +Z points up in
+/// A level orthographic camera sees a flat sea, and one whose crests it looks along, exactly from the side, as nothing. A
+/// section of such a sea: look straight down, and clamp Height less the height that ScreenY stands for (the book has
+/// an example). If position and target are equal, the camera looks along −Z. If it looks straight up or down, −Z or +Z points up in
 /// the picture.
 ///
 /// # Source

@@ -6,6 +6,7 @@ mod clouds;
 mod copy;
 mod curvature;
 mod depth;
+mod edge_on;
 pub(crate) mod flow_field;
 mod height;
 mod in_front;

@@ -1,5 +1,6 @@
 //! Render: surfaces as seen by a camera.
 
+use super::edge_on::check_edge_on;
 use super::{MOST_DOUBT, NO_RUN, RenderHandle, SurfaceHandle, exact, too_rough};
 use crate::geometry::memory;
 use std::cell::RefCell;
@@ -75,6 +76,7 @@ impl Node for Render {
             let found = format!("\"{}\" twice, at the same place", twice.name);
             check.warning(Self::SURFACES, found, "each surface once", "list it once");
         }
+        check_edge_on(self, check);
     }
 }
 

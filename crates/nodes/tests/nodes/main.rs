@@ -63,6 +63,7 @@ mod paint {
 
 mod sea {
     mod bake;
+    mod profile;
     mod spray;
     mod toon_sea;
     mod waterline_foam;

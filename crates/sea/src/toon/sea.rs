@@ -128,7 +128,7 @@ impl ToonSea {
     }
 
     /// Returns the share of a burst that goes into the force of a step.
-    pub(crate) fn injection(&self) -> f64 {
+    pub fn injection(&self) -> f64 {
         match (self.behavior.injection, self.motion, self.behavior.shape) {
             (Some(injection), ..) => injection,
             (None, Motion::Literal(mixing) | Motion::Resampled { mixing, .. }, Shape::Intended) => mixing.loss(),

@@ -43,6 +43,7 @@ pub(super) fn made(library: &Library, name: &str, group: &Group) -> &'static Dec
     let outputs = group.entries("outputs").map(|(name, target)| NodeOutput {
         name: kept(name),
         kind: kind(library, group, target.as_str().unwrap_or_default(), DEPTH).unwrap_or(Kind::ANY),
+        others: &[],
         help: "",
         stored: &[],
     });

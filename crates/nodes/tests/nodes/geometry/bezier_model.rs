@@ -54,6 +54,6 @@ fn keyed_points_move_and_the_notes_report_joints() {
     for (frame, height) in [(1, 0.0), (5, 2.0), (9, 4.0)] {
         assert!((corner(frame) - height).abs() < 1e-6, "{} in frame {frame}", corner(frame));
     }
-    let notes = graph.settle(graph.find("s").unwrap(), 1).node().notes();
+    let notes = graph.settle(graph.find("s").unwrap(), 1).node().notes(graph.times());
     assert!(notes[0].starts_with("2 patches, 1 joint: no gaps"), "{notes:?}");
 }
