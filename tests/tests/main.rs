@@ -47,6 +47,7 @@ mod stores;
 mod streaming;
 mod sums;
 mod support;
+mod texture;
 mod thesis;
 
 /// Counts the memory that the tests take.

@@ -3,7 +3,6 @@
 use crate::failure::Failure;
 use crate::shell::{self, HEADING, wrap};
 use serde_json::{Value, json};
-use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use trochoid::{
@@ -109,33 +108,40 @@ fn manual(declaration: &Declaration) -> String {
     text
 }
 
-/// Returns the smallest node of a type, with the names of other nodes in it and what they make.
-fn example(declaration: &Declaration) -> (Value, BTreeMap<&'static str, Accepts>) {
-    let connected = RefCell::new(BTreeMap::new());
-    let mut node = smallest_node(declaration, &|accepts| {
-        let name = match accepts {
-            Accepts::Surface => "sea",
-            Accepts::Camera => "camera",
-            Accepts::Light => "light",
-            Accepts::View => "view",
-            Accepts::Weights => "weights",
-            Accepts::Direction => "direction",
-            // These take literals.
-            Accepts::Color | Accepts::Image | Accepts::Mask | Accepts::Scalar | Accepts::Field => return None,
-        };
-        connected.borrow_mut().insert(name, accepts);
-        Some(json!(name))
-    });
-    // A file that the node can read.
-    let ending = declaration.reads.and_then(|files| files.endings.first()).copied().unwrap_or("exr");
+/// Returns the smallest node of a type that is valid, with the names of other nodes in it and what they make.
+fn example(declaration: &Declaration) -> (Value, BTreeMap<String, Accepts>) {
+    let name = |accepts| match accepts {
+        Accepts::Surface => Some("sea"),
+        Accepts::Camera => Some("camera"),
+        Accepts::Light => Some("light"),
+        Accepts::View => Some("view"),
+        Accepts::Weights => Some("weights"),
+        Accepts::Direction => Some("direction"),
+        // These take literals.
+        Accepts::Color | Accepts::Image | Accepts::Mask | Accepts::Scalar | Accepts::Field => None,
+    };
+    let mut node = smallest_node(declaration, &|accepts| Some(json!(name(accepts)?)));
+    let own: Value = serde_json::from_str(&format!("{{ {} }}", declaration.example)).unwrap_or_default();
+    if let (Some(node), Value::Object(own)) = (node.as_object_mut(), own) {
+        node.extend(own);
+    }
+    let mut connected = BTreeMap::new();
     for item in declaration.items {
-        if let Item::Knob(Knob { takes: KnobType::Path, name, .. }) = item
-            && let Some(file) = node.get_mut(name)
-        {
-            *file = json!(format!("file.{ending}"));
+        match (item, node.get_mut(item.name())) {
+            // A file that the node can read.
+            (Item::Knob(Knob { takes: KnobType::Path, .. }), Some(file)) if file == "" => {
+                let ending = declaration.reads.and_then(|files| files.endings.first()).copied().unwrap_or("exr");
+                *file = json!(format!("file.{ending}"));
+            }
+            (Item::Port(port), Some(value)) => {
+                let values = value.as_array().map_or(std::slice::from_ref(&*value), Vec::as_slice);
+                let names = values.iter().filter_map(Value::as_str).filter(|name| !name.starts_with('#'));
+                connected.extend(names.map(|name| (name.to_string(), port.accepts)));
+            }
+            _ => {}
         }
     }
-    (node, connected.into_inner())
+    (node, connected)
 }
 
 /// Writes JSON in one line, with spaces as in the book.
@@ -273,5 +279,36 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Nodes with the names that examples use.
+    const AROUND: &str = r#"
+        "camera": { "type": "Camera" }, "light": { "type": "Light", "direction": [0, 1, 0] },
+        "sea": { "type": "GerstnerSea" }, "view": { "type": "Render", "camera": "camera", "surfaces": ["sea"] },
+        "weights": { "type": "Bands", "field": 0.5, "thresholds": [0.2, 0.4] },
+        "direction": { "type": "FlowField", "view": "view" }, "uv": { "type": "UV", "view": "view" },
+        "boat": { "type": "Mesh", "file": "boat.obj" },
+        "shore": { "type": "Render", "camera": "camera", "surfaces": ["boat"] }"#;
+
+    #[test]
+    fn the_example_of_every_type_is_a_valid_node() {
+        let mut faults = Vec::new();
+        for ty in registry().iter() {
+            let declaration = ty.declaration();
+            let (node, connected) = example(declaration);
+            let text = spaced(&node);
+            assert_eq!(serde_json::from_str::<Value>(&text).unwrap(), node);
+            for name in connected.keys() {
+                assert!(AROUND.contains(&format!("\"{name}\": {{")), "{}: {name}", declaration.name);
+            }
+            let document = format!(
+                r##"{{ "trochoid": 1, "format": {{ "width": 8, "height": 8 }}, "nodes": {{ {AROUND}, "name": {text} }},
+                "outputs": {{ "depth": {{ "field": "direction" }} }} }}"##
+            );
+            if let Err(error) = trochoid::parse("example.json", &document, std::path::Path::new("."), &[]) {
+                faults.push(format!("{}: {text}\n{error}", declaration.name));
+            }
+        }
+        assert!(faults.is_empty(), "{}", faults.join("\n"));
     }
 }

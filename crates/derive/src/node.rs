@@ -16,6 +16,7 @@ struct NodeArguments {
     end: Option<Ident>,
     revision: Option<LitInt>,
     outputs: Option<TokenStream>,
+    example: Option<String>,
     role: Option<Ident>,
     offers: Vec<Ident>,
     reads: Option<TokenStream>,
@@ -89,13 +90,14 @@ fn parse(input: ParseStream<'_>) -> Result<NodeArguments, Error> {
                     "end" => arguments.end = Some(input.parse()?),
                     "revision" => arguments.revision = Some(input.parse()?),
                     "role" => arguments.role = Some(input.parse()?),
+                    "example" => arguments.example = Some(input.parse::<LitStr>()?.value()),
                     "outputs" => {
                         let path: Path = input.parse()?;
                         arguments.outputs = Some(quote! { <#path as ::trochoid_graph::OutputSet>::OUTPUTS });
                     }
                     _ => {
                         let known = "expected stage, pointwise, name, end, revision, outputs, output(…), role, \
-                                     offers(…) or reads(…)";
+                                     example, offers(…) or reads(…)";
                         return Err(Error::new_spanned(key, known));
                     }
                 }
@@ -160,6 +162,7 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
             }
         }
     });
+    let example = arguments.example.unwrap_or_default();
     Ok(quote! {
         #items
         #computes
@@ -178,6 +181,7 @@ pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream, Error> {
                 offers: &[#(::trochoid_graph::Offer::#offers),*],
                 reads: #reads,
                 aliases: &[#(#also),*],
+                example: #example,
                 revision: #revision,
             };
         }

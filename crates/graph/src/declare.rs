@@ -29,6 +29,9 @@ pub struct Declaration {
     pub reads: Option<Files>,
     /// Names in other programs.
     pub aliases: &'static [Alias],
+    /// What the manual's example of the node has beside what is required, as entries of a JSON object; "sea", "view" and
+    /// the like stand for other nodes.
+    pub example: &'static str,
     /// Version of the results: raised when they change, so that no cache returns old ones.
     pub revision: u32,
 }

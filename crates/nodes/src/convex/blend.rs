@@ -14,7 +14,11 @@ use trochoid_graph::*;
 /// # Source
 /// Akleman, Liu, House, Barycentric Shaders, 2016, equation 1.
 #[derive(Clone, Node)]
-#[node(pointwise, end = Back, revision = 2, output(color: Kind::Color = "The blended color."))]
+#[node(
+    pointwise, end = Back, revision = 2,
+    example = r#""weights": [0.3, 0.7]"#,
+    output(color: Kind::Color = "The blended color.")
+)]
 #[also_called("Average", "WeightedSum", "Combine")]
 pub(crate) struct Blend {
     /// Colors to blend, in the order of the weights.

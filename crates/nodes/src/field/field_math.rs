@@ -23,7 +23,11 @@ use trochoid_image::Window;
 /// # Source
 /// Fields are not colors, so any arithmetic is allowed on them; a Clamp turns the result into a mask.
 #[derive(Clone, Node)]
-#[node(stage, end = Front, revision = 1, output(field: Kind::ANY = "The result."))]
+#[node(
+    stage, end = Front, revision = 1,
+    example = r#""expression": "2 * a", "a": 0.5"#,
+    output(field: Kind::ANY = "The result.")
+)]
 #[also_called(
     "Math", "Expression", "Formula", "Checkerboard", "Checker", "Stripes", "Grid", "MergeExpression", "VectorMath" => "a formula"
 )]

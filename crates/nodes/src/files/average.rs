@@ -10,7 +10,7 @@ pub(super) enum Wrap {
 
 impl Wrap {
     /// Returns the pixel in a row of `count` that stands at an index.
-    fn pixel(self, at: i64, count: i64) -> i64 {
+    pub(super) fn pixel(self, at: i64, count: i64) -> i64 {
         match self {
             Self::Repeat => at.rem_euclid(count),
             Self::Clamp => at.clamp(0, count - 1),

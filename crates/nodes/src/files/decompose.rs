@@ -34,6 +34,7 @@ use trochoid_weights::Storing;
     stage,
     end = Back,
     revision = 1,
+    example = r##""colors": ["#102030", "#f0e0c0"]"##,
     reads("a picture": "exr", "png", "jpg", "jpeg", "tif", "tiff"),
     output(weights: Kind::ANY_WEIGHTS = "One weight per color, in the order of `colors`.")
 )]

@@ -1,5 +1,6 @@
 //! Nodes that read files, and their shared code: decoding a selection, validation, fitting, and color conversion.
 
+mod average;
 mod color;
 mod cost;
 mod decompose;

@@ -1,5 +1,6 @@
 //! Texture: a picture file looked up by texture coordinates.
 
+use crate::files::average::{Interval, Sums, Wrap, covered};
 use crate::files::knobs::{As, DecodeKnobs, FileKnobs, Knobs, SelectionKnobs};
 use crate::files::{Planes, Reading, controls, index_of_nearest, memory_of_picture};
 use crate::filter::{blended, fill, value, weights};
@@ -14,12 +15,16 @@ use trochoid_image::{Plane, Rgb, Window};
 /// # Formula
 /// The picture's value at x = u·width − ½, y = (1 − v)·height − ½ in its pixels: u from 0 at the left edge to 1 at the
 /// right, v from 0 at the lower edge to 1 at the upper. bilinear: a blend of the four nearest pixels; nearest: the
-/// pixel that contains the position.
+/// pixel that contains the position. With a `footprint` f: the mean over f·width × f·height pixels around the position,
+/// at least 1 × 1, where one side is longer than a pixel.
 ///
 /// # Edge cases
 /// Beyond [0, 1] the picture repeats, is mirrored at its edges, or continues with its border pixels, by `wrap`. A
 /// coordinate of NaN or ±∞ counts as 0; with `wrap` clamp, ±∞ counts as the edge. Outside its data window, a picture
-/// repeats its nearest pixel. A picture displayed smaller than stored is not averaged: raise the format's `samples`.
+/// repeats its nearest pixel. Without a `footprint`, a picture displayed smaller than stored is not averaged, and flickers
+/// toward the horizon. On a plane seen from the height h, a sample at the distance d covers about d²·p/h meters along its
+/// ray, with p = 2·tan(fov/2)/width, the angle of a pixel. A footprint above 16 counts as 16; NaN as 0, and so does every
+/// footprint where the picture has infinite values.
 /// To fill the screen with a picture, use Read with `fit`: ScreenX is 0 and 1 at the centers of the outermost pixels,
 /// and ScreenY increases downward, but u and v are 0 and 1 at the picture's edges, and v increases upward. Bad data is
 /// handled as in Read. Every color of the file is a control color.
@@ -42,6 +47,9 @@ pub(crate) struct Texture {
     u: One<port::Scalar>,
     /// Texture coordinate along the picture's height: 0 to 1 from bottom to top.
     v: One<port::Scalar>,
+    /// Side of the square of u and v that a sample covers: 1 is the whole picture. Larger than a pixel of the picture, it
+    /// is averaged.
+    footprint: Optional<port::Scalar>,
     /// Behavior outside 0 to 1.
     wrap: Wrap,
     /// Interpolation between pixels.
@@ -50,13 +58,6 @@ pub(crate) struct Texture {
     selected: SelectionKnobs,
     #[items]
     taken: DecodeKnobs,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Choice)]
-enum Wrap {
-    Repeat,
-    Clamp,
-    Mirror,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
@@ -95,7 +96,10 @@ impl Stage for Texture {
     }
 
     fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
-        memory_of_picture(self.knobs(), context, None)
+        let picture = memory_of_picture(self.knobs(), context, None);
+        // Sums take 8 bytes for each sample of 4.
+        let sums = if self.footprint.is_some() { 2 * picture.held } else { 0 };
+        MemoryUse { held: picture.held + sums, ..picture }
     }
 
     fn check_headers(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
@@ -115,7 +119,14 @@ impl Stage for Texture {
             Ok(())
         })?;
         let ranges = planes.iter().map(|_| OnceLock::new()).collect();
-        Ok(Box::new(PreparedTexture { node: self.clone(), kind, planes, exact, display, repaired, ranges }))
+        let side = [display.width(), display.height()];
+        let sums = |plane: &Option<Plane>| {
+            let plane = plane.as_ref().filter(|_| self.footprint.is_some())?;
+            let pixel = |x: usize, y: usize| f64::from(plane.nearest(display.x0 + x as i64, display.y0 + y as i64));
+            Some(Sums::new(side, pixel))
+        };
+        let sums = planes.iter().map(sums).collect();
+        Ok(Box::new(PreparedTexture { node: self.clone(), kind, planes, exact, sums, display, repaired, ranges }))
     }
 }
 
@@ -132,15 +143,6 @@ impl Wrap {
         };
         if within.is_finite() { within } else { 0.0 }
     }
-
-    /// Returns the index of a neighbor in a row of `count` pixels, wrapped.
-    fn pixel(self, at: i64, count: i64) -> i64 {
-        match self {
-            Self::Repeat => at.rem_euclid(count),
-            // At a mirror, the edge pixel repeats.
-            Self::Clamp | Self::Mirror => at.clamp(0, count - 1),
-        }
-    }
 }
 
 /// A picture, ready to be looked up.
@@ -150,6 +152,8 @@ struct PreparedTexture {
     planes: Vec<Option<Plane>>,
     /// What the planes are rounded from, sample by sample; empty if they are exact.
     exact: Vec<Vec<f64>>,
+    /// Sums of each plane, if footprints are averaged.
+    sums: Vec<Option<Sums>>,
     /// Display window: the range of u and v.
     display: Window,
     repaired: u64,
@@ -159,6 +163,21 @@ struct PreparedTexture {
 
 /// The two neighbors along an axis, and the position between them.
 type Tap = ([i64; 2], f64);
+
+/// Largest footprint that counts, in pictures.
+const WIDEST: f64 = 16.0;
+
+/// A rectangle of the picture, in pixels from its upper left corner.
+struct Area {
+    across: [f64; 2],
+    down: [f64; 2],
+}
+
+impl Area {
+    fn pixels(&self) -> f64 {
+        (self.across[1] - self.across[0]) * (self.down[1] - self.down[0])
+    }
+}
 
 impl PreparedTexture {
     fn is_bilinear(&self) -> bool {
@@ -184,6 +203,53 @@ impl PreparedTexture {
         ([at(0, 0), at(1, 0), at(0, 1), at(1, 1)], [across, down])
     }
 
+    /// Returns the rectangle that a footprint covers around u and v; `None` if it is not larger than a pixel.
+    fn area(&self, u: f64, v: f64, footprint: f64) -> Option<Area> {
+        let [width, height] = [self.display.width(), self.display.height()].map(|side| side as f64);
+        let footprint = footprint.min(WIDEST);
+        // False for NaN.
+        if !(footprint * width > 1.0 || footprint * height > 1.0) {
+            return None;
+        }
+        let around = |middle: f64, side: f64| {
+            let half = (footprint * side).max(1.0) / 2.0;
+            [middle * side - half, middle * side + half]
+        };
+        let (u, v) = (self.node.wrap.unit(u), self.node.wrap.unit(v));
+        Some(Area { across: around(u, width), down: around(1.0 - v, height) })
+    }
+
+    /// Returns the mean of a channel over a rectangle; `None` if it has infinite values.
+    fn mean(&self, channel: usize, [across, down]: &[Interval; 2], pixels: f64) -> Option<f32> {
+        let mean = self.sums[channel].as_ref()?.over(across, down) / pixels;
+        let (least, most) = self.range(channel)?;
+        // Sums are rounded; a mean lies between the pixels.
+        mean.is_finite().then(|| mean.clamp(least, most) as f32)
+    }
+
+    /// Returns the mean of a channel over a rectangle, in f64, pixel by pixel.
+    fn true_mean(&self, channel: usize, area: &Area) -> f64 {
+        let across = covered(self.node.wrap, area.across, self.display.width());
+        let down = covered(self.node.wrap, area.down, self.display.height());
+        let [x0, y0] = [self.display.x0, self.display.y0];
+        let row = |y: usize| -> f64 {
+            let texel = |(x, length): (usize, &f64)| length * self.texel(channel, [x0 + x as i64, y0 + y as i64]);
+            across.iter().enumerate().filter(|(_, length)| **length > 0.0).map(texel).sum()
+        };
+        let rows = down.iter().enumerate().filter(|(_, length)| **length > 0.0);
+        rows.map(|(y, length)| length * row(y)).sum::<f64>() / area.pixels()
+    }
+
+    /// Returns the least and the greatest sample of a channel.
+    fn range(&self, channel: usize) -> Option<(f64, f64)> {
+        let plane = self.planes[channel].as_ref()?;
+        let all = || match self.exact.get(channel) {
+            Some(exact) => extremes(exact.iter().copied()),
+            None => extremes(plane.samples().iter().map(|sample| f64::from(*sample))),
+        };
+        Some(*self.ranges[channel].get_or_init(all))
+    }
+
     /// Returns the pixel of a channel that is nearest to (x, y), before it is rounded to f32.
     fn texel(&self, channel: usize, [x, y]: [i64; 2]) -> f64 {
         let Some(plane) = &self.planes[channel] else { return 0.0 };
@@ -205,7 +271,9 @@ impl PreparedTexture {
 
     /// Returns the span of a channel for u and v in spans.
     fn span(&self, channel: usize, [u, v]: [Span; 2]) -> Span {
-        let Some(plane) = &self.planes[channel] else { return Span::exactly(0.0) };
+        if self.planes[channel].is_none() {
+            return Span::exactly(0.0);
+        }
         if u.low == u.high && v.low == v.high {
             let truth = self.truth(channel, u.low, v.low);
             return Span::of(&[truth, truth]).with(u.clear && v.clear);
@@ -223,11 +291,7 @@ impl PreparedTexture {
         let (least, most) = extremes(texels.iter().flatten().copied());
         if texels.is_empty() || !(most - least).is_finite() {
             // The value is a blend of some pixels.
-            let all = || match self.exact.get(channel) {
-                Some(exact) => extremes(exact.iter().copied()),
-                None => extremes(plane.samples().iter().map(|sample| f64::from(*sample))),
-            };
-            let (least, most) = *self.ranges[channel].get_or_init(all);
+            let (least, most) = self.range(channel).unwrap_or_default();
             return Span::unclear(least, most);
         }
         let clear = u.clear && v.clear;
@@ -286,18 +350,42 @@ impl Prepared for PreparedTexture {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let coordinate =
             |port: &One<port::Scalar>| inputs.planes(port, 0).first().copied().flatten().unwrap_or_default();
-        let places = coordinate(&self.node.u).iter().zip(coordinate(&self.node.v));
+        let (u, v) = (coordinate(&self.node.u), coordinate(&self.node.v));
         // Compute each sample's pixels once for all channels.
-        let taps: Vec<_> = places
+        let taps: Vec<_> = u
+            .iter()
+            .zip(v)
             .map(|(u, v)| {
                 let (pixels, [across, down]) = self.taps(f64::from(*u), f64::from(*v));
                 (pixels, weights(across, down))
+            })
+            .collect();
+        let footprints: &[f32] = if self.node.footprint.is_some() {
+            inputs.planes(&self.node.footprint, 0).first().copied().flatten().unwrap_or_default()
+        } else {
+            &[]
+        };
+        let wide: Vec<_> = u
+            .iter()
+            .zip(v)
+            .zip(footprints)
+            .enumerate()
+            .filter_map(|(sample, ((u, v), footprint))| {
+                let area = self.area(f64::from(*u), f64::from(*v), f64::from(*footprint))?;
+                let interval = |at: [f64; 2], count: usize| Interval::new(self.node.wrap, at, count);
+                let across = interval(area.across, self.display.width());
+                Some((sample, [across, interval(area.down, self.display.height())], area.pixels()))
             })
             .collect();
         fill(self.kind, block.window.area(), outputs, |channel, out| {
             if let Some(plane) = &self.planes[channel] {
                 for (out, (pixels, weights)) in out.iter_mut().zip(&taps) {
                     *out = blended(pixels.map(|[x, y]| plane.nearest(x, y)), weights);
+                }
+                for (sample, intervals, pixels) in &wide {
+                    if let Some(mean) = self.mean(channel, intervals, *pixels) {
+                        out[*sample] = mean;
+                    }
                 }
             }
         });
@@ -309,7 +397,14 @@ impl Prepared for PreparedTexture {
             bounding.bound_by(outputs, SoleOutput, channel, |sample| {
                 let place = [&self.node.u, &self.node.v]
                     .map(|port| bounding.known(port, 0, sample).unwrap_or(Span::exactly(0.0)));
-                let span = self.span(channel, place);
+                let footprint = bounding.known(&self.node.footprint, 0, sample).unwrap_or(Span::exactly(0.0));
+                let side = self.display.width().max(self.display.height()) as f64;
+                let span = if footprint.clear && footprint.high * side <= 1.0 {
+                    self.span(channel, place)
+                } else {
+                    let (least, most) = self.range(channel).unwrap_or_default();
+                    Span::unclear(least, most)
+                };
                 if matches!(self.kind, Kind::Weights(_)) { span.within(0.0, 1.0) } else { span }
             });
         }
@@ -318,7 +413,13 @@ impl Prepared for PreparedTexture {
 
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let (u, v) = (inputs.scalar(&self.node.u), inputs.scalar(&self.node.v));
-        Ok(vec![value(self.kind, (0..self.planes.len()).map(|channel| self.truth(channel, u, v)).collect())])
+        let footprint = self.node.footprint.as_ref().map_or(0.0, |footprint| inputs.scalar(footprint));
+        let area = self.area(u, v, footprint);
+        let truth = |channel: usize| {
+            let mean = area.as_ref().map(|area| self.true_mean(channel, area)).filter(|mean| mean.is_finite());
+            mean.unwrap_or_else(|| self.truth(channel, u, v))
+        };
+        Ok(vec![value(self.kind, (0..self.planes.len()).map(truth).collect())])
     }
 
     fn repaired(&self) -> u64 {
@@ -327,6 +428,7 @@ impl Prepared for PreparedTexture {
 
     fn bytes(&self) -> usize {
         let exact = self.exact.iter().map(|exact| size_of_val(&exact[..]));
-        self.planes.iter().flatten().map(|plane| size_of_val(plane.samples())).chain(exact).sum()
+        let sums = self.sums.iter().flatten().map(Sums::bytes);
+        self.planes.iter().flatten().map(|plane| size_of_val(plane.samples())).chain(exact).chain(sums).sum()
     }
 }

@@ -26,7 +26,7 @@ use trochoid_scene::{Camera, DVec3, Projection};
 /// # Source
 /// Blender writes 10¹⁰ (65504 in half) as the depth of the sky, and has z upward.
 #[derive(Clone, Node)]
-#[node(stage, end = Front, revision = 1, outputs = Out, role = Passes)]
+#[node(stage, end = Front, revision = 1, example = r#""depth": "depth""#, outputs = Out, role = Passes)]
 #[also_called("Passes", "AOV", "AOVs", "RenderPasses", "Cryptomatte", "ReadPasses")]
 pub(crate) struct ViewFromPasses {
     /// EXR file; a normal map may be a PNG. #### or %04d stands for the frame number; write \# and \% for literal

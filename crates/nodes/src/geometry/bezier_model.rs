@@ -27,6 +27,7 @@ use trochoid_scene::bezier::{MAX_PATCHES, MAX_SEGMENTS, Patch, PatchModel, Rails
     stage,
     end = Front,
     revision = 1,
+    example = r#""model": "patches.json""#,
     reads("a model of Bézier patches": "json"),
     output(surface: Kind::Surface = "The surface.")
 )]

@@ -22,7 +22,11 @@ use trochoid_scene::{Exact, Floating, Pose, RigidBodies};
 /// # Source
 /// Creation of a cartoon shader of water for the web, part 2 (buoyancy); linear least squares.
 #[derive(Clone, Node)]
-#[node(stage, end = Front, revision = 1, output(surface: Kind::Surface = "The floating bodies, as one surface."))]
+#[node(
+    stage, end = Front, revision = 1,
+    example = r#""model": "boat", "bodies": [{ "x": 3 }]"#,
+    output(surface: Kind::Surface = "The floating bodies, as one surface.")
+)]
 pub(crate) struct Float {
     /// Model to float: bow along +x, y up, waterline at y = 0.
     model: One<port::Surface>,

@@ -25,7 +25,7 @@ use trochoid_image::{Format, Window};
 /// # Source
 /// The drift lines of Dadfar and Welling, section 5.1, and the lines of Hokusai's Great Wave.
 #[derive(Clone, Node)]
-#[node(stage, end = Front, revision = 1, outputs = Out)]
+#[node(stage, end = Front, revision = 1, example = r#""place": "uv", "widths": [2]"#, outputs = Out)]
 pub(crate) struct LineSet {
     /// Coordinates as a field of 2 components: across the lines (1 from line to line) and along them. For example from
     /// UV.

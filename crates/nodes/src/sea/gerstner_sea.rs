@@ -24,7 +24,8 @@ use trochoid_sea::{
 ///
 /// # Edge cases
 /// `count` 0 without `waves` and `groups` is a flat sea. Sharpness 0 gives a sum of sinusoids; above 1, crests fold
-/// over. With convention "thesis", the sum is flat for many waves, and sharpness also scales the height.
+/// over. With convention "thesis", the sum is flat for many waves, and sharpness also scales the height: the
+/// weight of each random wave is 1/n. For weights of your own, set the `waves` by hand: an amplitude holds its weight.
 ///
 /// # Source
 /// Thesis 3.2.1; Hinsinger, Neyret and Cani, Interactive Animation of Ocean Waves, 2002.

@@ -17,7 +17,7 @@ use trochoid_graph::*;
 /// # Source
 /// Creation of a cartoon shader of water for the web, part 2: foamLine = clamp(screenDepth − worldDepth, 0, 1).
 #[derive(Clone, Node)]
-#[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "The foam."))]
+#[node(stage, end = Front, revision = 1, example = r#""behind": "shore""#, output(mask: Kind::MASK = "The foam."))]
 pub(crate) struct WaterlineFoam {
     /// View of the water alone.
     view: One<port::View>,

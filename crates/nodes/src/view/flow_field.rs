@@ -26,7 +26,7 @@ use trochoid_weights::kernel::{Kernel, Shape, filter};
 /// # Source
 /// Litwinowicz, 1997 (strokes across gradients); Kass and Witkin, Analyzing Oriented Patterns, 1987 (doubled angles).
 #[derive(Clone, Node)]
-#[node(stage, end = Front, revision = 1, outputs = Out)]
+#[node(stage, end = Front, revision = 1, example = r#""view": "view""#, outputs = Out)]
 pub(crate) struct FlowField {
     /// View of the surfaces, for slope and crest.
     view: Optional<port::View>,

@@ -16,7 +16,11 @@ use trochoid_graph::*;
 /// # Source
 /// The standard object ID pass (cryptomattes of one level).
 #[derive(Clone, Node)]
-#[node(stage, end = Front, revision = 1, output(mask: Kind::MASK = "1 where a chosen surface is seen."))]
+#[node(
+    stage, end = Front, revision = 1,
+    example = r#""surfaces": ["sea"]"#,
+    output(mask: Kind::MASK = "1 where a chosen surface is seen.")
+)]
 pub(crate) struct ObjectMask {
     /// View of the surfaces.
     view: One<port::View>,

@@ -21,7 +21,11 @@ use trochoid_scene::{DVec3, Light};
 /// # Source
 /// Thesis 3.1.2: thin crests against the light are translucent; Snell's law.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(thickness: Kind::Field(1) = "Length of the path, m."))]
+#[node(
+    end = Front, revision = 1,
+    example = r#""ray": "eye""#,
+    output(thickness: Kind::Field(1) = "Length of the path, m.")
+)]
 pub(crate) struct Thickness {
     /// View of the surfaces; must be a Render.
     view: One<port::View>,

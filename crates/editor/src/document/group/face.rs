@@ -68,6 +68,7 @@ pub(super) fn made(library: &Library, name: &str, group: &Group) -> &'static Dec
             offers: &[],
             reads: None,
             aliases: &[],
+            example: "",
             revision: 0,
         },
         items,
