@@ -37,6 +37,9 @@ use syn::{DeriveInput, parse_macro_input};
 /// `# Edge cases` and `# Source`. `#[node(pointwise, end = Back, revision = 1, outputs = Out)]` sets its body
 /// (`pointwise` or `stage`), its end, its revision and the enum of its outputs; a node with one output may declare it
 /// there: `output(mask: Kind::MASK = "Help.")`.
+///
+/// A node that is not valid with what its items require alone has an `example`: more entries of it, as JSON, for the manual.
+/// Other nodes are called "sea", "camera", "view", "light", "weights", "direction", "uv", "boat" and "shore" there.
 #[proc_macro_derive(Node, attributes(node, also_called, port, knob, list, items))]
 pub fn node(input: TokenStream) -> TokenStream {
     let input = parse_macro_input!(input as DeriveInput);

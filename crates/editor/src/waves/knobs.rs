@@ -36,6 +36,17 @@ const KNOBS: [&str; 20] = [
     "burst",
 ];
 
+/// Knobs that count only if a choice has one of these words.
+const ONLY: [(&str, &str, &[&str]); 7] = [
+    ("speed", "dispersion", &["speed"]),
+    ("period", "dispersion", &["period"]),
+    ("speed", "mode", &["physical"]),
+    ("damping", "mode", &["physical"]),
+    ("frequency", "mode", &["physical"]),
+    ("c1", "mode", &["resampled", "literal"]),
+    ("c2", "mode", &["resampled", "literal"]),
+];
+
 /// What stands in the place of a knob's value.
 enum Given {
     Plain(f64),
@@ -60,11 +71,11 @@ pub(super) fn knobs_ui(ui: &mut Ui, state: &State, sea: &Sea<'_>, actions: &mut 
         }
         ui.vertical(|ui| {
             for knob in KNOBS.into_iter().filter(|name| *name != "direction").filter_map(knob) {
-                // A knob named like a word of a choice applies only if that word is chosen.
-                let mut choices = knobs
-                    .iter()
-                    .filter(|choice| matches!(choice.takes, KnobType::Choice(words) if words.contains(&knob.name)));
-                if choices.all(|choice| word(state, sea, choice) == knob.name) {
+                let counts = ONLY.iter().filter(|(name, ..)| *name == knob.name).all(|(_, choice, words)| {
+                    let choice = knobs.iter().find(|knob| knob.name == *choice);
+                    choice.is_none_or(|choice| words.contains(&word(state, sea, choice).as_str()))
+                });
+                if counts {
                     knob_ui(ui, state, sea, knob, actions);
                 }
             }
@@ -72,10 +83,10 @@ pub(super) fn knobs_ui(ui: &mut Ui, state: &State, sea: &Sea<'_>, actions: &mut 
     });
 }
 
-/// Returns the direction of travel of a sea, in degrees; 0 if it has none.
-pub(super) fn direction(settled: &Settled, declaration: &Declaration) -> f64 {
+/// Returns the direction of travel of a sea, in degrees; `None` if it has none.
+pub(super) fn direction(settled: &Settled, declaration: &Declaration) -> Option<f64> {
     let has_one = declaration.items.iter().any(|item| item.name() == "direction");
-    if has_one { settled.number("direction") } else { 0.0 }
+    has_one.then(|| settled.number("direction"))
 }
 
 /// Returns the path of a knob of a sea that can be changed from here.

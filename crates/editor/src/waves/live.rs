@@ -2,11 +2,15 @@
 
 use egui::Context;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::{Duration, Instant};
+
+/// Time after which a value that is not there yet is called late.
+const PATIENCE: Duration = Duration::from_millis(300);
 
 /// The value for the newest key. A thread makes it; until it is there, the one before stays.
 pub(super) struct Live<K, T> {
     known: Option<(K, T)>,
-    made: Option<(K, Receiver<T>)>,
+    made: Option<(K, Receiver<T>, Instant)>,
     /// The key whose thread panicked: its value is not asked for again.
     failed: Option<K>,
 }
@@ -26,23 +30,29 @@ impl<K: PartialEq, T: Send + 'static> Live<K, T> {
         context: &Context,
         make: impl FnOnce() -> T + Send + 'static,
     ) -> (Option<&T>, bool) {
-        match self.made.as_ref().map(|(_, inbox)| inbox.try_recv()) {
-            Some(Ok(value)) => self.known = self.made.take().map(|(key, _)| (key, value)),
-            Some(Err(TryRecvError::Disconnected)) => self.failed = self.made.take().map(|(key, _)| key),
+        match self.made.as_ref().map(|(_, inbox, _)| inbox.try_recv()) {
+            Some(Ok(value)) => self.known = self.made.take().map(|(key, ..)| (key, value)),
+            Some(Err(TryRecvError::Disconnected)) => self.failed = self.made.take().map(|(key, ..)| key),
             Some(Err(TryRecvError::Empty)) | None => {}
         }
         let is_known = self.known.as_ref().is_some_and(|(known, _)| *known == key);
         if !is_known && self.made.is_none() && self.failed.as_ref() != Some(&key) {
             let (sender, inbox) = channel();
+            context.request_repaint_after(PATIENCE);
             let context = context.clone();
             std::thread::spawn(move || {
                 // The panel may be gone by then.
                 let _ = sender.send(make());
                 context.request_repaint();
             });
-            self.made = Some((key, inbox));
+            self.made = Some((key, inbox, Instant::now()));
         }
         (self.known.as_ref().map(|(_, value)| value), is_known)
+    }
+
+    /// Returns whether a value is being made, and takes long.
+    pub(super) fn is_late(&self) -> bool {
+        self.made.as_ref().is_some_and(|(.., since)| since.elapsed() >= PATIENCE)
     }
 }
 

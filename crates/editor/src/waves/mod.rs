@@ -15,25 +15,26 @@ use egui::{ComboBox, RichText, ScrollArea, Ui};
 use histogram::Counted;
 use live::Live;
 use profile::Section;
-use sea::Sea;
+use sea::{Held, LastSea, Sea};
 use stability::Analysis;
 use std::sync::Arc;
-use trochoid::{CheckedGraph, FrameTimes, Profile, ProfileLine, Reached, Settled, Spectrum};
+use trochoid::{CheckedGraph, FrameTimes, Profile, ProfileLine, Reached, Spectrum};
 
 /// State of the panel that no other panel shares.
 #[derive(Default)]
 pub(crate) struct Waves {
+    last: LastSea,
     section: Section,
     counted: Counted,
-    spectrum: Live<Settled, Option<Spectrum>>,
-    profile: Live<(Settled, f64, ProfileLine), Option<Profile>>,
-    reached: Live<(Settled, FrameTimes), Option<Reached>>,
+    spectrum: Live<Held, Option<Spectrum>>,
+    profile: Live<(Held, f64, ProfileLine), Option<Profile>>,
+    reached: Live<(Held, FrameTimes), Option<Reached>>,
     stability: Analysis,
 }
 
 /// Draws the panel for the selected sea, or the one that what is selected or viewed depends on, or the first.
 pub(crate) fn waves_ui(waves: &mut Waves, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
-    let Some(sea) = sea::chosen(state) else {
+    let Some(sea) = sea::chosen(&mut waves.last, state) else {
         ui.weak("The document has no sea. Add a GerstnerSea or a ToonSea (Tab in the graph).");
         return;
     };
@@ -86,7 +87,7 @@ fn plots_ui(
     ui: &mut Ui,
     state: &State,
     sea: &Sea<'_>,
-    settled: &Settled,
+    settled: &Held,
     graph: &Arc<CheckedGraph>,
     actions: &mut Vec<Action>,
 ) {
@@ -96,14 +97,16 @@ fn plots_ui(
     let (spectrum, _) =
         waves.spectrum.get(own(), &context, move || made.node().dynamics().and_then(|sea| sea.spectrum()));
     let time = graph.frame_context(state.frame, u64::MAX).time;
-    let line = waves.section.line(knobs::direction(settled, sea.declaration));
-    let made = own();
-    let (profile, is_current) = waves
+    let direction = knobs::direction(settled, sea.declaration);
+    let line = waves.section.line(direction.unwrap_or_default());
+    let title = if direction.is_some() { "Profile along the direction of travel" } else { "Profile along X" };
+    let (made, is_late) = (own(), waves.profile.is_late());
+    let (profile, _) = waves
         .profile
         .get((own(), time, line), &context, move || made.node().dynamics().and_then(|sea| sea.profile(&line, time)));
     ui.separator();
     match profile {
-        Some(Some(profile)) => profile::profile_ui(&mut waves.section, ui, profile, is_current),
+        Some(Some(profile)) => profile::profile_ui(&mut waves.section, ui, profile, title, is_late),
         Some(None) => drop(ui.weak("It takes seconds to run this sea up to this frame: no profile is drawn.")),
         None => drop(ui.spinner()),
     }

@@ -61,8 +61,8 @@ fn spoken(points: &[ProfilePoint]) -> String {
 }
 
 /// Draws the profile, and the fields that choose its line.
-pub(super) fn profile_ui(section: &mut Section, ui: &mut Ui, profile: &Profile, is_current: bool) {
-    ui.label(RichText::new("Profile along the direction of travel").strong());
+pub(super) fn profile_ui(section: &mut Section, ui: &mut Ui, profile: &Profile, title: &str, is_late: bool) {
+    ui.label(RichText::new(title).strong());
     line_ui(section, ui, profile);
     let surface: Vec<[f64; 2]> = profile.points.iter().map(place).collect();
     if surface.len() < 2 {
@@ -71,7 +71,7 @@ pub(super) fn profile_ui(section: &mut Section, ui: &mut Ui, profile: &Profile, 
     }
     let folds = folds(&profile.points);
     let (water, turned) = (ink(Color32::from_rgb(0x3f, 0xb5, 0xb0), ui.visuals()), ui.visuals().warn_fg_color);
-    let water = if is_current { water } else { water.gamma_multiply(0.6) };
+    let water = if is_late { water.gamma_multiply(0.5) } else { water };
     let weak = ui.visuals().weak_text_color();
     let is_folded = !folds.is_empty();
     let mut plot = Plot::new(("profile", section.equal)).height(130.0);
@@ -90,7 +90,7 @@ pub(super) fn profile_ui(section: &mut Section, ui: &mut Ui, profile: &Profile, 
     shown.response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, spoken(&profile.points)));
     let scale = f64::from(shown.inner);
     if !section.equal && scale.is_finite() && !(0.95..1.05).contains(&scale) {
-        let scaled = if scale > 1.0 { format!("{:.1} times as large as", scale) } else { format!("{:.2} of", scale) };
+        let scaled = if scale > 1.0 { format!("{scale:.1} times as large as") } else { format!("{scale:.2} of") };
         ui.weak(format!("Heights are drawn {scaled} lengths."));
     }
     if is_folded {
@@ -120,7 +120,7 @@ fn line_ui(section: &mut Section, ui: &mut Ui, profile: &Profile) {
         if let Some((given, _)) = told.given {
             section.turned = given;
         }
-        told.response.on_hover_text("Angle from the direction of travel: 0 goes along, 90 across");
+        told.response.on_hover_text("Angle from this direction: 90 goes across");
         let told = Number::new(profile.length).range(1e-3, 1e6).decimals(1).suffix(" m long").ui(ui);
         if let Some((given, _)) = told.given {
             section.length = Some(given);

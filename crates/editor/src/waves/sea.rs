@@ -2,6 +2,8 @@
 
 use crate::document::Node;
 use crate::state::State;
+use std::ops::Deref;
+use std::sync::Arc;
 use trochoid::{CheckedGraph, Declaration, NodeId, Role, Settled};
 
 /// A sea of the document, perhaps inside of a group.
@@ -12,8 +14,29 @@ pub(super) struct Sea<'s> {
     /// The node, if the canvas draws it; otherwise its knobs cannot be changed from here.
     pub(super) node: Option<&'s Node>,
     /// The sea at the current frame; `None` if the document has errors.
-    pub(super) settled: Option<Settled>,
+    pub(super) settled: Option<Held>,
 }
+
+/// A sea at a frame. It may have thousands of waves, so it is shared, and compared only if it was made anew.
+#[derive(Clone, Debug)]
+pub(super) struct Held(Arc<Settled>);
+
+impl Deref for Held {
+    type Target = Settled;
+
+    fn deref(&self) -> &Settled {
+        &self.0
+    }
+}
+
+impl PartialEq for Held {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0) || self.0 == other.0
+    }
+}
+
+/// The sea that was shown last: its revision, frame and name.
+pub(super) type LastSea = Option<((u64, i64, String), Held)>;
 
 /// Returns the names of all seas in the expanded document; without a graph, of those that the canvas draws.
 pub(super) fn names(state: &State) -> Vec<String> {
@@ -34,7 +57,7 @@ fn drawn(state: &State) -> impl Iterator<Item = &Node> {
 
 /// Returns the sea that is meant: the selected one, the one that the selected node depends on, the one of the viewed
 /// node, or the first one.
-pub(super) fn chosen(state: &State) -> Option<Sea<'_>> {
+pub(super) fn chosen<'s>(last: &mut LastSea, state: &'s State) -> Option<Sea<'s>> {
     let Some(graph) = &state.session.meaning().graph else {
         let chosen = state.chosen().and_then(|name| drawn(state).find(|node| node.name == name));
         let node = chosen.or_else(|| drawn(state).next())?;
@@ -53,7 +76,13 @@ pub(super) fn chosen(state: &State) -> Option<Sea<'_>> {
     let own = state.own_name(&name).filter(|own| state.whole_name(own) == name);
     let node = own.and_then(|own| state.sheet().node(own));
     let declaration = graph.node(id).ty.declaration();
-    Some(Sea { name, declaration, node, settled: Some(graph.settle(id, state.frame)) })
+    let key = (state.session.revision(), state.frame, name.clone());
+    let held = match last.take() {
+        Some((known, held)) if known == key => held,
+        _ => Held(Arc::new(graph.settle(id, state.frame))),
+    };
+    *last = Some((key, held.clone()));
+    Some(Sea { name, declaration, node, settled: Some(held) })
 }
 
 /// Returns the sea that a node is, or depends on; of a use of a group, that of its nodes.

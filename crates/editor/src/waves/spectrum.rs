@@ -79,7 +79,10 @@ fn counted(waves: usize) -> String {
 /// Describes the sources of a sea's waves, unless all are random.
 fn parts(all: usize, random: usize, by_hand: usize, groups: usize) -> Option<String> {
     let of_groups = all.checked_sub(random + by_hand)?;
-    let mut parts = vec![format!("{} random", thousands(random as u64))];
+    let mut parts = Vec::new();
+    if random > 0 {
+        parts.push(format!("{} random", thousands(random as u64)));
+    }
     if by_hand > 0 {
         parts.push(format!("{} set by hand", thousands(by_hand as u64)));
     }
@@ -97,6 +100,7 @@ mod tests {
     #[test]
     fn the_count_names_waves_that_are_not_random() {
         assert_eq!(parts(300, 300, 0, 0), None);
+        assert_eq!(parts(1, 0, 1, 0), None);
         assert_eq!(parts(754, 300, 4, 1).as_deref(), Some("300 random, 4 set by hand, 450 of 1 group"));
         assert_eq!(parts(750, 300, 0, 2).as_deref(), Some("300 random, 450 of 2 groups"));
     }

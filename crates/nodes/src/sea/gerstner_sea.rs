@@ -306,7 +306,7 @@ impl GerstnerSea {
             [(item, ..), ..] => {
                 let mut names: Vec<&str> = sharp.iter().map(|(_, name, _)| name.as_str()).take(NAMED).collect();
                 names.extend((sharp.len() > NAMED).then_some("every other one"));
-                (*item, format!("multiply {} by {factor:.3}", names.join(", ")))
+                (*item, format!("multiply by {factor:.3}: {}", names.join(", ")))
             }
         }
     }

@@ -5,7 +5,7 @@ use trochoid_graph::{Harmonic, Profile, ProfileLine, ProfilePoint};
 use trochoid_sea::{FieldSet, Fields, Points, Sea, Wave};
 
 /// Length of a profile without one, in wavelengths that count as much as their waves carry energy.
-const WAVES: f64 = 4.0;
+const WAVES: f64 = 3.0;
 
 /// Returns the waves as plots show them.
 pub(super) fn harmonics(waves: &[Wave]) -> Vec<Harmonic> {

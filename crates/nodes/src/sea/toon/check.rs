@@ -43,7 +43,7 @@ fn check_literal(sea: &model::ToonSea, check: &mut Check<'_>) {
         "bursts as printed, which move the whole sea without limit while they last".into()
     };
     let remedy =
-        "set \"burst\" to \"intended\"; or move the camera and the thresholds to the level that the notes tell";
+        "set \"burst\" to \"intended\"; or raise \"level\", and set thresholds by the heights that the notes tell";
     check.warning(ToonSea::BURST, found, "bursts that move only the water around them", remedy);
 }
 

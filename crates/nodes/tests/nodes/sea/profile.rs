@@ -49,7 +49,7 @@ fn a_line_without_a_place_shows_some_of_the_waves_that_carry_the_sea() {
         { "wavelength": 5, "amplitude": 1 }]"#;
     let found = profile(&sea(two), &LINE, 0.0).unwrap();
     assert_eq!(found.through, [0.0, 0.0]);
-    assert!((found.length - 4.0 * (4.0 * 30.0 + 5.0) / 5.0).abs() < 1e-9, "{}", found.length);
+    assert!((found.length - 3.0 * (4.0 * 30.0 + 5.0) / 5.0).abs() < 1e-9, "{}", found.length);
     // A flat sea has a profile, too.
     let flat = profile(&sea(r#""type": "GerstnerSea", "count": 0"#), &LINE, 0.0).unwrap();
     assert!(flat.points.iter().all(|point| point.height == 0.0 && !point.folded));
@@ -110,4 +110,17 @@ fn what_a_toon_sea_reaches_is_told_over_all_frames() {
     assert!(notes[1].starts_with("over all frames, 1.21 s: heights from"), "{notes:?}");
     // One that is no longer needed ends.
     assert_eq!(settled.node().dynamics().unwrap().reached(times, &|| true), None);
+}
+
+#[test]
+fn printed_bursts_sink_the_sea_to_the_level_of_the_warning() {
+    let sea =
+        sea(r#""type": "ToonSea", "columns": 48, "rows": 48, "spacing": 0.5, "mode": "literal", "burst": "literal",
+        "preroll": 1200, "bursts": [{ "path": [2, 2, 2, 2, 2, 2, 2, 2], "height": 2, "along": 1, "across": 1 }]"#);
+    // −cos 1 · ΣH/(1 − c1 − c2), which the warning in `tests/warnings/seas` states, in the corner far from the burst.
+    let line = ProfileLine { through: Some([22.0, 22.0]), length: Some(2.0), ..LINE };
+    let found = profile(&sea, &line, 0.0).unwrap();
+    for point in found.points {
+        assert!((point.height + 21.61).abs() < 0.2, "{point:?}");
+    }
 }
