@@ -11,6 +11,7 @@ mod branches;
 mod cancellation;
 mod cartoon;
 mod certificates;
+mod curves;
 mod declared;
 mod demand;
 mod diagram;

@@ -173,7 +173,7 @@ impl Record {
         }
     }
 
-    /// Returns every frame that has a key in this record.
+    /// Returns every frame that has a key in this record, and those where a curve turns between keys.
     pub(crate) fn key_frames(&self) -> Vec<f64> {
         let knobs = self.knobs.iter().filter_map(|(_, setting)| match setting {
             Setting::Numeric(animated) => Some(animated),
@@ -183,7 +183,10 @@ impl Record {
             Source::Number(animated) | Source::Color(animated) => Some(animated),
             _ => None,
         });
-        let mut frames: Vec<f64> = knobs.chain(literals).flat_map(Animated::frames).collect();
+        let of = |animated: &Animated| -> Vec<f64> {
+            animated.frames().chain(animated.turns().into_iter().map(|(frame, _)| frame)).collect()
+        };
+        let mut frames: Vec<f64> = knobs.chain(literals).flat_map(of).collect();
         frames.extend(self.lists.iter().flat_map(|(_, records)| records).flat_map(Record::key_frames));
         frames
     }

@@ -290,6 +290,23 @@ fn connection(accepts: Accepts) -> Value {
 }
 
 fn keyed(value: Value) -> Value {
+    let interpolation = json!({ "enum": crate::Interpolation::NAMES });
+    let number = json!({ "type": "number" });
+    let change = json!({ "anyOf": [number, { "type": "array", "items": number }] });
+    let handle = |side: &str, limit: &str| {
+        let frames = json!({ "type": "number", (limit): 0 });
+        let help = format!("Handle {side} the key: frames and change of the value, as seen from the key.");
+        json!({ "type": "array", "prefixItems": [frames, change], "minItems": 2, "maxItems": 2, "description": help })
+    };
+    let more = json!({
+        "type": "object",
+        "additionalProperties": false,
+        "properties": {
+            "in": handle("before", "maximum"),
+            "out": handle("after", "minimum"),
+            "interpolation": interpolation
+        }
+    });
     json!({
         "type": "object",
         "required": ["keys"],
@@ -298,7 +315,7 @@ fn keyed(value: Value) -> Value {
             "keys": {
                 "type": "array",
                 "minItems": 1,
-                "items": { "type": "array", "prefixItems": [{ "type": "number" }, value], "minItems": 2, "maxItems": 2 }
+                "items": { "type": "array", "prefixItems": [number, value, more], "minItems": 2, "maxItems": 3 }
             },
             "interpolation": { "enum": crate::Interpolation::NAMES, "default": "linear" }
         }

@@ -125,15 +125,15 @@ pub use trochoid_engine::{
 };
 pub use trochoid_graph::{
     Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, ContentKey,
-    Control, DataPlace, Declaration, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION, Failure, Figure, Files,
-    FrameTimes, GroupUse, Guarantee, Harmonic, INPUT_ACCEPTS, Interpolation, Item, Key, Kind, Knob, KnobDefault,
-    KnobType, LengthDistribution, List, Means, MemoryUse, NodeError, NodeId, NodeType, Offer, Omission,
-    Output as NodeOutput, OutputSpec, PaletteColor, PaletteUse, Paths, Placing, Port, Precision, Profile, ProfileLine,
-    ProfilePoint, REFUSALS, Reached, Recipes, Refusal, RefusedFile, Registry, Relation, Repair, Right, Role, Settled,
-    Severity, Source, Spectrum, Stability, StabilityMap, StepErrorGroup, StepErrorRow, StepErrors, Store, StoredEntry,
-    Term, Tolerance, Values, Verdict, Work, counted, escape_frame, expand_frame, expected, folders_to_allow, in_bytes,
-    input_accepts, input_kind, nearest, one_frame_pattern, quoted, quoted_path, refusal, refusals, resolved, schema,
-    smallest_node, smallest_record, split_frame, stand_in,
+    Control, CurveHandle, CurveKey, DataPlace, Declaration, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION,
+    Failure, Figure, Files, FrameTimes, GroupUse, Guarantee, Harmonic, INPUT_ACCEPTS, Interpolation, Item, Key, Kind,
+    Knob, KnobDefault, KnobType, LengthDistribution, List, Means, MemoryUse, NodeError, NodeId, NodeType, Offer,
+    Omission, Output as NodeOutput, OutputSpec, PaletteColor, PaletteUse, Paths, Placing, Port, Precision, Profile,
+    ProfileLine, ProfilePoint, REFUSALS, Reached, Recipes, Refusal, RefusedFile, Registry, Relation, Repair, Right,
+    Role, Segment, Settled, Severity, Source, Spectrum, Stability, StabilityMap, StepErrorGroup, StepErrorRow,
+    StepErrors, Store, StoredEntry, Term, Tolerance, Values, Verdict, Work, counted, escape_frame, expand_frame,
+    expected, folders_to_allow, in_bytes, input_accepts, input_kind, nearest, one_frame_pattern, quoted, quoted_path,
+    refusal, refusals, resolved, schema, smallest_node, smallest_record, split_frame, stand_in,
 };
 pub use trochoid_image::{
     Format, FormatError, HexError, Plane, Rgb, Shading, Window, WorkingSpace, oklab, oklch, parse_hex, shown_oklch,

@@ -339,6 +339,24 @@ impl Draw<'_> {
             json!([frame, value])
         });
         let interpolation = self.pick(&["linear", "hold", "monotone", "monotone"]);
-        json!({ "keys": keys, "interpolation": interpolation })
+        let mut keyed = json!({ "keys": keys, "interpolation": interpolation });
+        if interpolation != "hold" && self.chance(0.5) {
+            // Handles of half a percent, some of them longer than the way to the next key.
+            let reach = [self.number(0.5, 6.0), self.number(0.5, 6.0)];
+            for (key, frames) in [(1, -reach[0]), (1, reach[1]), (2, -reach[1])] {
+                let (turn, value) = (self.number(-0.005, 0.005), keyed["keys"][key][1].clone());
+                let changed = |number: &Json| number.as_f64().unwrap() * turn;
+                let change: Json = match value.as_array() {
+                    Some(list) => list.iter().map(changed).collect(),
+                    None => changed(&value).into(),
+                };
+                let item = &mut keyed["keys"][key];
+                if item[2].is_null() {
+                    item.as_array_mut().unwrap().push(json!({}));
+                }
+                item[2][if frames < 0.0 { "in" } else { "out" }] = json!([frames, change]);
+            }
+        }
+        keyed
     }
 }

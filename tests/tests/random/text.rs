@@ -51,7 +51,14 @@ fn keyed(value: String, others: [&str; 2], random: &mut impl Rng) -> String {
     }
     let interpolation = ["linear", "hold", "monotone"][random.random_range(0..3)];
     let [before, after] = others;
-    format!(r#"{{ "keys": [[1, {before}], [2, {value}], [5, {after}]], "interpolation": "{interpolation}" }}"#)
+    // A level handle changes no value at a key, and leaves no range.
+    let zero = if value.starts_with('[') { "[0, 0, 0]" } else { "0" };
+    let more = match random.random_range(0..4) {
+        0 if interpolation != "hold" => format!(r#", {{ "in": [-0.5, {zero}], "out": [9, {zero}] }}"#),
+        1 => r#", { "interpolation": "hold" }"#.into(),
+        _ => String::new(),
+    };
+    format!(r#"{{ "keys": [[1, {before}], [2, {value}{more}], [5, {after}]], "interpolation": "{interpolation}" }}"#)
 }
 
 fn arg(arg: &Arg, nodes: &[(Op, Kind)], random: &mut impl Rng) -> String {

@@ -3,6 +3,7 @@
 pub mod change;
 pub mod clip;
 pub mod color;
+pub mod curve;
 pub mod decor;
 pub mod dropped;
 pub mod edit;

@@ -2,10 +2,11 @@
 
 use super::change::{spoken, style};
 use super::color::{hex, is_name, rgb};
+use super::curve::Curve;
 use super::json::{Path, Step};
 use super::sheet::Sheet;
 use serde_json::Value;
-use trochoid::{Animated, Arity, CheckedGraph, Interpolation, Item, Kind, KnobType, WorkingSpace, srgb_decode};
+use trochoid::{Arity, CheckedGraph, Item, Kind, KnobType, WorkingSpace, srgb_decode};
 
 /// What identifies a color of a document.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -223,10 +224,10 @@ pub fn shown(value: &Value, space: WorkingSpace, frame: f64) -> Option<[f32; 3]>
 
 /// Returns a color that is written without names, at a frame, in the working space.
 pub fn working(value: &Value, space: WorkingSpace, frame: f64) -> Option<[f64; 3]> {
-    let Some(keys) = value.get("keys").and_then(Value::as_array) else { return constant(value, space) };
-    let keys = keys.iter().map(|key| Some((key.get(0)?.as_f64()?, constant(key.get(1)?, space)?.to_vec())));
-    let interpolation = value.get("interpolation").and_then(Value::as_str).and_then(Interpolation::from_name);
-    let animated = Animated::keyed(keys.collect::<Option<Vec<_>>>()?, interpolation.unwrap_or_default())?;
+    if value.get("keys").is_none() {
+        return constant(value, space);
+    }
+    let animated = Curve::read(value)?.animated_by(|key| Some(constant(&key.value, space)?.to_vec()))?;
     <[f64; 3]>::try_from(animated.at(frame)).ok()
 }
 

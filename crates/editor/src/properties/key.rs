@@ -2,86 +2,13 @@
 
 use super::context::{Properties, WidgetContext};
 use crate::actions::Action;
-use crate::field::{self, FieldResponse, Gesture};
+use crate::document::curve::{Curve, Key};
+use crate::field::{FieldResponse, Gesture};
 use crate::refusal::refusal_ui;
 use egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
 use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Points, VLine};
-use serde_json::{Value, json};
-use trochoid::{Animated, Interpolation};
-
-/// A keyframed value as written in documents.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct KeyedValue {
-    pub(super) keys: Vec<(f64, Value)>,
-    pub(super) interpolation: String,
-}
-
-impl KeyedValue {
-    /// Reads a keyframed value; `None` if the value has no keys.
-    pub(super) fn read(value: &Value) -> Option<Self> {
-        let keys = value.get("keys")?.as_array()?.iter().map(|key| {
-            let [frame, value] = key.as_array()?.as_slice() else { return None };
-            Some((frame.as_f64()?, value.clone()))
-        });
-        let interpolation = value.get("interpolation").and_then(Value::as_str).unwrap_or("linear").into();
-        Some(Self { keys: keys.collect::<Option<Vec<_>>>()?, interpolation })
-    }
-
-    /// Returns the value in the form documents store.
-    pub(super) fn write(&self) -> Value {
-        let keys: Vec<Value> = self.keys.iter().map(|(frame, value)| json!([frame, value])).collect();
-        match self.interpolation.as_str() {
-            "linear" => json!({ "keys": keys }),
-            word => json!({ "keys": keys, "interpolation": word }),
-        }
-    }
-
-    /// Returns the value with a key set at a frame.
-    pub(super) fn with(&self, frame: f64, value: &Value) -> Self {
-        let mut keyed = self.clone();
-        match keyed.keys.binary_search_by(|key| key.0.total_cmp(&frame)) {
-            Ok(at) => keyed.keys[at].1 = value.clone(),
-            Err(at) => keyed.keys.insert(at, (frame, value.clone())),
-        }
-        keyed
-    }
-
-    /// Returns whether there is a key at a frame.
-    fn has(&self, frame: f64) -> bool {
-        self.keys.iter().any(|key| key.0 == frame)
-    }
-
-    fn numbers(value: &Value) -> Vec<f64> {
-        match value {
-            Value::Array(items) => items.iter().filter_map(Value::as_f64).collect(),
-            Value::String(text) => {
-                crate::document::color::rgb(text).map_or(Vec::new(), |rgb| rgb.map(f64::from).into())
-            }
-            other => other.as_f64().into_iter().collect(),
-        }
-    }
-
-    fn animated(&self) -> Option<Animated> {
-        let keys = self.keys.iter().map(|(frame, value)| (*frame, Self::numbers(value))).collect();
-        Animated::keyed(keys, Interpolation::from_name(&self.interpolation).unwrap_or_default())
-    }
-
-    /// Returns the interpolated value at a frame, in the same JSON form as the keys.
-    pub(super) fn at(&self, frame: f64) -> Value {
-        let Some(first) = self.keys.first() else { return Value::Null };
-        if let Some(key) = self.keys.iter().find(|key| key.0 == frame) {
-            return key.1.clone();
-        }
-        let Some(animated) = self.animated() else { return first.1.clone() };
-        let values = animated.at(frame);
-        match (&first.1, values.as_slice()) {
-            (Value::String(_), [r, g, b]) => crate::document::color::hex([*r, *g, *b].map(|value| value as f32)).into(),
-            (Value::Array(_), values) => json!(values),
-            (Value::Number(_), [value]) => json!(value),
-            _ => first.1.clone(),
-        }
-    }
-}
+use serde_json::Value;
+use trochoid::Interpolation;
 
 /// Draws a field for the value at a frame, and returns the result together with that frame: the current frame, or the
 /// frame at which typing began, however far playback has moved since.
@@ -107,7 +34,7 @@ pub(super) fn typed_ui(
 /// Requests the edit of a given value: as a key at the frame if the value is keyframed.
 pub(super) fn tell(
     told: FieldResponse<Value>,
-    keyed: Option<&KeyedValue>,
+    keyed: Option<&Curve>,
     frame: f64,
     place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
@@ -122,29 +49,27 @@ pub(super) fn tell(
 pub(super) fn button_ui(
     panel: &mut Properties,
     ui: &mut Ui,
-    keyed: Option<&KeyedValue>,
+    keyed: Option<&Curve>,
     shown: &Value,
     place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
 ) {
     let frame = place.state.frame as f64;
     let help = match keyed {
-        Some(keyed) if keyed.has(frame) => "Remove the key at this frame",
+        Some(keyed) if keyed.find(frame).is_some() => "Remove the key at this frame",
         Some(_) => "Set a key at this frame",
         None => "Animate this value with keys",
     };
-    let filled = keyed.is_some_and(|keyed| keyed.has(frame));
+    let filled = keyed.is_some_and(|keyed| keyed.find(frame).is_some());
     let diamond = diamond_ui(ui, filled, keyed.is_some()).on_hover_text(help);
     diamond.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, help));
     if let Some(gesture) = Gesture::click(&diamond) {
         let value = match keyed {
-            Some(keyed) if keyed.has(frame) => {
-                let mut keyed = keyed.clone();
-                keyed.keys.retain(|key| key.0 != frame);
-                if keyed.keys.is_empty() { shown.clone() } else { keyed.write() }
+            Some(keyed) if keyed.find(frame).is_some() => {
+                keyed.without(&[frame]).map_or_else(|| shown.clone(), |keyed| keyed.write())
             }
             Some(keyed) => keyed.with(frame, shown).write(),
-            None => KeyedValue { keys: vec![(frame, shown.clone())], interpolation: "linear".into() }.write(),
+            None => Curve { keys: Vec::new(), interpolation: Interpolation::Linear }.with(frame, shown).write(),
         };
         gesture.edit(place.set(&value), actions);
         actions.push(Action::Seal);
@@ -200,17 +125,11 @@ fn pressed(input: &egui::InputState) -> Option<egui::Pos2> {
 }
 
 /// Draws the curve editor: keys can be dragged, and a double-click sets a new key.
-pub(super) fn curve_ui(
-    ui: &mut Ui,
-    keyed: &KeyedValue,
-    unit: &str,
-    place: &WidgetContext<'_>,
-    actions: &mut Vec<Action>,
-) {
+pub(super) fn curve_ui(ui: &mut Ui, keyed: &Curve, unit: &str, place: &WidgetContext<'_>, actions: &mut Vec<Action>) {
     let Some(animated) = keyed.animated() else { return };
     let (first, last) = (place.state.range.0 as f64, place.state.range.1 as f64);
-    let first = first.min(keyed.keys.first().map_or(first, |key| key.0));
-    let last = last.max(keyed.keys.last().map_or(last, |key| key.0)).max(first + 1.0);
+    let first = first.min(keyed.keys.first().map_or(first, |key| key.frame));
+    let last = last.max(keyed.keys.last().map_or(last, |key| key.frame)).max(first + 1.0);
     let count = animated.at(first).len().min(COMPONENTS.len());
     let lines: Vec<Vec<[f64; 2]>> = (0..count)
         .map(|component| {
@@ -224,8 +143,8 @@ pub(super) fn curve_ui(
     let before = ui.data(|data| data.get_temp::<egui_plot::PlotTransform>(id));
     if let (Some(before), Some(at)) = (before, ui.input(pressed)) {
         let near = |(key, component): &(usize, usize)| {
-            let value = KeyedValue::numbers(&keyed.keys[*key].1).get(*component).copied().unwrap_or(f64::INFINITY);
-            before.position_from_point(&PlotPoint::new(keyed.keys[*key].0, value)).distance(at)
+            let value = keyed.keys[*key].numbers().get(*component).copied().unwrap_or(f64::INFINITY);
+            before.position_from_point(&PlotPoint::new(keyed.keys[*key].frame, value)).distance(at)
         };
         let all = (0..keyed.keys.len()).flat_map(|key| (0..count).map(move |component| (key, component)));
         let nearest = all.min_by(|a, b| near(a).total_cmp(&near(b))).filter(|key| near(key) < 9.0);
@@ -242,11 +161,8 @@ pub(super) fn curve_ui(
         plot.vline(VLine::new("frame", place.state.frame as f64).color(Color32::from_gray(0x90)));
         for (component, line) in lines.iter().enumerate() {
             plot.line(Line::new("", PlotPoints::from(line.clone())).color(COMPONENTS[component]));
-            let keys: Vec<[f64; 2]> = keyed
-                .keys
-                .iter()
-                .filter_map(|(frame, value)| Some([*frame, *KeyedValue::numbers(value).get(component)?]))
-                .collect();
+            let keys: Vec<[f64; 2]> =
+                keyed.keys.iter().filter_map(|key: &Key| Some([key.frame, *key.numbers().get(component)?])).collect();
             plot.points(Points::new("", PlotPoints::from(keys)).radius(5.0).color(COMPONENTS[component]));
         }
     });
@@ -258,17 +174,13 @@ pub(super) fn curve_ui(
         && key < keyed.keys.len()
     {
         let mut moved = keyed.clone();
-        let below = key.checked_sub(1).map_or(f64::NEG_INFINITY, |before| keyed.keys[before].0 + 1.0);
-        let above = keyed.keys.get(key + 1).map_or(f64::INFINITY, |after| after.0 - 1.0);
+        let below = key.checked_sub(1).map_or(f64::NEG_INFINITY, |before| keyed.keys[before].frame + 1.0);
+        let above = keyed.keys.get(key + 1).map_or(f64::INFINITY, |after| after.frame - 1.0);
         // A key between keys less than two frames apart keeps its frame.
         if below <= above {
-            moved.keys[key].0 = at.x.round().clamp(below, above);
+            moved.keys[key].frame = at.x.round().clamp(below, above);
         }
-        match &mut moved.keys[key].1 {
-            Value::Array(items) if component < items.len() => items[component] = json!(field::rounded(at.y)),
-            value @ Value::Number(_) => *value = json!(field::rounded(at.y)),
-            _ => {}
-        }
+        moved.keys[key].set(component, at.y);
         if moved != *keyed {
             gesture.tried(&response).edit(place.set(&moved.write()), actions);
         }
@@ -285,7 +197,7 @@ pub(super) fn curve_ui(
     }
     if let (Some(gesture), Some(at)) = (Gesture::double_click(&response), pointer) {
         let gesture = gesture.tried(&response);
-        gesture.edit(place.set(&keyed.with(at.x.round(), &keyed.at(at.x.round())).write()), actions);
+        gesture.edit(place.set(&keyed.inserted(at.x.round()).write()), actions);
         actions.push(Action::Seal);
     }
     ui.data_mut(|data| {
@@ -294,8 +206,10 @@ pub(super) fn curve_ui(
     });
     ui.horizontal_wrapped(|ui| {
         for word in Interpolation::NAMES {
-            if let Some(gesture) = Gesture::click(&ui.selectable_label(keyed.interpolation == word, word)) {
-                let keyed = KeyedValue { interpolation: word.into(), ..keyed.clone() };
+            let is_present = keyed.interpolation.name() == word;
+            if let Some(gesture) = Gesture::click(&ui.selectable_label(is_present, word)) {
+                let all: Vec<f64> = keyed.keys.iter().map(|key| key.frame).collect();
+                let keyed = keyed.interpolated(&all, Interpolation::from_name(word).unwrap_or_default());
                 gesture.edit(place.set(&keyed.write()), actions);
                 actions.push(Action::Seal);
             }

@@ -4,6 +4,7 @@ use super::color::NoColor;
 use super::context::{Linking, Properties, WidgetContext, label_ui};
 use super::{color, key, link};
 use crate::actions::Action;
+use crate::document::curve::Curve;
 use crate::document::edit::default_value;
 use crate::field::{self, FieldResponse, Gesture, NoNumber, Number};
 use egui::{ComboBox, TextEdit, Ui};
@@ -18,7 +19,7 @@ pub(super) fn knob_ui(
     place: &WidgetContext<'_>,
     actions: &mut Vec<Action>,
 ) {
-    let keyed = place.value.and_then(key::KeyedValue::read);
+    let keyed = place.value.and_then(Curve::read);
     let default = default_value(knob);
     let at = |frame: f64| match &keyed {
         Some(keyed) => keyed.at(frame),

@@ -5,6 +5,7 @@ use super::knob::NoValue;
 use super::{color, key, knob, link};
 use crate::actions::Action;
 use crate::document::color::is_color;
+use crate::document::curve::Curve;
 use crate::document::{Edit, Path, edit};
 use crate::field::{Gesture, Number};
 use egui::{Button, RichText, Ui};
@@ -94,7 +95,7 @@ fn source_ui(
                 ui.label(RichText::new(format!("needs a {}", port.accepts)).color(crate::theme::error(ui.visuals())));
             }
             (None, value) => {
-                let keyed = value.and_then(key::KeyedValue::read);
+                let keyed = value.and_then(Curve::read);
                 let default = if port.accepts.takes_color() { json!("#808080") } else { json!(0) };
                 let at = |frame: f64| match &keyed {
                     Some(keyed) => keyed.at(frame),

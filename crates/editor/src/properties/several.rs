@@ -1,8 +1,9 @@
 //! Several selected nodes: the knobs that all of them have, changed together in one step of undo.
 
 use super::context::{Properties, WidgetContext, label_ui};
-use super::{key, knob, link, port};
+use super::{knob, link, port};
 use crate::actions::Action;
+use crate::document::curve::Curve;
 use crate::document::edit::{self, default_value};
 use crate::document::{Node, Path};
 use crate::field::{self, FieldResponse, Gesture};
@@ -182,7 +183,7 @@ fn tell(told: FieldResponse<Value>, name: &str, place: &WidgetContext<'_>, actio
     told.response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, called.clone()));
     let (sheet, frame) = (place.state.sheet(), place.state.frame as f64);
     told.edit(actions, |value| {
-        place.set_each(|path| match sheet.get(path).and_then(key::KeyedValue::read) {
+        place.set_each(|path| match sheet.get(path).and_then(Curve::read) {
             Some(keyed) => keyed.with(frame, &value).write(),
             None => value.clone(),
         })

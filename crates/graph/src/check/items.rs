@@ -1,5 +1,6 @@
 //! Reads the ports and knobs of a node according to its declaration.
 
+use super::keyed::{COLOR, FINITE};
 use super::palette::is_name;
 use super::values::{count, expected};
 use super::weight_names::{WEIGHT_NAMES, takes_weight_names};
@@ -231,13 +232,13 @@ impl<'a> Checker<'a> {
             }
             Json::Object(_) if accepts.takes_number() && accepts != Accepts::Image => {
                 let (min, max) = if accepts == Accepts::Mask { (0.0, 1.0) } else { (f64::MIN, f64::MAX) };
-                self.animated(value, place, |checker, value, place| {
+                self.animated(value, [min, max], place, |checker, value, place| {
                     checker.number(value, min, max, place).map(|number| vec![number])
                 })
                 .map(Source::Number)
             }
             Json::String(_) | Json::Array(_) | Json::Object(_) if accepts == Accepts::Color => {
-                self.animated(value, place, Self::color).map(Source::Color)
+                self.animated(value, COLOR, place, Self::color).map(Source::Color)
             }
             // Keyed values are not accepted: they could be colors or masks.
             Json::String(_) | Json::Array(_) if accepts == Accepts::Image => {
@@ -341,10 +342,12 @@ impl<'a> Checker<'a> {
         }
         let setting = match knob.takes {
             KnobType::Number { min, max } => self
-                .animated(value, place, |checker, value, place| Some(vec![checker.number(value, min, max, place)?]))
+                .animated(value, [min, max], place, |checker, value, place| {
+                    Some(vec![checker.number(value, min, max, place)?])
+                })
                 .map(Setting::Numeric),
             KnobType::Integer { min, max } => self
-                .animated(value, place, |checker, value, place| {
+                .animated(value, [min as f64, max as f64], place, |checker, value, place| {
                     let number = checker.number(value, min as f64, max as f64, place)?;
                     if number.fract() != 0.0 {
                         checker.error(place, value.brief(), "a whole number", format!("write {}", number.trunc()));
@@ -355,7 +358,7 @@ impl<'a> Checker<'a> {
                 .map(Setting::Numeric),
             KnobType::Color => self.color_or_name(value, place).map(Setting::Numeric),
             KnobType::Vector(n) => self
-                .animated(value, place, |checker, value, place| checker.vector(value, n, n, place))
+                .animated(value, FINITE, place, |checker, value, place| checker.vector(value, n, n, place))
                 .map(Setting::Numeric),
             KnobType::Numbers { min, max } => self.vector(value, min, max, place).map(Setting::Numbers),
             KnobType::Bool => match value.json {
@@ -398,7 +401,7 @@ impl<'a> Checker<'a> {
                 match animated.held(is_said(value, "interpolation")) {
                     Some(held) => Setting::Numeric(held),
                     None => {
-                        let expected = "no \"interpolation\", or \"hold\"";
+                        let expected = "no \"interpolation\", or \"hold\", and no handles";
                         self.error(place, "an interpolation", expected, "each key of this knob holds until the next");
                         Setting::Unset
                     }

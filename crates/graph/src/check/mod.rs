@@ -4,6 +4,7 @@
 mod around;
 mod groups;
 mod items;
+mod keyed;
 mod kinds;
 mod order;
 mod outputs;

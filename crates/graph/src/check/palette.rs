@@ -1,5 +1,6 @@
 //! Reads the palette, and colors that are named by it.
 
+use super::keyed::COLOR;
 use super::{Checker, FaultLocation};
 use crate::spanned::{Entry, Json, Spanned, shorten};
 use crate::{Animated, DocumentPlace, NodeId, PaletteColor, PaletteUse, Severity, nearest};
@@ -74,7 +75,7 @@ impl<'a> Checker<'a> {
             }
             let named = format!("{PREFIX}{}", shorten(name));
             let place = FaultLocation { port: Some(&named), ..place };
-            match self.animated(&entry.value, place, Self::color) {
+            match self.animated(&entry.value, COLOR, place, Self::color) {
                 Some(color) => self.palette.colors.push(Named { name, offset: entry.offset, color }),
                 None => self.palette.faulty.push(name),
             }
@@ -92,7 +93,7 @@ impl<'a> Checker<'a> {
     pub(super) fn color_or_name(&mut self, value: &'a Spanned, place: FaultLocation<'_>) -> Option<Animated> {
         match &value.json {
             Json::String(text) if is_name(text) => self.named(text, place, true),
-            _ => self.animated(value, place, Self::color),
+            _ => self.animated(value, COLOR, place, Self::color),
         }
     }
 

@@ -5,7 +5,7 @@ use super::{Checker, FaultLocation};
 use crate::declare::KnobType;
 use crate::literal::{LITERAL_SUM_TOLERANCE, parts};
 use crate::spanned::{Json, Spanned, number_text};
-use crate::{Animated, Interpolation, Severity, Source};
+use crate::{Severity, Source};
 use trochoid_image::{WorkingSpace, parse_hex, srgb_decode};
 
 impl<'a> Checker<'a> {
@@ -141,88 +141,6 @@ impl<'a> Checker<'a> {
             }
         }
     }
-
-    /// Reads a constant, or a keyed value `{"keys": [[frame, value], …], "interpolation": …}`.
-    pub(super) fn animated(
-        &mut self,
-        value: &'a Spanned,
-        place: FaultLocation<'_>,
-        mut read: impl FnMut(&mut Self, &'a Spanned, FaultLocation<'_>) -> Option<Vec<f64>>,
-    ) -> Option<Animated> {
-        if let Json::Array(items) = &value.json
-            && let [first, ..] = &items[..]
-            && items.iter().all(|item| matches!(&item.json, Json::Array(pair) if pair.len() == 2))
-        {
-            let remedy = format!("write {{ \"keys\": [{}, …] }}: each key is [frame, value]", pair_text(first));
-            self.error(place, "a list of pairs", "one value or a keyed value", remedy);
-            return None;
-        }
-        if !matches!(value.json, Json::Object(_)) {
-            return read(self, value, place).map(Animated::constant);
-        }
-        let entries = self.object(value, place, "a keyed value")?;
-        let mut interpolation = Interpolation::default();
-        let mut keys = None;
-        for entry in entries {
-            match (entry.key.as_str(), &entry.value.json) {
-                ("keys", Json::Array(items)) if !items.is_empty() => {
-                    let mut list = Vec::with_capacity(items.len());
-                    for item in items {
-                        let place = place.at(item.offset);
-                        match &item.json {
-                            Json::Array(pair) if pair.len() == 2 => {
-                                let frame = self.number(&pair[0], -1e7, 1e7, place.at(pair[0].offset))?;
-                                list.push((frame, read(self, &pair[1], place.at(pair[1].offset))?));
-                            }
-                            _ => {
-                                self.error(place, item.brief(), "a key: [frame, value]", "write [frame, value]");
-                                return None;
-                            }
-                        }
-                    }
-                    keys = Some(list);
-                }
-                ("interpolation", Json::String(name)) => match Interpolation::from_name(name) {
-                    Some(known) => interpolation = known,
-                    None => {
-                        let expected = format!("one of {}", Interpolation::NAMES.join(", "));
-                        self.error(place.at(entry.value.offset), entry.value.brief(), expected, "choose one of them");
-                        return None;
-                    }
-                },
-                ("keys" | "interpolation", _) => {
-                    let expected = "\"keys\": [[frame, value], …], \"interpolation\": a word";
-                    self.error(place.at(entry.value.offset), entry.value.brief(), expected, "correct the keyed value");
-                    return None;
-                }
-                (key, _) => self.unknown_key(place.at(entry.offset), key, &["keys", "interpolation"]),
-            }
-        }
-        let Some(keys) = keys else {
-            self.error(place, "a keyed value without \"keys\"", "\"keys\": [[frame, value], …]", "add the keys");
-            return None;
-        };
-        if let Some([before, after]) = keys.windows(2).map(|pair| [pair[0].0, pair[1].0]).find(|[a, b]| a >= b) {
-            let found = format!("keys out of order: frame {after} after frame {before}");
-            self.error(
-                place,
-                found,
-                "frames in ascending order, each once",
-                "sort the keys by frame; each is [frame, value]",
-            );
-            return None;
-        }
-        let animated = Animated::keyed(keys, interpolation);
-        if animated.is_none() {
-            self.error(
-                place,
-                "keys of different sizes",
-                "values of one size",
-                "give each key the same number of values",
-            );
-        }
-        animated
-    }
 }
 
 /// Whether an item is a color or a list rather than a channel of a color.
@@ -237,14 +155,9 @@ fn brightest(space: WorkingSpace) -> f64 {
 }
 
 /// Formats a list of numbers as it was written.
-fn value_text(items: &[Spanned]) -> String {
+pub(super) fn value_text(items: &[Spanned]) -> String {
     let texts: Vec<String> = items.iter().map(Spanned::brief).collect();
     format!("[{}]", texts.join(", "))
-}
-
-/// Formats a pair as it was written.
-fn pair_text(value: &Spanned) -> String {
-    if let Json::Array(items) = &value.json { value_text(items) } else { value.brief() }
 }
 
 /// From this size on, a limit means that of f32.

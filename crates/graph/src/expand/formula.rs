@@ -4,7 +4,7 @@ use super::Expander;
 use super::link::is_word;
 use super::scope::Scope;
 use crate::spanned::{Entry, Json, Spanned, number_text, shorten};
-use crate::{Animated, Interpolation, nearest};
+use crate::{Animated, CurveHandle, CurveKey, Interpolation, nearest};
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -211,7 +211,7 @@ fn names_in(text: &str) -> Vec<String> {
 }
 
 /// Returns a value as numbers, constant or keyed.
-fn numbers(value: &Spanned) -> Option<Animated> {
+pub(super) fn numbers(value: &Spanned) -> Option<Animated> {
     let several = |value: &Spanned| -> Option<Vec<f64>> {
         match &value.json {
             Json::Number(number) => Some(vec![*number]),
@@ -223,21 +223,46 @@ fn numbers(value: &Spanned) -> Option<Animated> {
         }
     };
     let Json::Object(entries) = &value.json else { return several(value).map(Animated::constant) };
-    let find = |key: &str| entries.iter().find(|entry| entry.key == key).map(|entry| &entry.value.json);
-    let interpolation = match find("interpolation") {
-        Some(Json::String(name)) => Interpolation::from_name(name)?,
-        Some(_) => return None,
+    let interpolation = match find(entries, "interpolation") {
+        Some(value) => word(value)?,
         None => Interpolation::default(),
     };
-    let Some(Json::Array(keys)) = find("keys") else { return None };
-    let key = |key: &Spanned| match &key.json {
-        Json::Array(pair) => match &pair[..] {
-            [Spanned { json: Json::Number(frame), .. }, value] => Some((*frame, several(value)?)),
+    let Json::Array(keys) = &find(entries, "keys")?.json else { return None };
+    let key = |key: &Spanned| {
+        let Json::Array(items) = &key.json else { return None };
+        let [Spanned { json: Json::Number(frame), .. }, value, rest @ ..] = &items[..] else { return None };
+        let plain = CurveKey::plain(*frame, several(value)?);
+        match rest {
+            [] => Some(plain),
+            [Spanned { json: Json::Object(more), .. }] => {
+                let handle = |side: &str| match find(more, side) {
+                    None => Some(None),
+                    Some(Spanned { json: Json::Array(pair), .. }) => match &pair[..] {
+                        [Spanned { json: Json::Number(frames), .. }, change] => {
+                            Some(Some(CurveHandle { frames: frames.abs(), change: several(change)? }))
+                        }
+                        _ => None,
+                    },
+                    Some(_) => None,
+                };
+                let interpolation = match find(more, "interpolation") {
+                    Some(value) => Some(word(value)?),
+                    None => None,
+                };
+                Some(CurveKey { handles: [handle("in")?, handle("out")?], interpolation, ..plain })
+            }
             _ => None,
-        },
-        _ => None,
+        }
     };
     Animated::keyed(keys.iter().map(key).collect::<Option<_>>()?, interpolation)
+}
+
+fn find<'e>(entries: &'e [Entry], key: &str) -> Option<&'e Spanned> {
+    entries.iter().find(|entry| entry.key == key).map(|entry| &entry.value)
+}
+
+fn word(value: &Spanned) -> Option<Interpolation> {
+    if let Json::String(name) = &value.json { Interpolation::from_name(name) } else { None }
 }
 
 /// Returns values at frames as they would be written: one value if they are the same at all frames, else keys.

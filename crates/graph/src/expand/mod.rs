@@ -9,7 +9,7 @@ mod link;
 mod pick;
 mod scope;
 
-use crate::spanned::{Entry, Json, Spanned, shorten};
+use crate::spanned::{Entry, Json, Spanned, number_text, shorten};
 use crate::{Accepts, Document, Item, Knob, KnobType, Registry, nearest};
 use formula::Time;
 pub(crate) use group::input_kinds;
@@ -361,16 +361,20 @@ impl<'d> Expander<'d> {
 
     fn check_range(&mut self, knob: &GroupKnob<'d>, value: &Spanned) {
         let [min, max] = knob.range;
-        let mut check = |value: &Spanned| {
-            if let Json::Number(number) = value.json
-                && !(min..=max).contains(&number)
-            {
+        let mut check = |offset: usize, number: f64, at: &str| {
+            if !(min..=max).contains(&number) {
                 let expected = match (min.is_finite(), max.is_finite()) {
                     (true, true) => format!("a number from {min} to {max}"),
                     (true, false) => format!("a number of at least {min}"),
                     _ => format!("a number of at most {max}"),
                 };
-                self.error(value.offset, format!("{}: {}", knob.name, value.brief()), expected, "correct the value");
+                let found = format!("{}: {}{at}", knob.name, number_text(number));
+                self.error(offset, found, expected, "correct the value");
+            }
+        };
+        let mut written = |value: &Spanned| {
+            if let Json::Number(number) = value.json {
+                check(value.offset, number, "");
             }
         };
         match &value.json {
@@ -379,10 +383,14 @@ impl<'d> Expander<'d> {
                 let Some(Json::Array(keys)) = keys else { return };
                 keys.iter()
                     .filter_map(|key| if let Json::Array(pair) = &key.json { pair.get(1) } else { None })
-                    .for_each(check);
+                    .for_each(&mut written);
+                let turns = formula::numbers(value).map_or(Vec::new(), |numbers| numbers.turns());
+                if let Some((frame, number)) = turns.into_iter().find(|(_, number)| !(min..=max).contains(number)) {
+                    check(value.offset, number, &format!(" at frame {frame:.1}, between keys"));
+                }
             }
-            Json::Array(items) => items.iter().for_each(check),
-            _ => check(value),
+            Json::Array(items) => items.iter().for_each(&mut written),
+            _ => written(value),
         }
     }
 

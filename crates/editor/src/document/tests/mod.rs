@@ -1,3 +1,4 @@
+mod curve;
 mod edits;
 pub(crate) mod groups;
 mod kept;
