@@ -10,6 +10,7 @@ pub fn first() -> Tree<Pane> {
     let mut tiles = Tiles::default();
     let viewer = tiles.insert_pane(Pane::Viewer);
     let canvas = tiles.insert_pane(Pane::Canvas);
+    let curves = tiles.insert_pane(Pane::Curves);
     let side: Vec<TileId> = [Pane::Properties, Pane::Palette, Pane::Waves, Pane::Report, Pane::Text, Pane::Help]
         .map(|pane| tiles.insert_pane(pane))
         .into();
@@ -18,7 +19,11 @@ pub fn first() -> Tree<Pane> {
     if let Some(Tile::Container(Container::Tabs(tabs))) = tiles.get_mut(side) {
         tabs.set_active(first);
     }
-    let main = Linear::new_binary(LinearDir::Vertical, [viewer, canvas], 0.56);
+    let below = tiles.insert_tab_tile(vec![canvas, curves]);
+    if let Some(Tile::Container(Container::Tabs(tabs))) = tiles.get_mut(below) {
+        tabs.set_active(canvas);
+    }
+    let main = Linear::new_binary(LinearDir::Vertical, [viewer, below], 0.56);
     let main = tiles.insert_container(main);
     let root = tiles.insert_container(Linear::new_binary(LinearDir::Horizontal, [main, side], 0.72));
     Tree::new("panels", root, tiles)
@@ -42,7 +47,7 @@ pub fn arranged(layout: Layout) -> Tree<Pane> {
     let first = match layout {
         Layout::First => return first(),
         Layout::Painting => Pane::Palette,
-        Layout::Animation => Pane::Properties,
+        Layout::Animation => Pane::Curves,
     };
     // Panels that have no place of their own are tabs.
     let placed = [Pane::Viewer, Pane::Canvas];

@@ -19,6 +19,7 @@ mod app;
 pub mod canvas;
 mod choice;
 pub mod commands;
+mod curves;
 pub mod document;
 pub mod editor;
 pub mod evaluate;

@@ -16,7 +16,7 @@ fn round_up(least: f64) -> f64 {
 }
 
 /// Returns the ticks of a horizontal (0) or vertical (1) axis; `point` is the value per point.
-fn ticks((low, high): (f64, f64), point: f64, axis: usize) -> Vec<GridMark> {
+pub(crate) fn ticks((low, high): (f64, f64), point: f64, axis: usize) -> Vec<GridMark> {
     let step_size = round_up(point.abs() * APART[axis]);
     if !(low.is_finite() && high.is_finite() && step_size.is_finite() && step_size > 0.0) {
         return Vec::new();
@@ -48,7 +48,7 @@ fn decades((low, high): (f64, f64), point: f64) -> Vec<GridMark> {
 }
 
 /// Formats a tick's value with the digits that its step needs.
-fn numbered(value: f64, step: f64) -> String {
+pub(crate) fn numbered(value: f64, step: f64) -> String {
     let digits = (-step.log10() - 1e-9).ceil().clamp(0.0, 12.0) as usize;
     let value = if value.abs() < 0.5 * step { 0.0 } else { value };
     format!("{value:.digits$}")

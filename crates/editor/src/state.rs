@@ -5,7 +5,7 @@ use crate::document::group::NoGroup;
 use crate::document::json::Misplaced;
 use crate::document::meaning::Meaning;
 use crate::document::swatches::{Swatch, SwatchKey, swatches};
-use crate::document::{Edit, Node, Path, Session, Sheet, decor, group};
+use crate::document::{Edit, Node, Path, Session, Sheet, decor, group, keyed};
 use crate::evaluate::{Blamed, Display, Mixture, Result, Screen};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -328,6 +328,20 @@ impl State {
             }
         }
         Some(sum)
+    }
+
+    /// Returns the frames with keys of the selected nodes; if none is selected, of all.
+    pub fn key_frames(&self) -> Vec<f64> {
+        keyed::frames(&keyed::channels(self.sheet(), &self.selection))
+    }
+
+    /// Returns the next frame, or the previous one, that has such a key.
+    pub fn next_key(&self, forward: bool) -> Option<i64> {
+        let frames = self.key_frames().into_iter().map(|frame| frame.round() as i64);
+        match forward {
+            true => frames.filter(|frame| *frame > self.frame).min(),
+            false => frames.filter(|frame| *frame < self.frame).max(),
+        }
     }
 
     /// Returns the colors of the document at the current frame.

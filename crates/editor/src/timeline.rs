@@ -121,6 +121,12 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
         let mark = Rect::from_min_max(pos2(center - half, rect.bottom() - 4.0), pos2(center + half, rect.bottom()));
         painter.rect_filled(mark, 0.0, Color32::from_rgb(0x5f, 0xb8, 0x72));
     }
+    let ink = crate::theme::ink(Color32::from_rgb(0xe8, 0xb0, 0x4a), visuals);
+    for frame in state.key_frames().into_iter().filter(|frame| (low as f64..=high as f64).contains(frame)) {
+        let (at, y) = (x(frame), rect.bottom() - 8.0);
+        let corners = [pos2(at, y - 3.5), pos2(at + 3.5, y), pos2(at, y + 3.5), pos2(at - 3.5, y)];
+        painter.add(egui::Shape::convex_polygon(corners.into(), ink, Stroke::NONE));
+    }
     // Marks as dense as their labels are legible.
     let least = f64::from(56.0 * span as f32 / bar.width());
     let step = [1, 2, 5, 10, 12, 20, 24, 50, 100, 200, 500, 1000, 5000, 10_000, 100_000, 1_000_000];

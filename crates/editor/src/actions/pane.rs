@@ -11,6 +11,8 @@ pub enum Pane {
     Properties,
     /// Colors of the document.
     Palette,
+    /// Keyed values as curves, and the dope sheet.
+    Curves,
     /// Spectrum of the selected sea, as waves.
     Waves,
     /// Nodes that were evaluated or left out, with timings.
@@ -28,6 +30,7 @@ impl Pane {
         Self::Canvas,
         Self::Properties,
         Self::Palette,
+        Self::Curves,
         Self::Waves,
         Self::Report,
         Self::Text,
@@ -41,6 +44,7 @@ impl Pane {
             Self::Canvas => "Graph",
             Self::Properties => "Properties",
             Self::Palette => "Palette",
+            Self::Curves => "Curves",
             Self::Waves => "Waves",
             Self::Report => "Report",
             Self::Text => "Text",

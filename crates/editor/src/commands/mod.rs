@@ -1,5 +1,6 @@
 //! Table of all commands; menus, shortcuts, and the command palette are built from it.
 
+mod curves;
 mod groups;
 mod help;
 mod layouts;
@@ -73,7 +74,7 @@ pub const MENUS: [&str; 6] = ["File", "Edit", "Graph", "Viewer", "Window", "Help
 
 /// Returns every command; those of a menu are in its order.
 pub fn commands() -> impl Iterator<Item = &'static Command> {
-    COMMANDS.iter().chain(groups::GROUPS).chain(scene::SCENE).chain(layouts::LAYOUTS).chain(help::HELP)
+    COMMANDS.iter().chain(groups::GROUPS).chain(scene::SCENE).chain(layouts::LAYOUTS).chain(curves::CURVES).chain(help::HELP)
 }
 
 /// The other commands, in menu order.

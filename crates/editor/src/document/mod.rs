@@ -12,6 +12,7 @@ pub mod group;
 pub mod history;
 pub mod json;
 pub mod keep;
+pub mod keyed;
 pub mod link;
 pub mod meaning;
 pub mod output;

@@ -19,6 +19,7 @@ mod welcome;
 use crate::actions::{Action, Grant, Pane};
 use crate::canvas::Canvas;
 use crate::commands::Space;
+use crate::curves::Curves;
 use crate::document::keep::{Keeper, UnsavedCopy, discard, kept};
 use crate::document::{Session, Sheet};
 use crate::evaluate::{Painter, Worker};
@@ -106,6 +107,7 @@ pub(crate) struct Panels {
     pub(crate) properties: Properties,
     pub(crate) palette: Palette,
     pub(crate) timeline: Timeline,
+    pub(crate) curves: Curves,
     pub(crate) waves: Waves,
     pub(crate) report: Report,
     pub(crate) text: TextPanel,
@@ -266,6 +268,7 @@ impl Editor {
         if self.prompts.is_open() {
             self.space = Space::default();
         } else {
+            self.panels.curves.take_keys(context);
             crate::commands::pressed(context, &self.state, &mut actions);
             if self.space.plays(context) {
                 actions.push(Action::Play(!self.state.playing));
@@ -355,6 +358,7 @@ impl Editor {
             self.recent = crate::recent::add(data, file);
         }
         self.panels.canvas = Canvas::default();
+        self.panels.curves = Curves::default();
         self.read_presets();
         self.asked.what = None;
         self.asked.thumbnails = Default::default();

@@ -1,3 +1,4 @@
+mod curves;
 mod document_knobs;
 mod drops;
 mod files;

@@ -141,6 +141,7 @@ fn all_panels_can_be_shown_in_both_themes() {
             Pane::Canvas => "Node dusk, Mix",
             Pane::Properties => "Select a node to see its knobs.",
             Pane::Palette => "0 colors with names, 3 without",
+            Pane::Curves => "Nothing here has keys. The diamond beside a knob in Properties sets one.",
             Pane::Waves => "The document has no sea. Add a GerstnerSea or a ToonSea (Tab in the graph).",
             Pane::Report => "Left out",
             Pane::Text => "Revert",
@@ -160,12 +161,14 @@ fn all_panels_can_be_shown_in_both_themes() {
             assert!(!shows(&window, pane), "{pane:?} is closed");
             act(&mut window, Action::Panel(pane));
             let shown: Vec<Pane> = Pane::ALL.into_iter().filter(|pane| shows(&window, *pane)).collect();
-            // The viewer and the graph lie beside the tabs.
+            // The viewer and the graph lie beside the tabs; the curves take the place of the graph.
             let expected = match pane {
                 Pane::Viewer | Pane::Canvas => vec![Pane::Viewer, Pane::Canvas],
+                Pane::Curves => vec![Pane::Viewer, Pane::Curves],
                 tab => vec![Pane::Viewer, Pane::Canvas, tab],
             };
             assert!(expected.iter().all(|pane| shown.contains(pane)) && shown.len() == 3, "{pane:?}: {shown:?}");
+            act(&mut window, Action::Panel(Pane::Canvas));
         }
         act(&mut window, Action::Theme);
     }

@@ -10,6 +10,9 @@
 //! If one differs, `snapshots/<name>.diff.png` shows the difference, and `<name>.new.png` what was drawn. The same
 //! command with `UPDATE_SNAPSHOTS=1` stores what is drawn; look at the pictures before you commit them.
 
+#[path = "snapshots/curves.rs"]
+mod curves;
+
 use super::DUSK;
 use crate::actions::{Action, OtherPalette, Pane, Switch};
 use crate::canvas::{Canvas, canvas_ui};

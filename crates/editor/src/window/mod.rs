@@ -79,6 +79,7 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
             Pane::Canvas => crate::canvas::canvas_ui(&mut panels.canvas, ui, state, actions),
             Pane::Properties => crate::properties::properties_ui(&mut panels.properties, ui, state, actions),
             Pane::Palette => crate::palette::palette_ui(&mut panels.palette, ui, state, actions),
+            Pane::Curves => crate::curves::curves_ui(&mut panels.curves, ui, state, actions),
             Pane::Waves => crate::waves::waves_ui(&mut panels.waves, ui, state, actions),
             Pane::Report => crate::report::report_ui(&mut panels.report, ui, state, actions),
             Pane::Help => crate::help::help_ui(&mut panels.help, ui, state, actions),
