@@ -6,11 +6,14 @@ use crate::document::change::style;
 use crate::document::curve::{Curve, Pick};
 use crate::document::keyed::Channel;
 use crate::document::{Edit, Op, Path, edit};
+use trochoid::WorkingSpace;
 
 /// Where changes of curves are asked for.
 pub(super) struct Change<'c> {
     /// The keyed values as they are.
     pub(super) channels: &'c [Channel],
+    /// The space in which colors are interpolated.
+    pub(super) space: WorkingSpace,
     /// The current frame.
     pub(super) frame: i64,
     /// Field that shows why a change is refused.

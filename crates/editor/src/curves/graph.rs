@@ -90,10 +90,11 @@ pub(super) fn graph_ui(panel: &Curves, ui: &Ui, painter: &Painter, screen: &Scre
 pub(super) fn key_ui(ui: &Ui, painter: &Painter, at: Pos2, is_picked: bool) {
     let size = 4.5;
     let corners = [pos2(at.x, at.y - size), pos2(at.x + size, at.y), pos2(at.x, at.y + size), pos2(at.x - size, at.y)];
-    let rim = crate::theme::ink(KEY, ui.visuals());
-    let fill = if is_picked { ui.visuals().strong_text_color() } else { rim };
-    let stroke =
-        Stroke::new(if is_picked { 2.0 } else { 1.0 }, if is_picked { rim } else { Color32::from_black_alpha(90) });
+    let strong = ui.visuals().strong_text_color();
+    let (fill, stroke) = match is_picked {
+        true => (strong, Stroke::new(2.0, KEY)),
+        false => (KEY, Stroke::new(1.0, Color32::from_black_alpha(150))),
+    };
     painter.add(Shape::convex_polygon(corners.into(), fill, stroke));
 }
 
@@ -106,7 +107,6 @@ impl Curves {
             let all = values.iter().map(|value| (screen.place(frame, *value).y - at.y).abs());
             all.fold(f32::INFINITY, f32::min)
         };
-        let shown = self.shown(channels).into_iter().filter(|channel| is_drawn(channel));
-        shown.min_by(|a, b| away(a).total_cmp(&away(b)))
+        self.shown(channels).into_iter().min_by(|a, b| away(a).total_cmp(&away(b)))
     }
 }

@@ -2,12 +2,13 @@
 
 use super::change::{Change, frames_of, key_count};
 use super::view::Screen;
-use super::{Curves, Spot};
+use super::{Curves, Picked, Spot, whole};
 use crate::actions::Action;
 use crate::document::change::style;
+use crate::document::color::hex;
 use crate::document::curve::{Curve, Key as CurveKey};
 use crate::document::keyed::Channel;
-use crate::document::{Path, edit};
+use crate::document::{Path, edit, swatches};
 use egui::{Context, Event, Key, Modifiers, Pos2, Ui};
 use serde_json::Value;
 
@@ -69,15 +70,17 @@ impl Curves {
     }
 
     /// Does what keys asked for.
-    pub(super) fn keys_ui(&mut self, ui: &Ui, spots: &[Spot], change: &mut Change<'_>) {
+    pub(super) fn keys_ui(&mut self, ui: &Ui, change: &mut Change<'_>) {
         for order in std::mem::take(&mut self.orders) {
             match order {
                 Order::Delete => self.delete(change),
                 Order::Fit => self.view = None,
                 Order::Insert => self.insert(change),
                 Order::All => {
-                    let all = spots.iter().filter(|spot| !spot.is_sum).flat_map(|spot| &spot.picks);
-                    self.picks = all.cloned().collect();
+                    let of = |channel: &Channel| -> Vec<Picked> {
+                        channel.curve.keys.iter().flat_map(|key| whole(channel, key.frame)).collect()
+                    };
+                    self.picks = self.shown(change.channels).into_iter().flat_map(of).collect();
                 }
                 Order::Copy | Order::Cut => {
                     if let Some(text) = self.copied(change.channels) {
@@ -111,8 +114,18 @@ impl Curves {
     }
 
     fn insert_into(&self, channels: &[&Channel], frame: f64, change: &mut Change<'_>) {
+        let inserted = |curve: &Curve| {
+            // Of colors, only the one at the frame is known, and none if keys name others.
+            let is_color = curve.keys.iter().any(|key| key.value.is_string());
+            let color = if is_color { swatches::shown(&curve.write(), change.space, frame).map(hex) } else { None };
+            match color {
+                Some(color) if curve.find(frame).is_none() => curve.with(frame, &color.into()),
+                None if !is_color => curve.inserted(frame),
+                _ => curve.clone(),
+            }
+        };
         let new: Vec<(Path, Option<Curve>)> =
-            channels.iter().map(|channel| (channel.path.clone(), Some(channel.curve.inserted(frame)))).collect();
+            channels.iter().map(|channel| (channel.path.clone(), Some(inserted(&channel.curve)))).collect();
         change.make(format!("Set a key at frame {frame}"), &new);
     }
 

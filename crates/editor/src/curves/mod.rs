@@ -9,9 +9,9 @@ mod tools;
 mod view;
 
 use crate::actions::Action;
-use crate::document::Path;
 use crate::document::curve::Pick;
 use crate::document::keyed::{Channel, channels};
+use crate::document::{Path, swatches};
 use crate::refusal::refusal_ui;
 use crate::state::State;
 use change::Change;
@@ -89,9 +89,10 @@ fn whole(channel: &Channel, frame: f64) -> Vec<Picked> {
 }
 
 impl Curves {
-    /// Returns the shown ones of some channels.
+    /// Returns the shown ones of some channels: all in the dope sheet, else those that are ticked and drawn.
     fn shown<'c>(&self, channels: &'c [Channel]) -> Vec<&'c Channel> {
-        channels.iter().filter(|channel| !self.hidden.contains(&channel.path)).collect()
+        let is_ticked = |channel: &Channel| !self.hidden.contains(&channel.path) && is_drawn(channel);
+        channels.iter().filter(|channel| self.is_sheet || is_ticked(channel)).collect()
     }
 
     /// Returns whether a key of a channel is picked.
@@ -134,7 +135,8 @@ pub(crate) fn curves_ui(panel: &mut Curves, ui: &mut Ui, state: &State, actions:
     let channels = channels(state.sheet(), &state.selection);
     panel.refresh(&channels);
     let field = ui.id().with("curves plot");
-    let mut change = Change { channels: &channels, frame: state.frame, field, actions };
+    let space = swatches::space(state.sheet());
+    let mut change = Change { channels: &channels, space, frame: state.frame, field, actions };
     tools::tools_ui(panel, ui, &mut change);
     if channels.is_empty() {
         let whose = if state.selection.is_empty() { "Nothing here" } else { "Nothing of what is selected" };
@@ -194,7 +196,8 @@ fn list_ui(panel: &mut Curves, ui: &mut Ui, channels: &[Channel]) {
                 }
                 for component in (0..count).filter(|_| is_drawn) {
                     let (dot, _) = ui.allocate_exact_size(vec2(6.0, 6.0), Sense::hover());
-                    ui.painter().circle_filled(dot.center(), 3.0, COLORS[(color + component) % COLORS.len()]);
+                    let ink = crate::theme::ink(COLORS[(color + component) % COLORS.len()], ui.visuals());
+                    ui.painter().circle_filled(dot.center(), 3.0, ink);
                 }
                 let label = ui.add(egui::Label::new(&name).truncate().sense(Sense::click()));
                 let help =
@@ -230,7 +233,7 @@ fn plot_ui(panel: &mut Curves, ui: &mut Ui, state: &State, (body, rect): (Rect, 
         graph::graph_ui(panel, ui, &plot, &screen, channels)
     };
     screen.playhead_ui(ui, &plot, state.frame);
-    panel.keys_ui(ui, &spots, change);
+    panel.keys_ui(ui, change);
     panel.menu_ui(&response, change);
     panel.gestures_ui(ui, &response, &screen, &spots, change);
     if !panel.is_sheet {

@@ -309,6 +309,13 @@ fn rows_of_the_dope_sheet_are_moved_with_the_keys_of_colors() {
     undo(&mut window);
     undo(&mut window);
     assert_eq!(editor(&window).state().session.text(), keyed());
+    // A key set in a color has the color of its frame.
+    let at = place(&window, "Key 7 of paint.color");
+    drag(&mut window, at, vec2(0.0, 0.0), Modifiers::NONE);
+    act(&mut window, Action::Frame(4));
+    window.key_press(Key::K);
+    window.run_steps(3);
+    assert_eq!(keys(&window, &color), json!([[1, "#102030"], [4, "#283848"], [7, "#405060"]]));
 }
 
 #[test]
