@@ -51,13 +51,21 @@ fn golden_cases_satisfy_the_schema() {
 fn the_schema_refuses_what_it_should() {
     let validator = schema_validator();
     let text = r##"{ "trochoid": 1, "format": { "width": 4, "height": 4 },
-        "nodes": { "c": { "type": "Constant", "color": "#fff" } }, "outputs": { "o": { "color": "c" } } }"##;
+        "nodes": { "c": { "type": "Constant", "color": "#fff" }, "m": { "type": "Mix", "a": "c", "b": "#000",
+            "weight": { "keys": [[1, 0, { "out": [4, 0.5], "interpolation": "linear" }], [9, 1, { "in": [-2, 0] }]] } } },
+        "outputs": { "o": { "color": "c" } } }"##;
     assert!(validator.is_valid(&serde_json::from_str(text).unwrap()));
     for (from, to) in [
         ("Constant", "Konstant"),
         ("\"color\": \"#fff\"", "\"colour\": \"#fff\""),
         ("\"width\": 4", "\"width\": 0"),
         ("\"trochoid\": 1", "\"trochoid\": 2"),
+        ("\"out\": [4", "\"out\": [-4"),
+        ("\"in\": [-2", "\"in\": [2"),
+        ("[4, 0.5]", "[4]"),
+        ("\"in\"", "\"before\""),
+        ("\"linear\"", "\"eased\""),
+        ("0] }]]", "0] }, 0]]"),
         ("{ \"o\": { \"color\": \"c\" } }", "{}"),
     ] {
         let changed = text.replace(from, to);
