@@ -25,7 +25,7 @@ pub enum Pane {
 
 impl Pane {
     /// Every panel, in menu order.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Viewer,
         Self::Canvas,
         Self::Properties,
