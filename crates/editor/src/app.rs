@@ -31,6 +31,8 @@ pub enum WindowError {
 
 /// Storage key of the panel layout. eframe itself uses `window`.
 const KEY: &str = "panels";
+/// Storage key of what the viewer makes of light.
+const TRANSFORM: &str = "transform";
 
 struct App {
     editor: Editor,
@@ -45,6 +47,9 @@ impl App {
     fn new(mut editor: Editor, context: egui::Context, storage: Option<&dyn eframe::Storage>) -> Self {
         if let Some(kept) = storage.and_then(|storage| storage.get_string(KEY)) {
             editor.restore(&kept, &context);
+        }
+        if let Some(kept) = storage.and_then(|storage| storage.get_string(TRANSFORM)) {
+            editor.restore_transform(&kept);
         }
         Self { editor, title: String::new(), context }
     }
@@ -75,6 +80,7 @@ impl eframe::App for App {
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         storage.remove_string("egui");
         storage.set_string(KEY, self.editor.kept_window(&self.context));
+        storage.set_string(TRANSFORM, self.editor.kept_transform());
     }
 }
 

@@ -8,7 +8,7 @@ use std::collections::HashSet;
 /// Returns the initial layout: the viewer above the graph, panels for the selected node on the right.
 pub fn first() -> Tree<Pane> {
     let mut tiles = Tiles::default();
-    let viewer = tiles.insert_pane(Pane::Viewer);
+    let viewer = viewers(&mut tiles);
     let canvas = tiles.insert_pane(Pane::Canvas);
     let curves = tiles.insert_pane(Pane::Curves);
     let side: Vec<TileId> = [Pane::Properties, Pane::Palette, Pane::Waves, Pane::Report, Pane::Text, Pane::Help]
@@ -29,6 +29,13 @@ pub fn first() -> Tree<Pane> {
     Tree::new("panels", root, tiles)
 }
 
+/// Inserts the viewers: the second one stands beside the first one, as soon as it is opened.
+fn viewers(tiles: &mut Tiles<Pane>) -> TileId {
+    let viewers = [Pane::Viewer, Pane::Second].map(|pane| tiles.insert_pane(pane));
+    tiles.set_visible(viewers[1], false);
+    tiles.insert_container(Linear::new_binary(LinearDir::Horizontal, viewers, 0.5))
+}
+
 /// Brings a panel to the front, including one that was closed.
 pub fn bring(tree: &mut Tree<Pane>, pane: Pane) {
     let Some(tile) = tree.tiles.find_pane(&pane) else {
@@ -42,15 +49,16 @@ pub fn bring(tree: &mut Tree<Pane>, pane: Pane) {
 /// Returns the arrangement of the panels that a layout is.
 pub fn arranged(layout: Layout) -> Tree<Pane> {
     let mut tiles = Tiles::default();
+    let viewer = viewers(&mut tiles);
     let mut pane = |pane: Pane| tiles.insert_pane(pane);
-    let (viewer, canvas) = (pane(Pane::Viewer), pane(Pane::Canvas));
+    let canvas = pane(Pane::Canvas);
     let first = match layout {
         Layout::First => return first(),
         Layout::Painting => Pane::Palette,
         Layout::Animation => Pane::Curves,
     };
     // Panels that have no place of their own are tabs.
-    let placed = [Pane::Viewer, Pane::Canvas];
+    let placed = [Pane::Viewer, Pane::Second, Pane::Canvas];
     let others: Vec<TileId> = Pane::ALL.into_iter().filter(|other| !placed.contains(other)).map(&mut pane).collect();
     let front = others.iter().copied().find(|id| tiles.get(*id) == Some(&Tile::Pane(first)));
     let tabs = tiles.insert_tab_tile(others);
@@ -115,6 +123,8 @@ fn complete(tree: &mut Tree<Pane>) {
         if let Some(Tile::Container(Container::Tabs(tabs))) = tabs.and_then(|tabs| tree.tiles.get_mut(tabs)) {
             tabs.add_child(new);
         }
+        // It opens when it is asked for.
+        tree.set_visible(new, pane != Pane::Second);
     }
 }
 

@@ -34,6 +34,8 @@ pub struct State {
     inner: Option<Arc<Sheet>>,
     /// The inside of the use that has the viewed node; `None` if the document itself has it.
     around: Option<Arc<Sheet>>,
+    /// What the second viewer shows.
+    pub second: Second,
     /// Names of the selected nodes.
     pub selection: BTreeSet<String>,
     /// Selected output, if no node is selected.
@@ -54,6 +56,16 @@ pub struct State {
     pub dropper: Option<Path>,
     /// What the palette panel looks at.
     pub colors: Colors,
+}
+
+/// What the second viewer shows, in the place of the first one's.
+#[derive(Debug, Default)]
+pub struct Second {
+    /// Subject and display settings.
+    pub look: Look,
+    /// Results of evaluation.
+    pub evaluated: Evaluated,
+    around: Option<Arc<Sheet>>,
 }
 
 /// What the palette panel looks at. Nothing of it changes the document.
@@ -179,6 +191,7 @@ impl State {
             scope: Vec::new(),
             inner: None,
             around: None,
+            second: Second::default(),
             selection: BTreeSet::new(),
             output: None,
             look: Look::default(),
@@ -217,7 +230,7 @@ impl State {
     pub fn rename(&mut self, names: &[(String, String)], prefix: &str) {
         for (old, new) in names {
             let (whole, inside) = (format!("{prefix}{old}"), format!("{prefix}{old}/"));
-            let looked = self.look.node.iter_mut().map(|(name, _)| name);
+            let looked = self.look.node.iter_mut().chain(&mut self.second.look.node).map(|(name, _)| name);
             for name in looked.chain(self.look.slots.iter_mut().flatten()) {
                 if *name == whole {
                     *name = format!("{prefix}{new}");
@@ -249,11 +262,23 @@ impl State {
                 self.scope.pop();
             }
         }
-        let path = self.look.node.as_ref().and_then(|(name, _)| name.rsplit_once('/')).map(|(path, _)| path);
-        self.around = path.and_then(|path| {
+        let around = |look: &Look| {
+            let (path, _) = look.node.as_ref()?.0.rsplit_once('/')?;
             let names: Vec<String> = path.split('/').map(String::from).collect();
             if names == self.scope { self.inner.clone() } else { entered(&names) }
-        });
+        };
+        let (first, second) = (around(&self.look), around(&self.second.look));
+        (self.around, self.second.around) = (first, second);
+    }
+
+    /// Puts what the second viewer shows in the place of what the first one shows, and the other way around. Both have the
+    /// same nodes under the number keys.
+    pub(crate) fn turn(&mut self) {
+        let second = &mut self.second;
+        std::mem::swap(&mut self.look, &mut second.look);
+        std::mem::swap(&mut self.look.slots, &mut second.look.slots);
+        std::mem::swap(&mut self.evaluated, &mut second.evaluated);
+        std::mem::swap(&mut self.around, &mut second.around);
     }
 
     /// Updates the names of entered uses after nodes of the document were renamed.

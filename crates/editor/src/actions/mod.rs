@@ -189,6 +189,8 @@ pub enum Action {
     Panel(Pane),
     /// Switch something in the viewer.
     Viewer(Switch),
+    /// Do this in the second viewer.
+    Second(Box<Self>),
     /// Restore the initial panel layout.
     ResetPanels,
     /// Arrange the panels.
@@ -221,6 +223,21 @@ impl Action {
     /// Returns whether pending text in fields must be committed before this action.
     pub(crate) fn needs_all(&self) -> bool {
         matches!(self, Self::Save | Self::SaveAs | Self::Render | Self::Preset(_)) || self.hides()
+    }
+
+    /// Returns whether this action is about what a viewer shows.
+    pub(crate) fn is_of_viewer(&self) -> bool {
+        matches!(
+            self,
+            Self::Look(..)
+                | Self::Slot(_)
+                | Self::Display(_)
+                | Self::Proxy(_)
+                | Self::Region(_)
+                | Self::Pick(_)
+                | Self::Onion(_)
+                | Self::Viewer(_)
+        )
     }
 
     /// Returns whether this action removes fields from the screen, together with any refusals shown for them.

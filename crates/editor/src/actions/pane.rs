@@ -5,6 +5,8 @@
 pub enum Pane {
     /// The picture.
     Viewer,
+    /// Another picture.
+    Second,
     /// The graph.
     Canvas,
     /// Knobs and connections of the selected node.
@@ -25,8 +27,9 @@ pub enum Pane {
 
 impl Pane {
     /// Every panel, in menu order.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Viewer,
+        Self::Second,
         Self::Canvas,
         Self::Properties,
         Self::Palette,
@@ -41,6 +44,7 @@ impl Pane {
     pub fn title(self) -> &'static str {
         match self {
             Self::Viewer => "Viewer",
+            Self::Second => "Viewer 2",
             Self::Canvas => "Graph",
             Self::Properties => "Properties",
             Self::Palette => "Palette",

@@ -1,9 +1,10 @@
 //! Context menus of the canvas.
 
 use super::Canvas;
+use super::follow::Dropped;
 use super::plan::Plan;
 use super::search::Search;
-use crate::actions::{Action, HelpPage, Line};
+use crate::actions::{Action, HelpPage, Line, Pane};
 use crate::document::sheet::Backdrop;
 use crate::document::{Point, decor};
 use crate::state::State;
@@ -13,7 +14,7 @@ use egui::{
 };
 
 /// Item that was right-clicked.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) enum MenuTarget {
     /// The selected nodes.
     Nodes,
@@ -21,6 +22,8 @@ pub(super) enum MenuTarget {
     Backdrop(String),
     /// An output.
     Output(String),
+    /// A knob that was dropped on a node.
+    Follow(Dropped),
     /// The empty canvas.
     Empty,
 }
@@ -86,6 +89,7 @@ impl Canvas {
                 MenuTarget::Nodes => self.nodes_menu(plan, ui, state, actions, menu.at),
                 MenuTarget::Backdrop(name) => self.backdrop_menu(plan, ui, name, actions),
                 MenuTarget::Output(name) => self.output_menu(plan, ui, name, actions),
+                MenuTarget::Follow(dropped) => self.follow_menu(ui, state, dropped, actions),
                 MenuTarget::Empty => self.empty_menu(ui, actions, menu.at),
             }
         });
@@ -119,6 +123,10 @@ impl Canvas {
             }
             if ui.button("View").clicked() {
                 actions.push(Action::Look(state.whole_name(name), 0));
+            }
+            if ui.button("View in viewer 2").clicked() {
+                let look = Action::Look(state.whole_name(name), 0);
+                actions.extend([Action::Panel(Pane::Second), Action::Second(look.into())]);
             }
             ui.menu_button("Assign to viewer key", |ui| {
                 for slot in 0..9 {

@@ -7,6 +7,7 @@ mod backdrop;
 mod connect;
 mod curve;
 mod drag;
+mod follow;
 mod mark;
 mod menu;
 mod minimap;
@@ -467,6 +468,7 @@ pub fn canvas_ui(canvas: &mut Canvas, ui: &mut Ui, state: &State, actions: &mut 
     canvas.background(&plan, ui, state, &background, actions);
     canvas.dots_ui(&plan, ui, actions);
     canvas.nodes_ui(&plan, ui, state, actions);
+    canvas.follow_ui(&plan, ui, state);
     canvas.click_pin(&plan, ui, state, actions);
     canvas.overlay(&plan, ui);
     canvas.writing_ui(&plan, ui, actions);

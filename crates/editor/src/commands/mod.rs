@@ -74,7 +74,13 @@ pub const MENUS: [&str; 6] = ["File", "Edit", "Graph", "Viewer", "Window", "Help
 
 /// Returns every command; those of a menu are in its order.
 pub fn commands() -> impl Iterator<Item = &'static Command> {
-    COMMANDS.iter().chain(groups::GROUPS).chain(scene::SCENE).chain(layouts::LAYOUTS).chain(curves::CURVES).chain(help::HELP)
+    COMMANDS
+        .iter()
+        .chain(groups::GROUPS)
+        .chain(scene::SCENE)
+        .chain(layouts::LAYOUTS)
+        .chain(curves::CURVES)
+        .chain(help::HELP)
 }
 
 /// The other commands, in menu order.
@@ -428,6 +434,14 @@ pub static COMMANDS: &[Command] = &[
         |state| state.look.region.is_some(),
     ),
     command("Window", "Show viewer", None, "Show the picture.", |_| Action::Panel(Pane::Viewer), always),
+    command(
+        "Window",
+        "Show viewer 2",
+        None,
+        "Show another picture beside the first one.",
+        |_| Action::Panel(Pane::Second),
+        always,
+    ),
     command("Window", "Show graph", None, "Show the graph.", |_| Action::Panel(Pane::Canvas), always),
     command(
         "Window",

@@ -7,7 +7,8 @@ use super::json::{Misplaced, Splice};
 use super::meaning::Meaning;
 use super::relocate::{NoText, relocated};
 use super::sheet::Sheet;
-use super::trial;
+use super::{swatches, trial};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -85,6 +86,18 @@ impl Session {
 
     fn understand(&mut self) {
         self.mean(self.meaning_of(&self.text));
+    }
+
+    /// Reads the files that are part of the document again, because they have changed.
+    pub fn reread(&mut self) {
+        self.understand();
+    }
+
+    /// Returns the other files that are part of the document: those that it includes, and that of its palette.
+    pub fn parts(&self) -> BTreeSet<PathBuf> {
+        let (sheet, folder) = (self.sheet(), self.folder());
+        let palette = swatches::file(sheet).map(String::from);
+        sheet.library.files().iter().cloned().chain(palette).map(|file| folder.join(file)).collect()
     }
 
     fn meaning_of(&self, text: &str) -> Meaning {

@@ -5,7 +5,8 @@ use super::json::{Op, Path, Step};
 use super::meaning::Meaning;
 use trochoid::Diagnostic;
 
-/// Returns the new fault that an edit causes in the edited nodes, or in the edited entry outside of nodes. Returns none
+/// Returns the new fault that an edit causes in the edited nodes, or in the edited entry outside of nodes; if it makes a
+/// link, anywhere, for a circle of links is told where it is met first. Returns none
 /// if that place already had a fault, or if the edit fixes another fault: then it may be a step toward a valid
 /// document.
 pub(super) fn fault(edit: &Edit, before: &Meaning, after: &Meaning) -> Option<Diagnostic> {
@@ -19,7 +20,8 @@ pub(super) fn fault(edit: &Edit, before: &Meaning, after: &Meaning) -> Option<Di
     if before.errors().any(holds) || !before.errors().all(stays) {
         return None;
     }
-    after.errors().find(|fault| holds(fault) && !is_known(fault)).cloned()
+    let is_link = edit.ops.iter().any(|op| matches!(op, Op::Set(_, text) if text.starts_with("\"=")));
+    after.errors().find(|fault| (holds(fault) || is_link) && !is_known(fault)).cloned()
 }
 
 /// Part of the document that an edit concerns.

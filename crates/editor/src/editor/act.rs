@@ -98,6 +98,7 @@ impl Editor {
             Action::CancelRender => self.cancel_render(),
             Action::Palette => self.show_palette(),
             Action::Viewer(switch) => self.panels.viewer.switch(switch, &self.state),
+            Action::Second(action) => self.on_second(|editor| editor.act(*action, context)),
             Action::Panel(pane) => layout::bring(&mut self.tree, pane),
             Action::ResetPanels => self.tree = layout::first(),
             Action::Layout(layout) => self.tree = layout::arranged(layout),

@@ -265,13 +265,20 @@ impl Editor {
             self.state.output = output::now(&sheet, &before, &gone);
         }
         self.forget_frames();
-        if let Some(lost) = self.lost.take_if(|(name, _)| group::is_node(&sheet, name)) {
+        self.look_again();
+        self.on_second(Self::look_again);
+        self.state.read_insides();
+    }
+
+    /// Views the first output while the viewed node is gone.
+    fn look_again(&mut self) {
+        let sheet = self.state.session.sheet();
+        if let Some(lost) = self.lost.take_if(|(name, _)| group::is_node(sheet, name)) {
             self.state.look.node = Some(lost);
         }
-        if let Some(gone) = self.state.look.node.take_if(|(name, _)| !group::is_node(&sheet, name)) {
+        if let Some(gone) = self.state.look.node.take_if(|(name, _)| !group::is_node(sheet, name)) {
             self.lost.get_or_insert(gone);
-            self.state.look.node = State::first_output(&sheet);
+            self.state.look.node = State::first_output(sheet);
         }
-        self.state.read_insides();
     }
 }

@@ -78,7 +78,7 @@ impl Editor {
                     self.notices.info(text);
                 }
                 if moves {
-                    self.watcher.watch(Some(file), context);
+                    self.watch(Some(file), context);
                     self.remember();
                     self.changed();
                 }

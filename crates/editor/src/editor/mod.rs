@@ -10,10 +10,13 @@ mod help;
 mod layouts;
 mod leave;
 mod painting;
+mod parts;
 mod pictures;
 mod play;
 mod presets;
 mod rendering;
+mod second;
+mod transform;
 mod welcome;
 
 use crate::actions::{Action, Grant, Pane};
@@ -22,7 +25,7 @@ use crate::commands::Space;
 use crate::curves::Curves;
 use crate::document::keep::{Keeper, UnsavedCopy, discard, kept};
 use crate::document::{Session, Sheet};
-use crate::evaluate::{Painter, Worker};
+use crate::evaluate::{Lane, Painter, Worker};
 use crate::help::Help;
 use crate::layout;
 use crate::layouts::Layouts;
@@ -37,7 +40,7 @@ use crate::report::Report;
 use crate::state::State;
 use crate::text_panel::TextPanel;
 use crate::timeline::Timeline;
-use crate::viewer::Viewer;
+use crate::viewer::{SecondViewer, Viewer};
 use crate::watch::Watcher;
 use crate::waves::Waves;
 use egui::{Context, Key};
@@ -67,11 +70,14 @@ pub struct Editor {
     pub(crate) answers: Vec<Grant>,
     pub(crate) worker: Worker,
     asked: LastRequest,
+    second: second::Second,
     painter: Painter,
     painting: LastPainting,
     keeper: Option<Keeper>,
     kept: Backup,
     watcher: Watcher,
+    /// Revision whose files are watched.
+    watched: u64,
     renderer: Option<Renderer>,
     /// Nodes copied in this editor, and the folder that their paths are relative to.
     copied: Option<(String, PathBuf)>,
@@ -104,6 +110,7 @@ struct Backup {
 pub(crate) struct Panels {
     pub(crate) canvas: Canvas,
     pub(crate) viewer: Viewer,
+    pub(crate) second: SecondViewer,
     pub(crate) properties: Properties,
     pub(crate) palette: Palette,
     pub(crate) timeline: Timeline,
@@ -143,11 +150,13 @@ impl Editor {
             answers: Vec::new(),
             worker,
             asked: LastRequest::default(),
+            second: second::Second::default(),
             painter,
             painting: LastPainting::default(),
             keeper,
             kept: Backup::default(),
             watcher: Watcher::default(),
+            watched: 0,
             renderer: None,
             copied: None,
             playback: Playback::default(),
@@ -302,6 +311,7 @@ impl Editor {
         self.keep(context);
         self.play(context);
         self.ask();
+        self.ask_second();
         self.ask_held();
         self.ask_blame();
         self.ask_mixture();
@@ -353,13 +363,15 @@ impl Editor {
 
     fn opened(&mut self, context: &Context) {
         self.remember();
-        self.watcher.watch(self.state.session.file(), context);
+        let file = self.state.session.file().map(Path::to_path_buf);
+        self.watch(file.as_deref(), context);
         if let (Some(file), Some(data)) = (self.state.session.file(), self.prompts.data()) {
             self.recent = crate::recent::add(data, file);
         }
         self.panels.canvas = Canvas::default();
         self.panels.curves = Curves::default();
         self.read_presets();
+        self.forget_second();
         self.asked.what = None;
         self.asked.thumbnails = Default::default();
         context.request_repaint();
@@ -367,7 +379,7 @@ impl Editor {
 
     fn start(&mut self, session: Session, context: &Context) {
         self.keep_recent_picture();
-        self.worker.stop();
+        self.worker.stop(Lane::First);
         if let Some(keeper) = &self.keeper {
             keeper.forget();
         }
@@ -375,7 +387,9 @@ impl Editor {
         self.panels.text = TextPanel::default();
         self.notices.leave();
         self.known = session.sheet().clone();
+        let transform = self.state.look.display.transform.clone();
         self.state = State::new(session);
+        self.show_through(&transform);
         self.forget_frames();
         (self.lost, self.playback) = (None, Playback::default());
         self.panels.viewer.forget();

@@ -133,7 +133,7 @@ impl Editor {
             recipe: SharedRecipe(mixture.recipe.clone()),
             colors: mixed,
             spot,
-            display: self.state.look.display,
+            display: self.state.look.display.clone(),
         })
     }
 
@@ -154,7 +154,8 @@ impl Editor {
                     && result.picture.planes.first().is_some_and(|plane| plane.window() == window)
             };
             if let Some(whole) = seen.whole.as_ref().filter(of_same_pixels).filter(|_| is_current) {
-                seen.painted = Some(Arc::new(Result { screen, display: painting.display, ..Result::clone(whole) }));
+                seen.painted =
+                    Some(Arc::new(Result { screen, display: painting.display.clone(), ..Result::clone(whole) }));
                 seen.painted_at = Some(ready);
                 self.painting.shown = Some(painting);
             }

@@ -1,7 +1,7 @@
 //! Requests pictures from the worker and receives them.
 
 use super::Editor;
-use crate::evaluate::{Job, News, Question, Subject};
+use crate::evaluate::{Job, Lane, News, Question, Subject};
 use crate::state::PastEvaluation;
 use egui::Context;
 use std::collections::BTreeSet;
@@ -37,6 +37,11 @@ type What = (u64, String, usize, i64, u32, Option<[f32; 4]>);
 pub(super) const FRAMES: usize = 2 << 30;
 
 impl Editor {
+    /// Returns the viewer of the last requests.
+    fn lane(&self) -> Lane {
+        Lane::of(self.asked.generation)
+    }
+
     /// Returns the subject that the viewer should show.
     pub(super) fn subject(&self) -> Option<Subject> {
         let (sheet, node, output) = self.state.looked()?;
@@ -62,7 +67,7 @@ impl Editor {
         let Some(subject) = self.subject() else {
             // Also clears the message about a text that was not JSON.
             if self.asked.what.take().is_some() || self.state.evaluated.failed.is_some() {
-                self.worker.stop();
+                self.worker.stop(self.lane());
                 let seen = &mut self.state.evaluated;
                 (seen.result, seen.last, seen.progress, seen.failed) = (None, None, None, None);
                 self.forget_frames();
@@ -82,7 +87,7 @@ impl Editor {
                 self.forget_frames();
             }
             self.asked.what = Some(what);
-            self.asked.display = look.display;
+            self.asked.display = look.display.clone();
             match self.state.evaluated.frames.get(&self.state.frame).filter(|seen| seen.display == look.display) {
                 Some(ready) => {
                     self.state.evaluated.result = Some(ready.clone());
@@ -95,7 +100,7 @@ impl Editor {
                     let progressive = !self.state.playing;
                     let job = self.job(subject.clone(), self.asked.generation, self.state.frame, progressive);
                     // A picture of which only colors changed is painted at once.
-                    let weighs = self.weighs();
+                    let weighs = self.lane() == Lane::First && self.weighs();
                     self.worker.evaluate(job, weighs);
                     self.state.evaluated.progress = Some(0.0);
                     self.asked.ahead = None;
@@ -103,14 +108,14 @@ impl Editor {
                 }
             }
         } else if self.asked.display != look.display {
-            self.asked.display = look.display;
+            self.asked.display = look.display.clone();
             self.forget_frames();
             if let Some(result) = &self.state.evaluated.result {
                 let space = result.lens.graph.space();
                 self.worker.show(self.asked.generation, result.picture.clone(), space, look.display);
             }
         }
-        if self.state.evaluated.progress.is_some() {
+        if self.state.evaluated.progress.is_some() || self.lane() == Lane::Second {
             return;
         }
         let drawn = (subject.revision, self.state.sheet().prefix());
@@ -132,14 +137,14 @@ impl Editor {
     /// Returns the request for a picture as the viewer looks at it.
     pub(super) fn job(&self, subject: Subject, generation: u64, frame: i64, progressive: bool) -> Job {
         let look = &self.state.look;
-        let (proxy, region, display) = (look.proxy, look.region, look.display);
+        let (proxy, region, display) = (look.proxy, look.region, look.display.clone());
         Job { generation, subject, frame, proxy, region, display, progressive }
     }
 
     /// Handles a text that is not JSON: the canvas and the viewer keep showing the previous document, marked as past.
     fn ask_nothing(&mut self) {
         if self.asked.what.take().is_some() {
-            self.worker.stop();
+            self.worker.stop(self.lane());
             // Pictures still being evaluated belong to the previous document.
             self.asked.generation += 1;
             self.forget_frames();
@@ -173,8 +178,9 @@ impl Editor {
             self.asked.held = None;
             return;
         };
-        if self.asked.held != Some((number, display)) {
-            self.asked.held = Some((number, display));
+        let wanted = Some((number, display.clone()));
+        if self.asked.held != wanted {
+            self.asked.held = wanted;
             self.worker.show_held(number, picture, space, display);
         }
     }
@@ -208,87 +214,91 @@ impl Editor {
         let news: Vec<News> = self.worker.news().collect();
         self.hear_paintings();
         for news in news {
-            let seen = &mut self.state.evaluated;
-            match news {
-                News::Picture(result) if result.generation == self.asked.generation => {
-                    let result = Arc::new(*result);
-                    seen.failed = None;
-                    seen.last = None;
-                    // If the display has changed in the meantime, `ask` requests it again.
-                    self.asked.display = result.display;
-                    if result.finished {
-                        seen.progress = None;
-                        let audit = &result.picture.audit;
-                        seen.past.push(PastEvaluation {
-                            node: result.subject.whole_name(),
-                            frame: result.frame,
-                            shrunk: result.shrunk,
-                            seconds: [result.seconds.0.prepare, result.seconds.1],
-                            exits: result.picture.guarantee.map(|_| audit.hull_exits),
-                        });
-                        let most = seen.past.len().saturating_sub(100);
-                        seen.past.drain(..most);
-                        seen.nodes = result.nodes.iter().map(|node| (node.name.clone(), node.clone())).collect();
-                        let range = self.state.playing.then_some(self.state.range);
-                        keep_frame(&mut seen.frames, &result, self.state.frame, range, self.room);
-                        seen.whole = Some(result.clone());
-                    }
-                    seen.result = Some(result);
-                }
-                News::Ahead(result) if result.generation == self.asked.series => {
-                    if result.display == self.state.look.display {
-                        let range = self.state.playing.then_some(self.state.range);
-                        keep_frame(&mut seen.frames, &Arc::new(*result), self.state.frame, range, self.room);
-                    }
-                    self.asked.ahead = None;
-                }
-                News::AheadFailed { generation, frame } if generation == self.asked.series => {
-                    self.asked.failed.insert(frame);
-                    self.asked.ahead = None;
-                }
-                News::Shown { generation, display, screen } if generation == self.asked.generation => {
-                    if let Some(result) = &seen.result {
-                        let mut result = crate::evaluate::Result::clone(result);
-                        (result.display, result.screen) = (display, screen);
-                        seen.result = Some(Arc::new(result));
-                    }
-                }
-                News::Held { number, display, screen } => self.panels.viewer.take_held(number, display, screen),
-                News::Progress { generation, share }
-                    if generation == self.asked.generation && seen.progress.is_some() =>
-                {
-                    seen.progress = Some(share);
-                }
-                News::Failed { generation, why, begun, refused } if generation == self.asked.generation => {
-                    (seen.failed, seen.refused) = (Some(why.to_string()), refused);
-                    (seen.culprit, seen.broken) = (why.node().map(String::from), begun);
-                    seen.progress = None;
-                    // The last picture stays visible until there is another.
-                    seen.last = seen.result.take().or(seen.last.take());
-                }
-                News::Blame(blamed) if self.asked.blame == Some((blamed.generation, blamed.frame, blamed.at)) => {
-                    seen.blame = Some(*blamed);
-                }
-                News::Mixture(mixture) => self.take_mixture(*mixture),
-                News::Mixing { generation, share } if generation == self.asked.generation && seen.mixing.is_some() => {
-                    seen.mixing = Some(share);
-                }
-                News::UnknownMixture { generation } => self.take_unknown(generation),
-                News::Unmixed { generation, why } => self.take_unmixed(generation, why),
-                News::Thumbnails(all) => {
-                    // Those outside of the group that is entered are needed again.
-                    let prefix = &self.asked.thumbnails.1;
-                    let is_elsewhere = |own: &str| own.contains('/');
-                    seen.thumbnails.retain(|name, _| name.strip_prefix(prefix.as_str()).is_none_or(is_elsewhere));
-                    seen.thumbnails.extend(all.into_iter().map(|one| (one.node, Arc::new(one.screen))));
-                }
-                _ => {}
+            match news.lane() {
+                Lane::First => self.hear_news(news),
+                Lane::Second => self.on_second(|editor| editor.hear_news(news)),
             }
         }
-        if self.watcher.changed() && self.state.session.differs_on_disk() == Some(true) {
-            self.prompts.external(None);
-        }
+        self.hear_files(context);
         self.hear_render(context);
+    }
+
+    /// Receives news of a viewer.
+    fn hear_news(&mut self, news: News) {
+        let seen = &mut self.state.evaluated;
+        match news {
+            News::Picture(result) if result.generation == self.asked.generation => {
+                let result = Arc::new(*result);
+                seen.failed = None;
+                seen.last = None;
+                // If the display has changed in the meantime, `ask` requests it again.
+                self.asked.display = result.display.clone();
+                if result.finished {
+                    seen.progress = None;
+                    let audit = &result.picture.audit;
+                    seen.past.push(PastEvaluation {
+                        node: result.subject.whole_name(),
+                        frame: result.frame,
+                        shrunk: result.shrunk,
+                        seconds: [result.seconds.0.prepare, result.seconds.1],
+                        exits: result.picture.guarantee.map(|_| audit.hull_exits),
+                    });
+                    let most = seen.past.len().saturating_sub(100);
+                    seen.past.drain(..most);
+                    seen.nodes = result.nodes.iter().map(|node| (node.name.clone(), node.clone())).collect();
+                    let range = self.state.playing.then_some(self.state.range);
+                    keep_frame(&mut seen.frames, &result, self.state.frame, range, self.room);
+                    seen.whole = Some(result.clone());
+                }
+                seen.result = Some(result);
+            }
+            News::Ahead(result) if result.generation == self.asked.series => {
+                if result.display == self.state.look.display {
+                    let range = self.state.playing.then_some(self.state.range);
+                    keep_frame(&mut seen.frames, &Arc::new(*result), self.state.frame, range, self.room);
+                }
+                self.asked.ahead = None;
+            }
+            News::AheadFailed { generation, frame } if generation == self.asked.series => {
+                self.asked.failed.insert(frame);
+                self.asked.ahead = None;
+            }
+            News::Shown { generation, display, screen } if generation == self.asked.generation => {
+                if let Some(result) = &seen.result {
+                    let mut result = crate::evaluate::Result::clone(result);
+                    (result.display, result.screen) = (display, screen);
+                    seen.result = Some(Arc::new(result));
+                }
+            }
+            News::Held { number, display, screen } => self.panels.viewer.take_held(number, display, screen),
+            News::Progress { generation, share } if generation == self.asked.generation && seen.progress.is_some() => {
+                seen.progress = Some(share);
+            }
+            News::Failed { generation, why, begun, refused } if generation == self.asked.generation => {
+                (seen.failed, seen.refused) = (Some(why.to_string()), refused);
+                (seen.culprit, seen.broken) = (why.node().map(String::from), begun);
+                seen.progress = None;
+                // The last picture stays visible until there is another.
+                seen.last = seen.result.take().or(seen.last.take());
+            }
+            News::Blame(blamed) if self.asked.blame == Some((blamed.generation, blamed.frame, blamed.at)) => {
+                seen.blame = Some(*blamed);
+            }
+            News::Mixture(mixture) => self.take_mixture(*mixture),
+            News::Mixing { generation, share } if generation == self.asked.generation && seen.mixing.is_some() => {
+                seen.mixing = Some(share);
+            }
+            News::UnknownMixture { generation } => self.take_unknown(generation),
+            News::Unmixed { generation, why } => self.take_unmixed(generation, why),
+            News::Thumbnails(all) => {
+                // Those outside of the group that is entered are needed again.
+                let prefix = &self.asked.thumbnails.1;
+                let is_elsewhere = |own: &str| own.contains('/');
+                seen.thumbnails.retain(|name, _| name.strip_prefix(prefix.as_str()).is_none_or(is_elsewhere));
+                seen.thumbnails.extend(all.into_iter().map(|one| (one.node, Arc::new(one.screen))));
+            }
+            _ => {}
+        }
     }
 }
 

@@ -1,11 +1,12 @@
 //! The evaluation thread: its state, and how it performs its tasks.
 
-use super::blame;
+use super::blame::{self, Question};
 use super::known::Known;
+use super::lane::Lane;
 use super::lens::{Lens, LensError, of_every_node};
 use super::mixture::{KnownRecipe, LIMIT, Mixture};
 use super::picture::{Failure, evaluate, part};
-use super::queue::{Cancellation, Progress, Queue, Task, Yields};
+use super::queue::{Cancellation, Progress, Queue, Task, Wanted, Yields};
 use super::request::{Job, News, Thumbnail};
 use super::shown::{self, Display};
 use super::subject::Subject;
@@ -27,16 +28,24 @@ const LONG: Duration = Duration::from_millis(900);
 /// Maximum width and height of thumbnails.
 const THUMBNAIL: [u32; 2] = [128, 80];
 
+/// What a viewer looked at last.
+#[derive(Default)]
+struct Last {
+    subject: Option<Subject>,
+    /// Time and number of samples of its last picture, to predict the next one.
+    time: Option<(Duration, u64)>,
+    /// Whether it was finished since the cache forgot what is not used.
+    is_done: bool,
+}
+
 /// State of the evaluation thread.
 pub(super) struct Evaluator<'o> {
     queue: &'o Queue,
     news: &'o Sender<News>,
     wake: &'o (dyn Fn() + Send + Sync),
     cache: Cache,
-    /// Time and number of samples of the last picture of the viewed result, to predict the next one.
-    last: Option<(Duration, u64)>,
-    /// The last subject.
-    subject: Option<Subject>,
+    /// What each viewer looked at last.
+    last: [Last; 2],
     known: &'o Known,
 }
 
@@ -47,7 +56,7 @@ impl<'o> Evaluator<'o> {
         news: &'o Sender<News>,
         wake: &'o (dyn Fn() + Send + Sync),
     ) -> Self {
-        Self { queue, news, wake, cache: Cache::with_limit(CACHE), last: None, subject: None, known }
+        Self { queue, news, wake, cache: Cache::with_limit(CACHE), last: Default::default(), known }
     }
 
     fn tell(&self, news: News) {
@@ -59,7 +68,8 @@ impl<'o> Evaluator<'o> {
     /// Performs tasks until the queue is closed.
     pub(super) fn work(&mut self) {
         while let Some(task) = self.queue.next() {
-            let stamp = self.queue.stamp();
+            let lane = task.lane();
+            let stamp = self.queue.stamp(lane);
             match task {
                 Task::Show(generation, picture, space, display) => {
                     let screen = Arc::new(shown::screen(&picture, space, &display));
@@ -69,14 +79,8 @@ impl<'o> Evaluator<'o> {
                     let screen = Arc::new(shown::screen(&picture, space, &display));
                     self.tell(News::Held { number, display, screen });
                 }
-                Task::Picture(job) => self.picture(&job, stamp),
-                Task::Blame(question) => {
-                    let Ok(lens) = self.lens(&question.subject) else { continue };
-                    let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Never, progress: None };
-                    if let Some(blamed) = blame::answer(&question, &lens, &mut self.cache, &monitor) {
-                        self.tell(News::Blame(Box::new(blamed)));
-                    }
-                }
+                Task::Picture(job) => self.picture(job, stamp),
+                Task::Blame(question) => self.blame(question, stamp),
                 Task::Mixture(job) => self.mixture(job, stamp),
                 Task::Thumbnails(subject, frame) => self.small(&subject, frame, stamp),
                 Task::Ahead(job) => {
@@ -87,11 +91,31 @@ impl<'o> Evaluator<'o> {
         }
     }
 
+    /// Answers of what a pixel is made.
+    fn blame(&mut self, question: Question, stamp: u64) {
+        let lane = Lane::of(question.generation);
+        let Ok(lens) = self.lens(lane, &question.subject) else { return };
+        let monitor = Cancellation { queue: self.queue, lane, stamp, yields: yields(lane), progress: None };
+        match blame::answer(&question, &lens, &mut self.cache, &monitor) {
+            Some(blamed) => self.tell(News::Blame(Box::new(blamed))),
+            None => self.resume(lane, stamp, |wanted| _ = wanted.question.get_or_insert(question)),
+        }
+    }
+
+    /// Requests a task of the second viewer again if the first one interrupted it, unless there is a newer request.
+    fn resume(&self, lane: Lane, stamp: u64, again: impl FnOnce(&mut Wanted)) {
+        let mut requests = self.queue.requests();
+        if lane == Lane::Second && self.queue.stamp(lane) == stamp && requests.has_second {
+            again(&mut requests.wanted[lane as usize]);
+        }
+    }
+
     /// Evaluates a frame ahead of playback.
     fn ahead(&mut self, job: Job, stamp: u64) {
         let (generation, frame) = (job.generation, job.frame);
-        let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Short, progress: None };
-        let made = match self.lens(&job.subject) {
+        let lane = Lane::First;
+        let monitor = Cancellation { queue: self.queue, lane, stamp, yields: Yields::First, progress: None };
+        let made = match self.lens(lane, &job.subject) {
             Ok(lens) => evaluate(&job, &lens, job.proxy, true, Keep::ForFrames, &mut self.cache, &monitor),
             Err(error) => Err(error.into()),
         };
@@ -103,7 +127,7 @@ impl<'o> Evaluator<'o> {
             Err(Failure::Because(..)) => self.tell(News::AheadFailed { generation, frame }),
             Err(Failure::Cancelled) => {
                 let mut requests = self.queue.requests();
-                if self.queue.stamp() == stamp {
+                if self.queue.stamp(Lane::First) == stamp {
                     // A more urgent task interrupted this job, which is still needed.
                     requests.ahead.push_front(job);
                 }
@@ -112,8 +136,9 @@ impl<'o> Evaluator<'o> {
     }
 
     /// Returns the graph that shows a subject.
-    fn lens(&mut self, subject: &Subject) -> Result<Arc<Lens>, LensError> {
-        if self.subject.as_ref().is_some_and(|last| last.is(subject)) {
+    fn lens(&mut self, lane: Lane, subject: &Subject) -> Result<Arc<Lens>, LensError> {
+        let seen = &mut self.last[lane as usize];
+        if seen.subject.as_ref().is_some_and(|last| last.is(subject)) {
             return self.known.lens(subject);
         }
         let same_node = |known: &Subject| {
@@ -121,16 +146,17 @@ impl<'o> Evaluator<'o> {
                 && known.sheet.prefix() == subject.sheet.prefix()
                 && known.sheet.nodes.len() == subject.sheet.nodes.len()
         };
-        if !self.subject.as_ref().is_some_and(same_node) {
-            self.last = None;
+        if !seen.subject.as_ref().is_some_and(same_node) {
+            seen.time = None;
         }
-        self.subject = Some(subject.clone());
+        seen.subject = Some(subject.clone());
         self.known.lens(subject)
     }
 
     /// Evaluates a picture, after coarse previews if it takes long.
-    fn picture(&mut self, job: &Job, stamp: u64) {
-        let lens = match self.lens(&job.subject) {
+    fn picture(&mut self, job: Job, stamp: u64) {
+        let lane = Lane::of(job.generation);
+        let lens = match self.lens(lane, &job.subject) {
             Ok(lens) => lens,
             Err(error) => {
                 let (generation, why) = (job.generation, Arc::new(error.into()));
@@ -141,7 +167,9 @@ impl<'o> Evaluator<'o> {
         let samples = |shrink: u32| {
             u64::from(format.width() / shrink) * u64::from(format.height() / shrink) * u64::from(format.samples())
         };
-        let expected = self.last.map(|(time, pixels)| time.mul_f64(samples(job.proxy) as f64 / pixels.max(1) as f64));
+        let expected = self.last[lane as usize]
+            .time
+            .map(|(time, pixels)| time.mul_f64(samples(job.proxy) as f64 / pixels.max(1) as f64));
         // A coarse picture comes first, and if that tells of long work, one in between.
         let is_long = job.progressive && expected.is_none_or(|time| time > AT_ONCE);
         let mut sizes = vec![job.proxy];
@@ -157,16 +185,17 @@ impl<'o> Evaluator<'o> {
             let told = Progress::new(&tell);
             let monitor = Cancellation {
                 queue: self.queue,
+                lane,
                 stamp,
-                yields: Yields::Never,
+                yields: yields(lane),
                 progress: if finished { Some(&told) } else { None },
             };
             let started = Instant::now();
             // What an edit does not touch is there at once.
-            match evaluate(job, &lens, shrink, finished, Keep::ForEdits, &mut self.cache, &monitor) {
+            match evaluate(&job, &lens, shrink, finished, Keep::ForEdits, &mut self.cache, &monitor) {
                 Ok(result) => {
                     if job.region.is_none() {
-                        self.last = Some((started.elapsed(), samples(shrink)));
+                        self.last[lane as usize].time = Some((started.elapsed(), samples(shrink)));
                     }
                     let whole = result.work().mul_f64(samples(job.proxy) as f64 / samples(shrink).max(1) as f64);
                     if shrink == COARSE && !finished && whole > LONG && BETWEEN > job.proxy {
@@ -174,21 +203,34 @@ impl<'o> Evaluator<'o> {
                     }
                     self.tell(News::Picture(Box::new(result)));
                 }
-                Err(Failure::Cancelled) => return,
+                Err(Failure::Cancelled) => {
+                    return self.resume(lane, stamp, |wanted| _ = wanted.job.get_or_insert(job));
+                }
                 Err(Failure::Because(error)) => {
                     let (generation, why, refused) = (job.generation, Arc::new(error), lens.refused(job.frame));
                     return self.tell(News::Failed { generation, why, begun: true, refused });
                 }
             }
         }
-        self.cache.forget_unused();
+        self.forget(lane);
+    }
+
+    /// Lets the cache forget what no open viewer used for its last picture.
+    fn forget(&mut self, lane: Lane) {
+        self.last[lane as usize].is_done = true;
+        let has_second = self.queue.requests().has_second;
+        if self.last[0].is_done && (self.last[1].is_done || !has_second) {
+            self.cache.forget_unused();
+            self.last.iter_mut().for_each(|seen| seen.is_done = false);
+        }
     }
 
     /// Evaluates the recipe of a picture.
     fn mixture(&mut self, job: Job, stamp: u64) {
         let generation = job.generation;
         let without = |why: &str| News::Unmixed { generation, why: why.into() };
-        let Ok(lens) = self.lens(&job.subject) else {
+        let lane = Lane::First;
+        let Ok(lens) = self.lens(lane, &job.subject) else {
             return self.tell(without("There is no picture, so no color has a share of it."));
         };
         if lens.graph.outputs()[0].kind != Kind::Color {
@@ -201,7 +243,7 @@ impl<'o> Evaluator<'o> {
             (self.wake)();
         };
         let told = Progress::new(&tell);
-        let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Short, progress: Some(&told) };
+        let monitor = Cancellation { queue: self.queue, lane, stamp, yields: Yields::Viewers, progress: Some(&told) };
         let region = |format| job.region.map(|region| part(region, format));
         let made = match lens.drawn(job.proxy, true) {
             Ok(graph) => {
@@ -219,7 +261,7 @@ impl<'o> Evaluator<'o> {
             }
             Err(PackError::Evaluate(EvalError::Cancelled)) => {
                 let mut requests = self.queue.requests();
-                if self.queue.stamp() == stamp {
+                if self.queue.stamp(Lane::First) == stamp {
                     // A more urgent task interrupted; prepared stages stay in the cache.
                     requests.mixture.get_or_insert(job);
                 }
@@ -231,7 +273,8 @@ impl<'o> Evaluator<'o> {
     /// Evaluates thumbnails of all nodes.
     fn small(&mut self, subject: &Subject, frame: i64, stamp: u64) {
         let Some((graph, names)) = of_every_node(subject) else { return };
-        let monitor = Cancellation { queue: self.queue, stamp, yields: Yields::Always, progress: None };
+        let lane = Lane::First;
+        let monitor = Cancellation { queue: self.queue, lane, stamp, yields: Yields::Always, progress: None };
         let format = graph.format();
         let shrink = (format.width() as f32 / THUMBNAIL[0] as f32).max(format.height() as f32 / THUMBNAIL[1] as f32);
         let side = |side: u32| ((side as f32 / shrink.max(1.0)).round() as u32).max(1);
@@ -242,7 +285,7 @@ impl<'o> Evaluator<'o> {
         let Ok(plan) = Plan::new(&graph, &[], frame, &[], &settings) else { return };
         let evaluated = match plan.evaluate(&Buffers::new(), &mut self.cache, &monitor) {
             Ok(evaluated) => evaluated,
-            Err(EvalError::Cancelled) if self.queue.stamp() == stamp => {
+            Err(EvalError::Cancelled) if self.queue.stamp(lane) == stamp => {
                 // A more urgent task interrupted; prepared stages stay in the cache.
                 self.queue.requests().thumbnails.get_or_insert((subject.clone(), frame));
                 return;
@@ -255,4 +298,9 @@ impl<'o> Evaluator<'o> {
         });
         self.tell(News::Thumbnails(pictures.collect()));
     }
+}
+
+/// Returns the requests that interrupt the pictures of a viewer.
+fn yields(lane: Lane) -> Yields {
+    if lane == Lane::First { Yields::Never } else { Yields::First }
 }

@@ -12,20 +12,22 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// What the threads know together.
 #[derive(Default)]
 pub(super) struct Known {
-    lens: Mutex<Option<(Subject, Arc<Lens>)>>,
+    /// The last lens of each viewer, newest first.
+    lenses: Mutex<Vec<(Subject, Arc<Lens>)>>,
     recipe: Mutex<Option<KnownRecipe>>,
 }
 
 impl Known {
-    /// Returns the graph that shows a subject, built once if it is the last one.
+    /// Returns the graph that shows a subject, built once if it is one of the last two.
     pub(super) fn lens(&self, subject: &Subject) -> Result<Arc<Lens>, LensError> {
         // A thread that needs the same graph waits until it is built.
-        let mut last = locked(&self.lens);
-        if let Some((_, lens)) = last.as_ref().filter(|(known, _)| known.is(subject)) {
+        let mut last = locked(&self.lenses);
+        if let Some((_, lens)) = last.iter().find(|(known, _)| known.is(subject)) {
             return Ok(lens.clone());
         }
         let made = Arc::new(lens(subject)?);
-        *last = Some((subject.clone(), made.clone()));
+        last.insert(0, (subject.clone(), made.clone()));
+        last.truncate(2);
         Ok(made)
     }
 

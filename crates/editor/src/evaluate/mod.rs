@@ -4,6 +4,7 @@ pub mod blame;
 mod error;
 mod evaluator;
 mod known;
+mod lane;
 pub mod lens;
 mod mixture;
 mod painter;
@@ -17,6 +18,7 @@ mod tests;
 mod worker;
 
 pub use blame::{Blamed, Origin, Question, Share};
+pub use lane::Lane;
 pub use lens::{Lens, lens};
 pub use mixture::Mixture;
 pub use painter::{Painted, Painter, Painting, SharedRecipe};

@@ -185,7 +185,7 @@ impl Canvas {
     fn takes(&self, next: &Painting) -> bool {
         let own = &self.painting;
         let changed = self.of.iter().zip(&next.colors).filter(|(old, new)| old != new).count();
-        (&own.recipe, &own.spot, own.display) == (&next.recipe, &next.spot, next.display) && changed <= FEW
+        (&own.recipe, &own.spot, &own.display) == (&next.recipe, &next.spot, &next.display) && changed <= FEW
     }
 
     /// Paints what differs.
@@ -292,10 +292,9 @@ mod tests {
         let recipe = recipe();
         let own = recipe.0.info().colors.clone();
         for spot in [None, Some(vec![false, true, false, true, false, false])] {
-            let display = Display::default();
             let painting = |colors: Vec<[f64; 3]>| {
                 let (recipe, spot) = (recipe.clone(), spot.clone());
-                Painting { generation: 1, recipe, colors, spot, display }
+                Painting { generation: 1, recipe, colors, spot, display: Display::default() }
             };
             let mut canvas = Canvas::new(painting(own.clone()));
             let mut colors = own.clone();

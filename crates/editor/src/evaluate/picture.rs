@@ -63,7 +63,7 @@ pub(super) fn evaluate(
         format,
         picture: Arc::new(picture),
         screen: Arc::new(screen),
-        display: job.display,
+        display: job.display.clone(),
         nodes: Arc::new(frame.nodes),
         seconds: (frame.seconds, started.elapsed().as_secs_f64()),
     })

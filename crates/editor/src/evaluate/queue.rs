@@ -1,6 +1,7 @@
 //! Pending requests for the threads by urgency, and the cancellation of tasks.
 
 use super::blame::Question;
+use super::lane::Lane;
 use super::request::Job;
 use super::shown::Display;
 use super::subject::Subject;
@@ -10,13 +11,43 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use trochoid::{Monitor, Picture, WorkingSpace};
 
-/// Requests that have not been started.
+/// Requests of a viewer that have not been started.
 #[derive(Default)]
-pub(super) struct Requests {
+pub(super) struct Wanted {
     pub(super) job: Option<Job>,
     pub(super) shown: Option<(u64, Arc<Picture>, WorkingSpace, Display)>,
     pub(super) held: Option<(u64, Arc<Picture>, WorkingSpace, Display)>,
     pub(super) question: Option<Question>,
+}
+
+impl Wanted {
+    /// Removes and returns a picture that only needs to be converted for the screen.
+    fn take_shown(&mut self) -> Option<Task> {
+        // The held picture goes first, so that both change together.
+        if let Some((number, picture, space, display)) = self.held.take() {
+            return Some(Task::Held(number, picture, space, display));
+        }
+        let (generation, picture, space, display) = self.shown.take()?;
+        Some(Task::Show(generation, picture, space, display))
+    }
+
+    /// Removes and returns what must be evaluated.
+    fn take_job(&mut self) -> Option<Task> {
+        self.job.take().map(Task::Picture).or_else(|| self.question.take().map(Task::Blame))
+    }
+
+    fn is_empty(&self) -> bool {
+        self.job.is_none() && self.shown.is_none() && self.held.is_none() && self.question.is_none()
+    }
+}
+
+/// Requests that have not been started.
+#[derive(Default)]
+pub(super) struct Requests {
+    /// Those of each viewer.
+    pub(super) wanted: [Wanted; 2],
+    /// Whether the second viewer is open.
+    pub(super) has_second: bool,
     /// Picture whose recipe is wanted, if that of another text may do.
     pub(super) known_mixture: Option<Job>,
     /// Picture whose recipe must be evaluated.
@@ -31,15 +62,11 @@ pub(super) struct Requests {
 impl Requests {
     /// Removes and returns the most urgent task.
     fn take(&mut self) -> Option<Task> {
-        // The held picture goes first, so that both change together.
-        if let Some((number, picture, space, display)) = self.held.take() {
-            Some(Task::Held(number, picture, space, display))
-        } else if let Some((generation, picture, space, display)) = self.shown.take() {
-            Some(Task::Show(generation, picture, space, display))
-        } else if let Some(job) = self.job.take() {
-            Some(Task::Picture(job))
-        } else if let Some(question) = self.question.take() {
-            Some(Task::Blame(question))
+        let [first, second] = &mut self.wanted;
+        let shown = first.take_shown().or_else(|| second.take_shown());
+        let task = shown.or_else(|| first.take_job()).or_else(|| second.take_job());
+        if task.is_some() {
+            task
         } else if let Some(job) = self.ahead.pop_front() {
             // Playback waits for frames; nothing waits for thumbnails.
             self.making = Some((job.generation, job.frame));
@@ -51,10 +78,9 @@ impl Requests {
         }
     }
 
-    /// Returns whether a request for the visible picture is pending.
-    fn is_urgent(&self) -> bool {
-        let is_painted = self.job.is_some() || self.shown.is_some() || self.held.is_some();
-        is_painted || self.question.is_some()
+    /// Returns whether a request of a viewer is pending.
+    fn is_urgent(&self, lane: Lane) -> bool {
+        !self.wanted[lane as usize].is_empty()
     }
 }
 
@@ -64,8 +90,8 @@ pub(super) struct Queue {
     requests: Mutex<Requests>,
     /// Wakes the threads when a request arrives.
     wake_up: Condvar,
-    /// Incremented by every request that makes the running task obsolete.
-    newest: AtomicU64,
+    /// Incremented by every request of a viewer that makes its running task obsolete.
+    newest: [AtomicU64; 2],
     /// Extra milliseconds per picture, for tests.
     #[cfg(test)]
     pace: AtomicU64,
@@ -92,12 +118,12 @@ impl Queue {
         self.requests.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes the pending requests and wakes the threads; `cancels` makes the running task obsolete.
-    pub(super) fn change(&self, cancels: bool, change: impl FnOnce(&mut Requests)) {
+    /// Changes the pending requests and wakes the threads; `cancels` makes the running task of a viewer obsolete.
+    pub(super) fn change(&self, cancels: Option<Lane>, change: impl FnOnce(&mut Requests)) {
         let mut requests = self.requests();
         change(&mut requests);
-        if cancels {
-            self.newest.fetch_add(1, Ordering::Relaxed);
+        if let Some(lane) = cancels {
+            self.newest[lane as usize].fetch_add(1, Ordering::Relaxed);
         }
         drop(requests);
         self.wake_up.notify_all();
@@ -125,7 +151,7 @@ impl Queue {
                 return None;
             }
             if let Some(job) = requests.known_mixture.take() {
-                return Some((job, self.stamp()));
+                return Some((job, self.stamp(Lane::First)));
             }
             requests = self.wake_up.wait(requests).unwrap_or_else(PoisonError::into_inner);
         }
@@ -134,17 +160,17 @@ impl Queue {
     /// Requests the evaluation of a recipe that is not known, unless there is a newer request. Returns its generation.
     pub(super) fn unknown(&self, job: Job, stamp: u64) -> u64 {
         let generation = job.generation;
-        self.change(false, |requests| {
-            if self.stamp() == stamp && requests.known_mixture.is_none() {
+        self.change(None, |requests| {
+            if self.stamp(Lane::First) == stamp && requests.known_mixture.is_none() {
                 requests.mixture = Some(job);
             }
         });
         generation
     }
 
-    /// Returns the stamp of the present moment; a task is obsolete once the stamp has changed.
-    pub(super) fn stamp(&self) -> u64 {
-        self.newest.load(Ordering::Relaxed)
+    /// Returns the stamp of the present moment; a task of a viewer is obsolete once the stamp has changed.
+    pub(super) fn stamp(&self, lane: Lane) -> u64 {
+        self.newest[lane as usize].load(Ordering::Relaxed)
     }
 }
 
@@ -157,6 +183,18 @@ pub(super) enum Task {
     Thumbnails(Subject, i64),
     Ahead(Job),
     Mixture(Job),
+}
+
+impl Task {
+    /// Returns the viewer whose newer requests make the task obsolete.
+    pub(super) fn lane(&self) -> Lane {
+        match self {
+            Self::Picture(job) => Lane::of(job.generation),
+            Self::Show(number, ..) | Self::Held(number, ..) => Lane::of(*number),
+            Self::Blame(question) => Lane::of(question.generation),
+            Self::Thumbnails(..) | Self::Ahead(_) | Self::Mixture(_) => Lane::First,
+        }
+    }
 }
 
 /// Reports progress, but no more often than is visible.
@@ -176,15 +214,18 @@ impl<'t> Progress<'t> {
 pub(super) enum Yields {
     /// None.
     Never,
-    /// Requests for the visible picture.
-    Short,
-    /// Requests for the visible picture and for frames ahead.
+    /// Those of the first viewer.
+    First,
+    /// Those of both viewers.
+    Viewers,
+    /// Those of both viewers, and for frames ahead.
     Always,
 }
 
 /// Cancels a task that is obsolete or must yield.
 pub(super) struct Cancellation<'o> {
     pub(super) queue: &'o Queue,
+    pub(super) lane: Lane,
     pub(super) stamp: u64,
     pub(super) yields: Yields,
     pub(super) progress: Option<&'o Progress<'o>>,
@@ -201,10 +242,15 @@ impl Monitor for Cancellation<'_> {
     }
 
     fn cancelled(&self) -> bool {
-        self.queue.stamp() != self.stamp
-            || (self.yields != Yields::Never && {
-                let requests = self.queue.requests();
-                requests.is_urgent() || (self.yields == Yields::Always && !requests.ahead.is_empty())
-            })
+        if self.queue.stamp(self.lane) != self.stamp {
+            return true;
+        }
+        if self.yields == Yields::Never {
+            return false;
+        }
+        let requests = self.queue.requests();
+        requests.is_urgent(Lane::First)
+            || (self.yields != Yields::First && requests.is_urgent(Lane::Second))
+            || (self.yields == Yields::Always && !requests.ahead.is_empty())
     }
 }

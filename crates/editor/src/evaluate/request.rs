@@ -2,6 +2,7 @@
 
 use super::blame::Blamed;
 use super::error::PictureError;
+use super::lane::Lane;
 use super::lens::Lens;
 use super::mixture::Mixture;
 use super::shown::{Display, Screen};
@@ -155,4 +156,19 @@ pub enum News {
         /// Reason, as a sentence.
         why: String,
     },
+}
+
+impl News {
+    /// Returns the viewer that the message is for.
+    pub fn lane(&self) -> Lane {
+        match self {
+            Self::Picture(result) => Lane::of(result.generation),
+            Self::Shown { generation, .. } | Self::Progress { generation, .. } | Self::Failed { generation, .. } => {
+                Lane::of(*generation)
+            }
+            Self::Held { number, .. } => Lane::of(*number),
+            Self::Blame(blamed) => Lane::of(blamed.generation),
+            _ => Lane::First,
+        }
+    }
 }

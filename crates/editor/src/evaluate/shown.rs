@@ -1,6 +1,8 @@
 //! Conversion of pictures to screen pixels. None of its settings are stored in the document.
 
+use crate::transform::{CubeFile, Takes, Transform};
 use rayon::prelude::*;
+use std::sync::Arc;
 use trochoid::{Kind, Picture, Plane, WorkingSpace, srgb_decode, srgb_encode};
 
 /// Channels of a picture to show.
@@ -16,7 +18,7 @@ pub enum Channel {
 }
 
 /// Settings that map values to brightness.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Display {
     /// Channels to show.
     pub channel: Channel,
@@ -28,11 +30,14 @@ pub struct Display {
     pub range: Option<[f32; 2]>,
     /// Whether grayscale displays use false colors.
     pub false_color: bool,
+    /// What is made of the light of colors.
+    pub transform: Transform,
 }
 
 impl Default for Display {
     fn default() -> Self {
-        Self { channel: Channel::All, exposure: 0.0, gamma: 1.0, range: None, false_color: false }
+        let (channel, transform) = (Channel::All, Transform::Srgb);
+        Self { channel, exposure: 0.0, gamma: 1.0, range: None, false_color: false, transform }
     }
 }
 
@@ -112,6 +117,8 @@ pub(super) struct Encoder {
     false_color: bool,
     /// Factor applied to light before the table; 1 if the table is indexed by encoded values.
     gain: f32,
+    /// Table of colors through which light goes first, and the factor before it.
+    cube: Option<(Arc<CubeFile>, f32)>,
     table: Vec<u8>,
     /// Decoding table from encoded values to light; empty if the working space is linear.
     light: Vec<f32>,
@@ -130,17 +137,27 @@ impl Encoder {
         let gamma = 1.0 / f64::from(display.gamma).max(1e-3);
         let encoded = space == WorkingSpace::Srgb;
         let at = |index: usize| index as f64 / (TABLE - 1) as f64;
+        // Exposure multiplies light, so encoded values are decoded first.
+        let light = |index: usize| if encoded { srgb_decode(at(index)) * exposed } else { at(index) };
         let entry = |index: usize| {
-            // Exposure multiplies light, so encoded values are decoded first.
-            let light = if encoded { srgb_decode(at(index)) * exposed } else { at(index) };
-            (srgb_encode(light.clamp(0.0, 1.0)).powf(gamma).clamp(0.0, 1.0) * 255.0).round() as u8
+            let shown = match &display.transform {
+                Transform::Srgb => srgb_encode(light(index).clamp(0.0, 1.0)),
+                Transform::Bt1886 => light(index).clamp(0.0, 1.0).powf(1.0 / 2.4),
+                Transform::Cube(_) => at(index),
+            };
+            (shown.powf(gamma).clamp(0.0, 1.0) * 255.0).round() as u8
+        };
+        let cube = match &display.transform {
+            Transform::Cube(file) => Some((file.clone(), exposed as f32)),
+            _ => None,
         };
         let light = (0..TABLE).filter(|_| encoded).map(|index| srgb_decode(at(index)) as f32);
         Self {
             space,
             channel: display.channel,
             false_color: display.false_color,
-            gain: if encoded { 1.0 } else { exposed as f32 },
+            gain: if encoded || cube.is_some() { 1.0 } else { exposed as f32 },
+            cube,
             table: (0..TABLE).map(entry).collect(),
             light: light.collect(),
         }
@@ -150,6 +167,9 @@ impl Encoder {
     fn pixel(&self, color: [f32; 3]) -> [u8; 3] {
         if color.iter().any(|value| value.is_nan()) {
             return NAN;
+        }
+        if let Some((file, exposed)) = &self.cube {
+            return self.through(file, *exposed, color);
         }
         let gray = match self.channel {
             Channel::All => return self.screen(color).map(|value| self.byte(value)),
@@ -161,9 +181,27 @@ impl Encoder {
         if self.false_color { turbo(f32::from(byte) / 255.0) } else { [byte; 3] }
     }
 
+    /// Converts a pixel by a table of colors.
+    fn through(&self, file: &CubeFile, exposed: f32, color: [f32; 3]) -> [u8; 3] {
+        let color = match self.channel {
+            Channel::All => color,
+            Channel::One(channel) => [color[channel.min(2)]; 3],
+            // The gray in the working space is the same as on the screen.
+            Channel::Luminance => [self.luminance(self.screen(color)); 3],
+        };
+        let light = color.map(|value| if self.light.is_empty() { value } else { self.decoded(value) } * exposed);
+        let taken = match file.takes {
+            Takes::Light => light,
+            Takes::Encoded => self.screen(light).map(|value| srgb_encode(f64::from(value.max(0.0))) as f32),
+        };
+        let shown = file.cube.of(taken).map(|value| self.byte(value));
+        let is_false = self.false_color && self.channel != Channel::All;
+        if is_false { turbo(f32::from(shown[1]) / 255.0) } else { shown }
+    }
+
     /// Converts a row of pixels; of each in `out`, the last byte stays as it is.
     pub(super) fn row(&self, color: [&[f32]; 3], out: &mut [u8]) {
-        if self.channel != Channel::All || self.space == WorkingSpace::AcesCg {
+        if self.channel != Channel::All || self.space == WorkingSpace::AcesCg || self.cube.is_some() {
             for (x, pixel) in out.chunks_exact_mut(4).enumerate() {
                 pixel[..3].copy_from_slice(&self.pixel(color.map(|channel| channel[x])));
             }

@@ -3,7 +3,8 @@
 use super::blame::Question;
 use super::evaluator::Evaluator;
 use super::known::Known;
-use super::queue::{Queue, Requests};
+use super::lane::Lane;
+use super::queue::{Queue, Requests, Wanted};
 use super::request::{Job, News};
 use super::shown::Display;
 use super::subject::Subject;
@@ -45,20 +46,26 @@ impl Worker {
         self.queue.slow_down(by);
     }
 
-    /// Requests a picture, replacing all earlier requests; before it the recipe if `weighs`, as [`Self::mix`] does.
+    /// Requests a picture, replacing all earlier requests of the viewer; before it the recipe if `weighs`, as [`Self::mix`]
+    /// does.
     pub fn evaluate(&self, job: Job, weighs: bool) {
-        self.queue.change(true, |requests| {
-            requests.shown = None;
-            requests.question = None;
-            requests.ahead.clear();
-            (requests.known_mixture, requests.mixture) = (weighs.then(|| job.clone()), None);
-            requests.job = Some(job);
+        let lane = Lane::of(job.generation);
+        self.queue.change(Some(lane), |requests| {
+            match lane {
+                Lane::First => {
+                    requests.ahead.clear();
+                    (requests.known_mixture, requests.mixture) = (weighs.then(|| job.clone()), None);
+                }
+                Lane::Second => requests.has_second = true,
+            }
+            let wanted = &mut requests.wanted[lane as usize];
+            *wanted = Wanted { job: Some(job), held: wanted.held.take(), ..Wanted::default() };
         });
     }
 
     /// Requests further frames in this order, replacing those that have not started.
     pub fn ahead(&self, jobs: impl IntoIterator<Item = Job>) {
-        self.queue.change(false, |requests| {
+        self.queue.change(None, |requests| {
             let making = requests.making;
             requests.ahead = jobs.into_iter().filter(|job| making != Some((job.generation, job.frame))).collect();
         });
@@ -66,22 +73,25 @@ impl Worker {
 
     /// Requests a picture with other display settings.
     pub fn show(&self, generation: u64, picture: Arc<Picture>, space: WorkingSpace, display: Display) {
-        self.queue.change(false, |requests| requests.shown = Some((generation, picture, space, display)));
+        let shown = Some((generation, picture, space, display));
+        self.queue.change(None, |requests| requests.wanted[Lane::of(generation) as usize].shown = shown);
     }
 
     /// Requests the held picture with other display settings.
     pub fn show_held(&self, number: u64, picture: Arc<Picture>, space: WorkingSpace, display: Display) {
-        self.queue.change(false, |requests| requests.held = Some((number, picture, space, display)));
+        let held = Some((number, picture, space, display));
+        self.queue.change(None, |requests| requests.wanted[Lane::of(number) as usize].held = held);
     }
 
     /// Requests the composition of a pixel in a finished picture, replacing an earlier request.
     pub fn blame(&self, question: Question) {
-        self.queue.change(false, |requests| requests.question = Some(question));
+        let lane = Lane::of(question.generation);
+        self.queue.change(None, |requests| requests.wanted[lane as usize].question = Some(question));
     }
 
     /// Requests the recipe of a picture.
     pub fn mix(&self, job: Job) {
-        self.queue.change(false, |requests| {
+        self.queue.change(None, |requests| {
             requests.mixture = None;
             requests.known_mixture = Some(job);
         });
@@ -89,14 +99,23 @@ impl Worker {
 
     /// Requests thumbnails of all nodes of a document at a frame; the node and output of the subject are ignored.
     pub fn thumbnails(&self, subject: Subject, frame: i64) {
-        self.queue.change(false, |requests| requests.thumbnails = Some((subject, frame)));
+        self.queue.change(None, |requests| requests.thumbnails = Some((subject, frame)));
     }
 
-    /// Cancels the running task and all requests except that for the held picture.
-    pub fn stop(&self) {
-        self.queue.change(true, |requests| {
-            let (closed, making) = (requests.closed, requests.making);
-            *requests = Requests { closed, making, held: requests.held.take(), ..Requests::default() };
+    /// Cancels the running task of a viewer and all of its requests except that for the held picture; for the first viewer
+    /// also everything that belongs to no viewer.
+    pub fn stop(&self, lane: Lane) {
+        self.queue.change(Some(lane), |requests| {
+            let [first, second] = std::mem::take(&mut requests.wanted);
+            let held = |wanted: Wanted| Wanted { held: wanted.held, ..Wanted::default() };
+            let (closed, making, has_second) = (requests.closed, requests.making, requests.has_second);
+            match lane {
+                Lane::First => {
+                    let wanted = [held(first), second];
+                    *requests = Requests { closed, making, has_second, wanted, ..Requests::default() };
+                }
+                Lane::Second => (requests.wanted, requests.has_second) = ([first, held(second)], false),
+            }
         });
     }
 
@@ -113,7 +132,8 @@ impl Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        self.queue.change(true, |requests| requests.closed = true);
+        self.queue.change(Some(Lane::First), |requests| requests.closed = true);
+        self.queue.change(Some(Lane::Second), |_| ());
         for thread in self.threads.drain(..) {
             let _ = thread.join();
         }

@@ -44,6 +44,11 @@ impl Gesture {
         (response.dragged() || response.drag_stopped()).then_some(Self(None))
     }
 
+    /// Returns the gesture that ends a drag by letting go of the pointer.
+    pub(crate) fn release(ui: &Ui) -> Option<Self> {
+        ui.input(|input| input.pointer.any_released()).then_some(Self(None))
+    }
+
     /// Returns the gesture of a press on a widget, from its first moment on, with the pointer's position.
     pub(crate) fn press(response: &Response) -> Option<(Self, Pos2)> {
         response.interact_pointer_pos().map(|at| (Self(None), at))

@@ -2,7 +2,7 @@
 
 use super::color::NoColor;
 use super::context::{Linking, Properties, WidgetContext, label_ui};
-use super::{color, key, link};
+use super::{color, follow, key, link};
 use crate::actions::Action;
 use crate::document::curve::Curve;
 use crate::document::edit::default_value;
@@ -26,13 +26,18 @@ pub(super) fn knob_ui(
         None => place.value.cloned().unwrap_or_else(|| default.clone()),
     };
     let shown = at(place.state.frame as f64);
-    ui.horizontal_wrapped(|ui| {
+    let item = Item::Knob(*knob);
+    let row = ui.horizontal_wrapped(|ui| {
         let label = label_ui(ui, knob.name, &help(knob, &default), place.value.is_some());
         label.context_menu(|ui| menu_ui(panel, ui, knob, place, &shown, actions));
         panel.mark(ui, &place.path, &label);
+        if place.also.is_empty() {
+            crate::follow::source_ui(&label, &place.path, &item);
+        }
         if link::of(place.value).is_some() || panel.links(&place.path) {
-            let present = link::present(place.state, &place.path, &Item::Knob(*knob));
-            return link::link_ui(panel, ui, place, present, |typed| typed_value(typed, knob), actions);
+            let present = link::present(place.state, &place.path, &item);
+            link::link_ui(panel, ui, place, present, |typed| typed_value(typed, knob), actions);
+            return label;
         }
         let unset = place.value.is_none() && matches!(knob.default, Some(KnobDefault::Unset));
         let (mut told, frame) =
@@ -53,7 +58,9 @@ pub(super) fn knob_ui(
         if knob.animated {
             key::button_ui(panel, ui, keyed.as_ref(), &shown, place, actions);
         }
+        label
     });
+    follow::target_ui(ui, row.response.rect, &row.inner, &item, place, actions);
     if let Some(keyed) = keyed.filter(|_| panel.curves.contains(&place.path)) {
         key::curve_ui(ui, &keyed, knob.unit, place, actions);
     }
@@ -134,7 +141,7 @@ fn widget_ui(
         (KnobType::Choice(words), Value::String(chosen)) => choice_ui(ui, words, chosen, place),
         (KnobType::Color, _) => color::color_ui(ui, value, place, actions),
         (KnobType::Vector(count), Value::Array(items)) if items.len() == *count && items.iter().all(is_number) => {
-            vector_ui(ui, items, place)
+            vector_ui(ui, items, &Item::Knob(*knob), place)
         }
         (KnobType::Text | KnobType::Path, Value::String(text)) => {
             field::text_ui(ui, text, |text| TextEdit::singleline(text).desired_width(180.0)).map(Value::from)
@@ -227,7 +234,7 @@ fn choice_ui(ui: &mut Ui, words: &[&str], chosen: &str, place: &WidgetContext<'_
     FieldResponse { response: response.response, given }
 }
 
-fn vector_ui(ui: &mut Ui, items: &[Value], place: &WidgetContext<'_>) -> FieldResponse<Value> {
+fn vector_ui(ui: &mut Ui, items: &[Value], knob: &Item, place: &WidgetContext<'_>) -> FieldResponse<Value> {
     let mut all: Option<FieldResponse<Value>> = None;
     for (index, item) in items.iter().enumerate() {
         // Each component has its own id, so that widgets that come and go nearby do not disturb typing.
@@ -235,7 +242,7 @@ fn vector_ui(ui: &mut Ui, items: &[Value], place: &WidgetContext<'_>) -> FieldRe
             Some(_) => link::component_ui(ui, &place.path.to(index), item),
             None => number_ui(ui, item, (f64::NEG_INFINITY, f64::INFINITY), ""),
         });
-        let own = own.inner.map(|component| {
+        let own = follow::component_ui(ui, own.inner, knob).map(|component| {
             let mut items = items.to_vec();
             items[index] = component;
             Value::Array(items)

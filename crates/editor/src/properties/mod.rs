@@ -3,6 +3,7 @@
 mod color;
 mod context;
 mod document_knobs;
+mod follow;
 mod group;
 mod key;
 mod knob;

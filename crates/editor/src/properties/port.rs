@@ -2,10 +2,11 @@
 
 use super::context::{Properties, WidgetContext, label_ui};
 use super::knob::NoValue;
-use super::{color, key, knob, link};
+use super::{color, follow, key, knob, link};
 use crate::actions::Action;
 use crate::document::color::is_color;
 use crate::document::curve::Curve;
+use crate::document::link::is_link;
 use crate::document::{Edit, Path, edit};
 use crate::field::{Gesture, Number};
 use egui::{Button, RichText, Ui};
@@ -51,7 +52,8 @@ fn source_ui(
     let sheet = place.state.sheet();
     let connected = place.value.and_then(Value::as_str).filter(|text| !is_color(text));
     let mut curve = None;
-    ui.horizontal_wrapped(|ui| {
+    let item = Item::Port(*port);
+    let row = ui.horizontal_wrapped(|ui| {
         let label = label_ui(ui, name, &format!("{}\n\nAccepts a {}.", port.help, port.accepts), place.value.is_some());
         label.context_menu(|ui| {
             if let Some(gesture) = Gesture::click(&ui.add_enabled(place.value.is_some(), Button::new("Remove"))) {
@@ -67,9 +69,13 @@ fn source_ui(
             }
         });
         panel.mark(ui, &place.path, &label);
+        if connected.is_none_or(is_link) && place.value.is_some() && place.also.is_empty() {
+            crate::follow::source_ui(&label, &place.path, &item);
+        }
         if link::of(place.value).is_some() || panel.links(&place.path) {
-            let present = link::present(place.state, &place.path, &Item::Port(*port));
-            return link::link_ui(panel, ui, place, present, |typed| constant(typed, port), actions);
+            let present = link::present(place.state, &place.path, &item);
+            link::link_ui(panel, ui, place, present, |typed| constant(typed, port), actions);
+            return label;
         }
         match (connected, place.value) {
             (Some(text), _) => {
@@ -115,7 +121,9 @@ fn source_ui(
                 curve = keyed;
             }
         }
+        label
     });
+    follow::target_ui(ui, row.response.rect, &row.inner, &item, place, actions);
     if let Some(keyed) = curve.filter(|_| panel.curves.contains(&place.path)) {
         key::curve_ui(ui, &keyed, "", place, actions);
     }

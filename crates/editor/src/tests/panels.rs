@@ -138,6 +138,7 @@ fn all_panels_can_be_shown_in_both_themes() {
     let shows = |window: &Window, pane: Pane| {
         let label = match pane {
             Pane::Viewer => "Picture",
+            Pane::Second => "Picture 2",
             Pane::Canvas => "Node dusk, Mix",
             Pane::Properties => "Select a node to see its knobs.",
             Pane::Palette => "0 colors with names, 3 without",
@@ -167,7 +168,12 @@ fn all_panels_can_be_shown_in_both_themes() {
                 Pane::Curves => vec![Pane::Viewer, Pane::Curves],
                 tab => vec![Pane::Viewer, Pane::Canvas, tab],
             };
-            assert!(expected.iter().all(|pane| shown.contains(pane)) && shown.len() == 3, "{pane:?}: {shown:?}");
+            let count = if pane == Pane::Second { 4 } else { 3 };
+            assert!(expected.iter().all(|pane| shown.contains(pane)) && shown.len() == count, "{pane:?}: {shown:?}");
+            if pane == Pane::Second {
+                window.get_by_label("Viewer 2");
+                window.state_mut().as_mut().unwrap().tree.set_visible(tile, false);
+            }
             act(&mut window, Action::Panel(Pane::Canvas));
         }
         act(&mut window, Action::Theme);

@@ -53,8 +53,8 @@ struct Difference {
 
 impl HeldPicture {
     /// Returns whether the picture is shown with these display settings, ignoring the value range.
-    pub(super) fn is_shown(&self, display: Display) -> bool {
-        Display { range: self.display.range, ..display } == self.display
+    pub(super) fn is_shown(&self, display: &Display) -> bool {
+        Display { range: self.display.range, ..display.clone() } == self.display
     }
 }
 
@@ -78,16 +78,21 @@ impl Compare {
         }
     }
 
+    /// Numbers held pictures from here on.
+    pub(super) fn count_from(&mut self, number: u64) {
+        self.count = number;
+    }
+
     /// Returns the display settings for the held picture beside a result: those of the result, with the same value
     /// range.
     fn display(&mut self, result: &Result) -> Display {
-        let display = result.display;
+        let display = result.display.clone();
         if display.range.is_some() || !matches!(result.picture.kind, Kind::Field(_)) {
             return display;
         }
         let known = self.range.as_ref().filter(|known| Arc::ptr_eq(&known.0, &result.picture) && known.1 == display);
         let range = known.map_or_else(|| shown::range(&result.picture, &display), |known| known.2);
-        self.range = Some((result.picture.clone(), display, range));
+        self.range = Some((result.picture.clone(), display.clone(), range));
         // A value range is meaningful only for the same kind.
         let is_alike = self.held.as_ref().is_none_or(|held| held.picture.kind == result.picture.kind);
         if is_alike { Display { range: Some(range), ..display } } else { display }
@@ -115,7 +120,7 @@ impl Compare {
             return result.screen.clone();
         };
         // Keep the previous difference until both pictures have the same display settings.
-        if let Some(known) = self.difference.as_ref().filter(|_| !held.is_shown(result.display)) {
+        if let Some(known) = self.difference.as_ref().filter(|_| !held.is_shown(&result.display)) {
             return known.screen.clone();
         }
         let of = [&held.screen, &result.screen];

@@ -6,6 +6,7 @@ use crate::document::swatches::SwatchKey;
 use crate::evaluate::{Blamed, Origin, Result, Share, blame};
 use crate::format::{number, percent, thousands};
 use crate::state::State;
+use crate::transform::Transform;
 use egui::{Align, Button, Color32, Layout, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
 use trochoid::{Kind, WorkingSpace};
 
@@ -47,6 +48,16 @@ pub(super) fn displayed(result: &Result, [x, y]: [i64; 2]) -> Option<Color32> {
     let index = (y - window.y0) as usize * result.screen.size[0] + (x - window.x0) as usize;
     let pixel = result.screen.pixels.get(4 * index..4 * index + 3)?;
     Some(Color32::from_rgb(pixel[0], pixel[1], pixel[2]))
+}
+
+/// Returns the color that is taken from a pixel: what is displayed, but as sRGB whatever the viewer makes of it.
+pub(super) fn picked(result: &Result, pixel: [i64; 2]) -> Option<Color32> {
+    match values(result, pixel)[..] {
+        [r, g, b] if result.picture.kind == Kind::Color && result.display.transform != Transform::Srgb => {
+            Some(swatch(result.lens.graph.space(), [r, g, b]))
+        }
+        _ => displayed(result, pixel),
+    }
 }
 
 /// Formats up to `most` values with their significant digits.

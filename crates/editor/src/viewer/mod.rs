@@ -4,16 +4,19 @@ mod compare;
 mod handles;
 mod hull;
 mod inspector;
+mod message;
 mod near;
 mod onion;
 mod origin;
 mod picture;
 mod scene;
 mod scopes;
+mod second;
 mod switch;
 #[cfg(test)]
 pub(crate) mod tests;
 mod toolbar;
+mod transform;
 
 use crate::actions::Action;
 use crate::document::Edit;
@@ -22,15 +25,17 @@ use crate::field::Gesture;
 use crate::state::State;
 use compare::{Compare, Mode};
 use egui::{
-    Align, Align2, Color32, CursorIcon, FontId, Key, Layout, Modifiers, PointerButton, Pos2, Rect, Response, RichText,
-    Sense, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2,
+    Align, Color32, CursorIcon, Key, Layout, Modifiers, PointerButton, Pos2, Rect, Response, RichText, Sense, Stroke,
+    StrokeKind, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2,
 };
 use hull::Space;
+use message::{clay, message_ui, note};
 use near::Near;
 use onion::Onion;
 use picture::{Image, Stage, View, part, place, share};
 use scene::Scene;
 use scopes::Scopes;
+pub(crate) use second::{SecondViewer, second_ui};
 use serde_json::json;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -47,8 +52,11 @@ pub(crate) struct Viewer {
     scopes: Scopes,
     scene: Scene,
     onion: Onion,
+    opening: transform::Opening,
     /// Whether handles are hidden.
     no_handles: bool,
+    /// Whether it is the second viewer.
+    is_second: bool,
     /// Whether the next drag in the picture draws the region.
     frames_region: bool,
     drag: Option<Drag>,
@@ -96,10 +104,17 @@ const BAR: f32 = 20.0;
 /// Minimum width of the panel for the inspector.
 const NARROW: f32 = 300.0;
 
-/// Draws the viewer.
-pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+/// Draws a viewer; `lock` is the switch that locks it to the first one, if it is the second one.
+pub(crate) fn viewer_ui(
+    viewer: &mut Viewer,
+    ui: &mut Ui,
+    state: &State,
+    lock: Option<&mut bool>,
+    actions: &mut Vec<Action>,
+) {
     let whole = ui.available_rect_before_wrap();
-    toolbar::toolbar_ui(viewer, ui, state, actions);
+    toolbar::toolbar_ui(viewer, ui, state, lock, actions);
+    viewer.opening.ui(ui.ctx(), state, actions);
     let mut area = ui.available_rect_before_wrap();
     let mut bar = area;
     area.max.y = (area.max.y - BAR).max(area.min.y + 1.0);
@@ -197,12 +212,12 @@ fn strip_ui(ui: &mut Ui, strip: Rect, content: impl FnOnce(&mut Ui)) {
 /// Handles keys that work while the pointer is over the viewer.
 fn keys(viewer: &mut Viewer, ui: &Ui, state: &State, actions: &mut Vec<Action>) {
     let pressed = |key: Key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
-    let display = state.look.display;
+    let display = &state.look.display;
     let channels = state.evaluated.result.as_ref().map_or(3, |result| result.picture.planes.len());
     let is_color = state.evaluated.result.as_ref().is_none_or(|result| result.picture.kind == Kind::Color);
     let mut choose = |channel: Channel| {
         let channel = if display.channel == channel { Channel::All } else { channel };
-        actions.push(Action::Display(Display { channel, ..display }));
+        actions.push(Action::Display(Display { channel, ..display.clone() }));
     };
     for (index, key) in [Key::R, Key::G, Key::B].into_iter().enumerate() {
         if pressed(key) && index < channels {
@@ -254,7 +269,9 @@ fn picture_ui(
     actions: &mut Vec<Action>,
 ) -> Option<Pos2> {
     let response = ui.allocate_rect(stage.area, Sense::click_and_drag());
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, "Picture"));
+    response.widget_info(|| {
+        WidgetInfo::labeled(WidgetType::Image, true, if viewer.is_second { "Picture 2" } else { "Picture" })
+    });
     let painter = ui.painter().with_clip_rect(stage.area);
     painter.rect_filled(stage.area, 0.0, picture::SURROUND);
     let Some(result) = result else {
@@ -312,6 +329,8 @@ fn last_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, response: &Response,
     viewer.image.paint(&painter, Rect::from_min_max(place(rect, own.min), place(rect, own.max)));
     viewer.compare.wipe_ui(ui, stage, rect, zoom);
     painter.rect_filled(stage.area, 0.0, Color32::from_black_alpha(140));
+    let corner = stage.area.left_bottom() - vec2(0.0, 36.0);
+    note(ui, Rect::from_min_max(corner, stage.area.max), "Old picture");
 }
 
 /// Zooms and pans the picture.
@@ -348,8 +367,7 @@ fn point(
         if response.hovered() {
             ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
         }
-        let color =
-            at.and_then(|at| inspector::pixel(result, at)).and_then(|pixel| inspector::displayed(result, pixel));
+        let color = at.and_then(|at| inspector::pixel(result, at)).and_then(|pixel| inspector::picked(result, pixel));
         if let Some((color, gesture)) = color.zip(Gesture::click(response)) {
             let [r, g, b, _] = color.to_array();
             let text = format!("#{r:02x}{g:02x}{b:02x}");
@@ -416,64 +434,6 @@ fn marks(viewer: &Viewer, ui: &Ui, stage: &Stage, rect: Rect, state: &State) {
             }
         }
     }
-}
-
-/// Draws the message why there is no picture, with a button that goes to the node at fault.
-fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut Vec<Action>) {
-    let (text, color) = match (&state.evaluated.failed, &state.look.node) {
-        (Some(why), _) => (why.clone(), Color32::from_rgb(0xf0, 0x90, 0x80)),
-        (None, None) => ("Select a node in the graph and press 1 to view it.".into(), Color32::from_gray(190)),
-        (None, Some(_)) => ("Evaluating …".into(), Color32::from_gray(150)),
-    };
-    let room =
-        Rect::from_center_size(area.center(), vec2((area.width() - 32.0).clamp(40.0, 520.0), area.height() - 24.0));
-    let galley = ui.painter().layout(text.clone(), FontId::proportional(14.0), color, room.width());
-    // At the top if the last picture is visible below.
-    let align = if state.evaluated.last.is_some() { Align2::CENTER_TOP } else { Align2::CENTER_CENTER };
-    let place = align.align_size_within_rect(galley.size(), room);
-    if state.evaluated.last.is_some() {
-        ui.painter().rect_filled(place.expand2(vec2(10.0, 6.0)), 4.0, Color32::from_black_alpha(190));
-    }
-    ui.scope_builder(UiBuilder::new().max_rect(place.expand(2.0)).id_salt("message"), |ui| {
-        ui.label(RichText::new(text).color(color).size(14.0));
-    });
-    if state.evaluated.failed.is_none() {
-        return;
-    }
-    let below = Rect::from_min_max(pos2(place.left(), place.bottom() + 8.0), area.max);
-    if !state.evaluated.refused.is_empty() {
-        ui.scope_builder(UiBuilder::new().max_rect(below).id_salt("refused"), |ui| {
-            let has_file = state.session.file().is_some();
-            actions.extend(crate::reach::buttons_ui(ui, &state.evaluated.refused, has_file).map(Action::Allow));
-        });
-        return;
-    }
-    let looked = state.look.node.as_ref().and_then(|(name, _)| state.sheet().find(state.own_name(name)?));
-    let culprit = looked.and_then(|node| state.fault_of(node)).map(|(name, _)| state.whole_name(name));
-    if let Some(culprit) = culprit.or_else(|| Some(state.broken()?.0?.to_string())) {
-        ui.scope_builder(UiBuilder::new().max_rect(below).id_salt("culprit"), |ui| {
-            if ui.button(format!("Show {culprit}")).on_hover_text("Select the node at fault").clicked() {
-                actions.push(Action::Visit(culprit));
-            }
-        });
-    }
-}
-
-/// Returns the note for a node that is not a picture itself.
-fn clay(state: &State) -> String {
-    let kind = state.looked().and_then(|(sheet, node, output)| sheet.nodes[node].makes.get(output)?.1);
-    let kind = kind.map_or_else(|| "node".into(), |kind| kind.to_string());
-    format!("Clay shading: a {kind} is not a picture")
-}
-
-/// Draws a note in the picture's upper left corner.
-fn note(ui: &mut Ui, area: Rect, text: &str) {
-    let galley = ui.painter().layout_no_wrap(text.into(), FontId::proportional(12.0), Color32::WHITE);
-    let back = Rect::from_min_size(area.min + vec2(8.0, 8.0), galley.size() + vec2(12.0, 6.0));
-    ui.painter().rect_filled(back, 4.0, Color32::from_black_alpha(150));
-    ui.scope_builder(UiBuilder::new().max_rect(back.shrink2(vec2(6.0, 3.0))).id_salt("note"), |ui| {
-        ui.label(RichText::new(text).size(12.0).color(Color32::WHITE));
-    });
 }
 
 /// Draws the status bar: values under the pointer, and the size of the picture.

@@ -293,9 +293,9 @@ fn the_held_picture_is_shown_as_the_present_one_is() {
         settle(&mut window);
         window.get_by_label("Diff").click();
         settle(&mut window);
-        act(&mut window, Action::Display(display));
+        act(&mut window, Action::Display(display.clone()));
         until(&mut window, "the held picture", |editor| {
-            editor.panels.viewer.compare.held.as_ref().unwrap().is_shown(display)
+            editor.panels.viewer.compare.held.as_ref().unwrap().is_shown(&display)
         });
         let editor = window.state_mut().as_mut().unwrap();
         let result = editor.state().evaluated.result.clone().unwrap();

@@ -7,6 +7,7 @@ use crate::document::Sheet;
 use crate::evaluate::{Channel, Display, Result, shown};
 use crate::field::Number;
 use crate::state::State;
+use crate::transform::Transform;
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, ComboBox, PopupCloseBehavior, Ui, WidgetInfo, WidgetType};
 use trochoid::Kind;
@@ -17,13 +18,22 @@ fn kind(state: &State) -> Option<Kind> {
 }
 
 /// Draws the toolbar.
-pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+pub(super) fn toolbar_ui(
+    viewer: &mut Viewer,
+    ui: &mut Ui,
+    state: &State,
+    lock: Option<&mut bool>,
+    actions: &mut Vec<Action>,
+) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
         subject_ui(ui, state, actions);
+        if let Some(is_locked) = lock {
+            super::second::lock_ui(ui, is_locked);
+        }
         ui.separator();
         let display = &state.look.display;
-        let mut next = *display;
+        let mut next = display.clone();
         channels_ui(ui, kind(state), &mut next);
         let exposure = shown_as(next.exposure).fixed(1).speed(0.02).range(-16.0, 16.0).suffix(" EV");
         number_ui(ui, exposure, &mut next.exposure, 0.0, "Exposure in stops. Double-click to reset to 0.");
@@ -35,6 +45,10 @@ pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, action
         }
         if next != *display {
             actions.push(Action::Display(next));
+        }
+        let is_color = matches!(kind(state), Some(Kind::Color) | None);
+        if is_color && (viewer.is_second || display.transform != Transform::Srgb) {
+            super::transform::combo_ui(&mut viewer.opening, ui, state, actions);
         }
         groups_ui(viewer, ui, state, actions);
     });

@@ -17,7 +17,7 @@ use crate::document::VersionStatus;
 use crate::editor::{Editor, Panels};
 use crate::state::State;
 use egui::{Align, Layout, MenuBar, Panel, RichText, Ui, WidgetText};
-use egui_tiles::{SimplificationOptions, TileId, UiResponse};
+use egui_tiles::{SimplificationOptions, TileId, Tiles, UiResponse};
 
 impl Editor {
     /// Draws the window and performs the requested actions.
@@ -41,13 +41,14 @@ fn window_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
     });
     let filled = egui::Frame::new().fill(ui.visuals().panel_fill);
     egui::CentralPanel::no_frame().frame(filled).show(ui, |ui| {
-        let mut panes = Panes { state: &editor.state, panels: &mut editor.panels, actions };
+        let mut panes = Panes { state: &mut editor.state, panels: &mut editor.panels, actions };
         editor.tree.ui(&mut panes, ui);
     });
     let context = ui.ctx().clone();
     questions::prompts_ui(editor, &context, actions);
     editor.notices.show(&context);
     hovered_ui(&context);
+    crate::follow::held_ui(&context);
 }
 
 /// Says what can be dropped while files are held over the window.
@@ -65,17 +66,18 @@ fn hovered_ui(context: &egui::Context) {
 
 /// Draws the contents of the panels.
 struct Panes<'e> {
-    state: &'e State,
+    state: &'e mut State,
     panels: &'e mut Panels,
     actions: &'e mut Vec<Action>,
 }
 
 impl egui_tiles::Behavior<Pane> for Panes<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _: TileId, pane: &mut Pane) -> UiResponse {
-        let (panels, state, actions) = (&mut *self.panels, self.state, &mut *self.actions);
+        let (panels, state, actions) = (&mut *self.panels, &mut *self.state, &mut *self.actions);
         let framed = egui::Frame::new().inner_margin(if *pane == Pane::Canvas { 0 } else { 6 });
         framed.show(ui, |ui| match pane {
-            Pane::Viewer => crate::viewer::viewer_ui(&mut panels.viewer, ui, state, actions),
+            Pane::Viewer => crate::viewer::viewer_ui(&mut panels.viewer, ui, state, None, actions),
+            Pane::Second => crate::viewer::second_ui(&mut panels.viewer, &mut panels.second, ui, state, actions),
             Pane::Canvas => crate::canvas::canvas_ui(&mut panels.canvas, ui, state, actions),
             Pane::Properties => crate::properties::properties_ui(&mut panels.properties, ui, state, actions),
             Pane::Palette => crate::palette::palette_ui(&mut panels.palette, ui, state, actions),
@@ -92,12 +94,22 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
         pane.title().into()
     }
 
+    fn is_tab_closable(&self, tiles: &Tiles<Pane>, tile: TileId) -> bool {
+        tiles.get_pane(&tile) == Some(&Pane::Second)
+    }
+
+    /// The second viewer stays where it is, for the next time that it is shown.
+    fn on_tab_close(&mut self, tiles: &mut Tiles<Pane>, tile: TileId) -> bool {
+        tiles.set_visible(tile, false);
+        false
+    }
+
     fn simplification_options(&self) -> SimplificationOptions {
         SimplificationOptions { all_panes_must_have_tabs: true, ..SimplificationOptions::default() }
     }
 }
 
-fn menus_ui(editor: &Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
+fn menus_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
     MenuBar::new().ui(ui, |ui| {
         for menu in MENUS {
             ui.menu_button(menu, |ui| {
@@ -110,6 +122,9 @@ fn menus_ui(editor: &Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
                     if ui.add_enabled(enabled, button).on_hover_text(command.help).clicked() {
                         actions.push((command.action)(&editor.state));
                     }
+                }
+                if menu == "Viewer" {
+                    editor.panels.viewer.transform_menu(ui, &editor.state, actions);
                 }
                 if menu == "Window" {
                     layouts_ui(editor, ui, actions);

@@ -32,6 +32,7 @@ impl Group {
 pub struct Library {
     groups: BTreeMap<String, Group>,
     faces: BTreeMap<String, &'static Declaration>,
+    files: BTreeSet<String>,
 }
 
 impl Library {
@@ -61,9 +62,8 @@ impl Library {
     /// document, which are told where it is checked.
     fn include(&mut self, document: &Value, folder: &Path, access: &Access) {
         let mut open: Vec<String> = named(document, "");
-        let mut seen = BTreeSet::new();
         while let Some(file) = open.pop() {
-            if !seen.insert(file.clone()) {
+            if !self.files.insert(file.clone()) {
                 continue;
             }
             let path = folder.join(&file);
@@ -94,6 +94,11 @@ impl Library {
     /// Returns the group with this name.
     pub fn group(&self, name: &str) -> Option<&Group> {
         self.groups.get(name)
+    }
+
+    /// Returns the included files, relative to the document, whether they can be read or not.
+    pub fn files(&self) -> &BTreeSet<String> {
+        &self.files
     }
 
     /// Returns the names of all groups.

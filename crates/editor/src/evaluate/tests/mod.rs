@@ -1,6 +1,6 @@
 use super::lens::lens;
 use super::shown::{range, screen, turbo};
-use super::{Channel, Display, Job, News, Subject, Worker};
+use super::{Channel, Display, Job, Lane, News, Subject, Worker};
 use crate::document::{Session, Sheet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -205,4 +205,53 @@ fn every_channel_of_a_gray_is_as_bright_as_the_gray() {
             }
         }
     }
+}
+
+#[test]
+fn the_first_viewer_goes_before_the_second_which_goes_on_afterwards() {
+    let sheet = sheet();
+    let worker = Worker::new(|| ()).unwrap();
+    worker.slow_down(Duration::from_millis(300));
+    let plain = |node: &str, generation| Job { progressive: false, ..job(&sheet, node, generation) };
+    worker.evaluate(plain("far", Lane::SECOND), false);
+    // The second viewer's picture is under way.
+    std::thread::sleep(Duration::from_millis(50));
+    worker.evaluate(plain("sea", 1), false);
+    let mut order = Vec::new();
+    while order.len() < 2 {
+        if let News::Picture(result) = next(&worker) {
+            order.push(result.generation);
+        }
+    }
+    assert_eq!(order, [1, Lane::SECOND]);
+    // A newer request of either cancels its own picture alone.
+    worker.evaluate(plain("far", Lane::SECOND + 1), false);
+    std::thread::sleep(Duration::from_millis(50));
+    worker.evaluate(plain("sea", 2), false);
+    worker.evaluate(plain("depth", Lane::SECOND + 2), false);
+    worker.evaluate(plain("far", 3), false);
+    let mut order = Vec::new();
+    while order.len() < 2 {
+        if let News::Picture(result) = next(&worker) {
+            order.push(result.generation);
+        }
+    }
+    assert_eq!(order, [3, Lane::SECOND + 2]);
+    // What is stopped stays so.
+    worker.evaluate(plain("far", Lane::SECOND + 3), false);
+    worker.stop(Lane::Second);
+    worker.evaluate(plain("sea", 4), false);
+    assert!(
+        matches!(next(&worker), News::Picture(result) if result.generation == 4) || {
+            // Progress may be told before.
+            let mut found = None;
+            while found.is_none() {
+                if let News::Picture(result) = next(&worker) {
+                    found = Some(result.generation);
+                }
+            }
+            found == Some(4)
+        }
+    );
+    assert!(worker.wait(Duration::from_millis(600)).is_none());
 }
