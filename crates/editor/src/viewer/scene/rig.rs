@@ -117,10 +117,11 @@ impl Move {
     /// Returns the pose for a place of the pointer.
     fn pose(&self, rect: Rect, at: Pos2) -> Pose {
         let pose = &self.pose;
-        let by = (at - self.from) / rect.height();
+        // The width of the picture is a half turn, or about a tenth of the distance.
+        let by = (at - self.from) / rect.width();
         match self.how {
             How::Orbit => pose.orbited(self.pivot, by),
-            How::Dolly => pose.dollied(self.pivot, f64::from(2.0 * (by.y - by.x)).exp()),
+            How::Dolly => pose.dollied(self.pivot, f64::from(2.5 * (by.y - by.x)).exp()),
             How::Pan => {
                 let eye = Eye::new(pose, self.seen.aspect);
                 let [from, to] = [self.from, at].map(|at| eye.beside(share(rect, at), self.pivot));
