@@ -52,11 +52,7 @@ impl Segment {
             if off.abs() <= f64::EPSILON {
                 break;
             }
-            if off < 0.0 {
-                low = at
-            } else {
-                high = at
-            }
+            (low, high) = if off < 0.0 { (at, high) } else { (low, at) };
             let newton = at - off / slope(times, at);
             let is_inside = low < newton && newton < high;
             at = if is_inside && step % 2 == 0 { newton } else { low + 0.5 * (high - low) };
@@ -179,7 +175,8 @@ mod tests {
             for _ in 0..200 {
                 let middle = 0.5 * (low + high);
                 let at = between([0.0, a, b, 1.0], middle);
-                if at < time || is_last && at == time { low = middle } else { high = middle }
+                let is_before = at < time || is_last && at == time;
+                (low, high) = if is_before { (middle, high) } else { (low, middle) };
             }
             between(segment.values[0], 0.5 * (low + high))
         })

@@ -58,7 +58,7 @@ fn bezier(keys: &[[f64; 2]], last: usize, interpolation: &str, handles: [Option<
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
-        if along(middle, 0) < frame - start { low = middle } else { high = middle }
+        (low, high) = if along(middle, 0) < frame - start { (middle, high) } else { (low, middle) };
     }
     along(0.5 * (low + high), 1)
 }

@@ -273,7 +273,7 @@ impl Curves {
                 if modifiers.shift {
                     end[1] = 0.0;
                 }
-                let turned = curve.turned(pick, grip.side, end, modifiers.alt);
+                let turned = curve.turned(pick, grip.side, end, modifiers.alt || grip.is_alone);
                 ("Turn a handle".into(), vec![(path.clone(), Some(turned))])
             }
         };

@@ -4,7 +4,7 @@ use super::view::Screen;
 use super::{COLORS, Curves, KEY, Picked, Spot, is_drawn};
 use crate::document::curve::Pick;
 use crate::document::keyed::Channel;
-use egui::{Color32, Painter, Pos2, Shape, Stroke, Ui, pos2};
+use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Ui, pos2, vec2};
 
 /// Distance between points of drawn curves, in points of the screen.
 const STEP: f32 = 3.0;
@@ -21,6 +21,8 @@ pub(super) struct Grip {
     pub(super) from: [f64; 2],
     /// Frame and value of the end.
     pub(super) to: [f64; 2],
+    /// Whether it is moved without the handle at the other side.
+    pub(super) is_alone: bool,
 }
 
 /// Returns the ends of the handles of picked keys.
@@ -35,7 +37,8 @@ pub(super) fn grips(panel: &Curves, channels: &[Channel]) -> Vec<Grip> {
                 let sign = if side == 0 { -1.0 } else { 1.0 };
                 let to = [pick.frame + sign * handle.frames, value + handle.change[pick.component]];
                 let picked = Picked { path: channel.path.clone(), pick };
-                grips.push(Grip { picked, side, from: [pick.frame, value], to });
+                let is_alone = panel.is_corner(channel, &channel.curve.keys[index]);
+                grips.push(Grip { picked, side, from: [pick.frame, value], to, is_alone });
             }
         }
     }
@@ -78,7 +81,12 @@ pub(super) fn graph_ui(panel: &Curves, ui: &Ui, painter: &Painter, screen: &Scre
         let [from, to] = [grip.from, grip.to].map(|[frame, value]| screen.place(frame, value));
         let ink = ui.visuals().strong_text_color();
         plot.line_segment([from, to], Stroke::new(1.0, ink.gamma_multiply(0.6)));
-        plot.circle(to, 3.5, ui.visuals().extreme_bg_color, Stroke::new(1.4, ink));
+        // Square ends are moved one by one.
+        let (fill, rim) = (ui.visuals().extreme_bg_color, Stroke::new(1.4, ink));
+        match grip.is_alone {
+            true => plot.rect(Rect::from_center_size(to, vec2(6.5, 6.5)), 0.0, fill, rim, StrokeKind::Middle),
+            false => plot.circle(to, 3.5, fill, rim),
+        };
     }
     for spot in &spots {
         key_ui(ui, &plot, spot.place, panel.is_picked(&spot.picks[0]));

@@ -18,6 +18,7 @@ pub(super) enum Order {
     Delete,
     Fit,
     Insert,
+    Corner,
     All,
     Copy,
     Cut,
@@ -47,6 +48,7 @@ impl Curves {
                 (Key::Backspace, Order::Delete),
                 (Key::F, Order::Fit),
                 (Key::K, Order::Insert),
+                (Key::V, Order::Corner),
             ];
             for (key, order) in plain {
                 if input.modifiers.is_none() && input.consume_key(Modifiers::NONE, key) {
@@ -76,6 +78,7 @@ impl Curves {
                 Order::Delete => self.delete(change),
                 Order::Fit => self.view = None,
                 Order::Insert => self.insert(change),
+                Order::Corner => self.turn_corners(change),
                 Order::All => {
                     let of = |channel: &Channel| -> Vec<Picked> {
                         channel.curve.keys.iter().flat_map(|key| whole(channel, key.frame)).collect()
@@ -103,6 +106,21 @@ impl Curves {
             picked.iter().map(|(channel, picks)| (channel.path.clone(), channel.curve.without(&frames_of(picks))));
         let left: Vec<(Path, Option<Curve>)> = left.collect();
         change.make(format!("Delete {}", edit::count(key_count(&self.picks), "key")), &left);
+    }
+
+    /// Lets the handles of picked keys be moved one by one, or, if those of one already are, turns them onto one line.
+    fn turn_corners(&mut self, change: &mut Change<'_>) {
+        let mut keys = Vec::new();
+        for (channel, picks) in self.picked(change.channels) {
+            let frames = frames_of(&picks);
+            keys.extend(channel.curve.keys.iter().filter(|key| frames.contains(&key.frame)).map(|key| (channel, key)));
+        }
+        if keys.iter().any(|(channel, key)| self.is_corner(channel, key)) {
+            self.corners.clear();
+            change.each(self, "Smooth handles of", |curve, frames| Some(curve.smoothed(frames, false)));
+        } else {
+            self.corners.extend(keys.iter().map(|(channel, key)| (channel.path.clone(), key.frame)));
+        }
     }
 
     /// Sets a key at the current frame in the values with picked keys, or in all that are shown, without a change of their

@@ -9,7 +9,7 @@ mod tools;
 mod view;
 
 use crate::actions::Action;
-use crate::document::curve::Pick;
+use crate::document::curve::{Key, Pick};
 use crate::document::keyed::{Channel, channels};
 use crate::document::{Path, swatches};
 use crate::refusal::refusal_ui;
@@ -33,6 +33,8 @@ pub(crate) struct Curves {
     /// Keyed values for which the view was chosen.
     known: Vec<Path>,
     picks: Vec<Picked>,
+    /// Keys whose handles are moved one by one, though they lie on one line so far.
+    corners: Vec<(Path, f64)>,
     drag: Option<Drag>,
     /// Number of drags so far: each is a step of undo.
     drags: u64,
@@ -107,6 +109,12 @@ impl Curves {
         };
         let all = channels.iter().map(|channel| (channel, of(channel)));
         all.filter(|(_, picks)| !picks.is_empty()).collect()
+    }
+
+    /// Returns whether the handles of a key are moved one by one.
+    fn is_corner(&self, channel: &Channel, key: &Key) -> bool {
+        let is_meant = |(path, frame): &(Path, f64)| *path == channel.path && *frame == key.frame;
+        !key.is_smooth() || self.corners.iter().any(is_meant)
     }
 
     /// Forgets picked keys that are gone. While they are dragged, a refused place is no loss.

@@ -169,6 +169,17 @@ fn handles_are_dragged_together_and_alone_and_ranges_hold() {
     let corner = keys(&window, &weight())[1].clone();
     assert_eq!(corner[2]["in"], key[2]["in"]);
     assert!(corner[2]["out"][1].as_f64().unwrap() < -0.05, "{corner}");
+    // V turns both onto one line again; after another V, they are moved one by one.
+    let slope = |handle: &Value| handle[1].as_f64().unwrap() / handle[0].as_f64().unwrap();
+    window.key_press(Key::V);
+    window.run_steps(3);
+    let smooth = keys(&window, &weight())[1].clone();
+    assert!((slope(&smooth[2]["in"]) - slope(&smooth[2]["out"])).abs() < 1e-3, "{smooth}");
+    window.key_press(Key::V);
+    window.run_steps(3);
+    let end = place(&window, "Handle after key 4 of dusk.weight");
+    drag(&mut window, end, vec2(0.0, 25.0), Modifiers::NONE);
+    assert_eq!(keys(&window, &weight())[1][2]["in"], smooth[2]["in"]);
     // A mask cannot leave [0, 1].
     let end = place(&window, "Handle after key 4 of dusk.weight");
     pull(&mut window, end, vec2(0.0, -4000.0), Modifiers::ALT);
