@@ -156,7 +156,10 @@ impl Work {
                 window.draw(key(chosen).to_vec());
                 self.wait(window);
             }
-            _ => self.act(window, Action::Proxy(*[1, 2, 4].choose(&mut self.random).unwrap_or(&2))),
+            _ => {
+                let proxy = *[1, 2, 4].choose(&mut self.random).unwrap_or(&2);
+                self.act(window, Action::Proxy(proxy));
+            }
         }
     }
 
@@ -169,7 +172,7 @@ impl Work {
             0 => Action::Undo,
             1 => Action::Redo,
             2 => {
-                let x: f64 = self.random.random_range(-500.0..500.0);
+                let x: f32 = self.random.random_range(-500.0..500.0);
                 Action::Edit(document::edit::moved(&[(node.name.clone(), [x, -x])]))
             }
             3 => Action::Edit(document::edit::disabled(&sheet, &[node.name.clone()])),
@@ -202,7 +205,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     files(scratch.path(), &mut before)?;
     std::env::set_current_dir(scratch.path())?;
     let mut work = Work { random: Pcg64Mcg::seed_from_u64(1), most: 0, deeds: 0 };
-    let mut window = Window::new(Session::new(String::new(), None))?;
+    let mut window = Window::new(Session::new("{}".into(), None))?;
     for name in SCENES {
         let started = Instant::now();
         let share = Duration::from_secs_f64(minutes * 60.0 / SCENES.len() as f64);

@@ -131,6 +131,7 @@ pub fn kept_items(items: Vec<Item>) -> &'static [Item] {
         offers: &[],
         reads: None,
         aliases: &[],
+        example: "",
         revision: 0,
     };
     declared(base, items, Vec::new()).items
