@@ -225,6 +225,8 @@ impl Editor {
 
     /// Receives news of a viewer.
     fn hear_news(&mut self, news: News) {
+        // The second viewer does not play, so it keeps the frames that it shows and no others.
+        let room = if self.lane() == Lane::First { self.room } else { 0 };
         let seen = &mut self.state.evaluated;
         match news {
             News::Picture(result) if result.generation == self.asked.generation => {
@@ -247,7 +249,7 @@ impl Editor {
                     seen.past.drain(..most);
                     seen.nodes = result.nodes.iter().map(|node| (node.name.clone(), node.clone())).collect();
                     let range = self.state.playing.then_some(self.state.range);
-                    keep_frame(&mut seen.frames, &result, self.state.frame, range, self.room);
+                    keep_frame(&mut seen.frames, &result, self.state.frame, range, room);
                     seen.whole = Some(result.clone());
                 }
                 seen.result = Some(result);
@@ -255,7 +257,7 @@ impl Editor {
             News::Ahead(result) if result.generation == self.asked.series => {
                 if result.display == self.state.look.display {
                     let range = self.state.playing.then_some(self.state.range);
-                    keep_frame(&mut seen.frames, &Arc::new(*result), self.state.frame, range, self.room);
+                    keep_frame(&mut seen.frames, &Arc::new(*result), self.state.frame, range, room);
                 }
                 self.asked.ahead = None;
             }

@@ -105,6 +105,14 @@ fn it_shows_another_node_with_settings_of_its_own_and_follows_edits() {
     act(&mut window, Action::Edit(rename));
     both(&mut window);
     assert_eq!(subjects(&window), ["dusk", "heaven"]);
+    // Frames are kept for playback, which is the first one's alone.
+    for frame in 2..=6 {
+        act(&mut window, Action::Frame(frame));
+        both(&mut window);
+    }
+    assert_eq!(second(editor(&window)).result.as_ref().unwrap().frame, 6);
+    assert_eq!(editor(&window).state().evaluated.frames.len(), 6);
+    assert!(second(editor(&window)).frames.len() <= 2);
 }
 
 #[test]

@@ -57,6 +57,8 @@ pub(crate) struct Viewer {
     no_handles: bool,
     /// Whether it is the second viewer.
     is_second: bool,
+    /// Whether it pans and zooms together with the first one.
+    is_locked: bool,
     /// Whether the next drag in the picture draws the region.
     frames_region: bool,
     drag: Option<Drag>,
@@ -104,16 +106,10 @@ const BAR: f32 = 20.0;
 /// Minimum width of the panel for the inspector.
 const NARROW: f32 = 300.0;
 
-/// Draws a viewer; `lock` is the switch that locks it to the first one, if it is the second one.
-pub(crate) fn viewer_ui(
-    viewer: &mut Viewer,
-    ui: &mut Ui,
-    state: &State,
-    lock: Option<&mut bool>,
-    actions: &mut Vec<Action>,
-) {
+/// Draws a viewer.
+pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let whole = ui.available_rect_before_wrap();
-    toolbar::toolbar_ui(viewer, ui, state, lock, actions);
+    toolbar::toolbar_ui(viewer, ui, state, actions);
     viewer.opening.ui(ui.ctx(), state, actions);
     let mut area = ui.available_rect_before_wrap();
     let mut bar = area;

@@ -11,15 +11,13 @@ pub(crate) struct SecondViewer {
     pub(crate) viewer: Viewer,
     /// Whether it was drawn since it was last asked; what is not drawn is not evaluated.
     pub(crate) is_seen: bool,
-    /// Whether both viewers pan and zoom together.
-    is_locked: bool,
 }
 
 impl Default for SecondViewer {
     fn default() -> Self {
         let mut viewer = Viewer { is_second: true, ..Viewer::default() };
         viewer.compare.count_from(Lane::SECOND);
-        Self { viewer, is_seen: false, is_locked: false }
+        Self { viewer, is_seen: false }
     }
 }
 
@@ -37,17 +35,16 @@ pub(crate) fn second_ui(
     if ui.rect_contains_pointer(ui.available_rect_before_wrap()) {
         own.extend(actions.extract_if(.., |action| matches!(action, Action::Slot(_) | Action::Frames)));
     }
-    if second.is_locked {
+    if second.viewer.is_locked {
         second.viewer.view = first.view;
     }
     let before = second.viewer.view;
     ui.push_id("second", |ui| {
         state.turn();
-        let lock = Some(&mut second.is_locked);
-        viewer_ui(&mut second.viewer, ui, state, lock, &mut own);
+        viewer_ui(&mut second.viewer, ui, state, &mut own);
         state.turn();
     });
-    if second.is_locked && second.viewer.view != before {
+    if second.viewer.is_locked && second.viewer.view != before {
         first.view = second.viewer.view;
         // The first one may have been drawn already.
         ui.ctx().request_repaint();
@@ -58,9 +55,4 @@ pub(crate) fn second_ui(
         action if action.is_of_viewer() => Some(Action::Second(action.into())),
         action => Some(action),
     }));
-}
-
-/// Draws the switch that locks both viewers.
-pub(super) fn lock_ui(ui: &mut Ui, is_locked: &mut bool) {
-    ui.toggle_value(is_locked, "Lock").on_hover_text("Pan and zoom both viewers together");
 }

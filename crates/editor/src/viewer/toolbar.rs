@@ -18,18 +18,12 @@ fn kind(state: &State) -> Option<Kind> {
 }
 
 /// Draws the toolbar.
-pub(super) fn toolbar_ui(
-    viewer: &mut Viewer,
-    ui: &mut Ui,
-    state: &State,
-    lock: Option<&mut bool>,
-    actions: &mut Vec<Action>,
-) {
+pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
         subject_ui(ui, state, actions);
-        if let Some(is_locked) = lock {
-            super::second::lock_ui(ui, is_locked);
+        if viewer.is_second {
+            ui.toggle_value(&mut viewer.is_locked, "Lock").on_hover_text("Pan and zoom both viewers together");
         }
         ui.separator();
         let display = &state.look.display;

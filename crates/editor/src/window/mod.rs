@@ -76,7 +76,7 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
         let (panels, state, actions) = (&mut *self.panels, &mut *self.state, &mut *self.actions);
         let framed = egui::Frame::new().inner_margin(if *pane == Pane::Canvas { 0 } else { 6 });
         framed.show(ui, |ui| match pane {
-            Pane::Viewer => crate::viewer::viewer_ui(&mut panels.viewer, ui, state, None, actions),
+            Pane::Viewer => crate::viewer::viewer_ui(&mut panels.viewer, ui, state, actions),
             Pane::Second => crate::viewer::second_ui(&mut panels.viewer, &mut panels.second, ui, state, actions),
             Pane::Canvas => crate::canvas::canvas_ui(&mut panels.canvas, ui, state, actions),
             Pane::Properties => crate::properties::properties_ui(&mut panels.properties, ui, state, actions),
