@@ -8,6 +8,9 @@ use crate::document::keyed::Channel;
 use crate::document::{Edit, Op, Path, edit};
 use trochoid::WorkingSpace;
 
+/// Keyed values with their new curves; `None` if no key is left.
+pub(super) type NewCurves = Vec<(Path, Option<Curve>)>;
+
 /// Where changes of curves are asked for.
 pub(super) struct Change<'c> {
     /// The keyed values as they are.

@@ -1,6 +1,6 @@
 //! Gestures in the plot: keys, handles and the edges of what is picked are dragged, areas pick, the ruler scrubs.
 
-use super::change::{Change, frames_of, key_count};
+use super::change::{Change, NewCurves, frames_of, key_count};
 use super::graph::{self, Grip};
 use super::view::Screen;
 use super::{Curves, Picked, Spot};
@@ -307,7 +307,7 @@ impl Curves {
 }
 
 /// Returns the curves of a drag after a shift of its picked keys.
-fn moved(drag: &Drag, shift: &Shift) -> Option<Vec<(Path, Option<Curve>)>> {
+fn moved(drag: &Drag, shift: &Shift) -> Option<NewCurves> {
     let one = |(path, curve): &(Path, Curve)| {
         let picks = drag.picks.iter().filter(|picked| picked.path == *path).map(|picked| picked.pick);
         Some((path.clone(), Some(curve.moved(&picks.collect::<Vec<_>>(), shift)?)))
@@ -316,11 +316,7 @@ fn moved(drag: &Drag, shift: &Shift) -> Option<Vec<(Path, Option<Curve>)>> {
 }
 
 /// Returns the shift over the most whole frames up to those asked for at which no key comes to lie on another.
-fn settled(
-    drag: &Drag,
-    frames: f64,
-    shift: impl Fn(f64) -> Option<Shift>,
-) -> Option<(Shift, Vec<(Path, Option<Curve>)>)> {
+fn settled(drag: &Drag, frames: f64, shift: impl Fn(f64) -> Option<Shift>) -> Option<(Shift, NewCurves)> {
     let whole = frames.round().clamp(-1e6, 1e6);
     (0..=whole.abs() as i64).rev().find_map(|most| {
         let shift = shift((most as f64).copysign(whole))?;

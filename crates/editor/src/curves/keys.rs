@@ -1,6 +1,6 @@
 //! What keys of the keyboard do while the pointer is over the panel.
 
-use super::change::{Change, frames_of, key_count};
+use super::change::{Change, NewCurves, frames_of, key_count};
 use super::view::Screen;
 use super::{Curves, Picked, Spot, whole};
 use crate::actions::Action;
@@ -8,7 +8,7 @@ use crate::document::change::style;
 use crate::document::color::hex;
 use crate::document::curve::{Curve, Key as CurveKey};
 use crate::document::keyed::Channel;
-use crate::document::{Path, edit, swatches};
+use crate::document::{edit, swatches};
 use egui::{Context, Event, Key, Modifiers, Pos2, Ui};
 use serde_json::Value;
 
@@ -104,7 +104,7 @@ impl Curves {
         let picked = self.picked(change.channels);
         let left =
             picked.iter().map(|(channel, picks)| (channel.path.clone(), channel.curve.without(&frames_of(picks))));
-        let left: Vec<(Path, Option<Curve>)> = left.collect();
+        let left: NewCurves = left.collect();
         change.make(format!("Delete {}", edit::count(key_count(&self.picks), "key")), &left);
     }
 
@@ -142,7 +142,7 @@ impl Curves {
                 _ => curve.clone(),
             }
         };
-        let new: Vec<(Path, Option<Curve>)> =
+        let new: NewCurves =
             channels.iter().map(|channel| (channel.path.clone(), Some(inserted(&channel.curve)))).collect();
         change.make(format!("Set a key at frame {frame}"), &new);
     }
@@ -201,7 +201,7 @@ impl Curves {
             let pasted = if let [one] = curves.as_slice() { one } else { curves.get(index)? };
             Some((channel.path.clone(), Some(channel.curve.joined(pasted, by))))
         });
-        let new: Vec<(Path, Option<Curve>)> = new.collect();
+        let new: NewCurves = new.collect();
         let count = curves.iter().map(|curve| curve.keys.len()).sum();
         change.make(format!("Paste {}", edit::count(count, "key")), &new);
     }
