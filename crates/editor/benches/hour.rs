@@ -175,8 +175,8 @@ impl Work {
                 let x: f32 = self.random.random_range(-500.0..500.0);
                 Action::Edit(document::edit::moved(&[(node.name.clone(), [x, -x])]))
             }
-            3 => Action::Edit(document::edit::disabled(&sheet, &[node.name.clone()])),
-            4 => Action::Edit(document::edit::deleted(&sheet, &[node.name.clone()])),
+            3 => Action::Edit(document::edit::disabled(&sheet, std::slice::from_ref(&node.name))),
+            4 => Action::Edit(document::edit::deleted(&sheet, std::slice::from_ref(&node.name))),
             _ => {
                 let Some(Value::Object(items)) = sheet.get(&path) else { return };
                 let numbers: Vec<(&String, f64)> =
