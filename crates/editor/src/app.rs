@@ -217,7 +217,7 @@ mod tests {
             String::new(),
             "{}".into(),
             whole[..whole.len() / 2].into(),
-            whole.replace("\"version\":2", "\"version\":0"),
+            whole.replace("\"version\":1", "\"version\":0"),
             whole.replace("Report", "Ledger"),
             whole.replace("1.44", "-1.44"),
             without(Pane::Properties),

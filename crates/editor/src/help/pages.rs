@@ -17,7 +17,8 @@ macro_rules! chapters {
 
 chapters! {
     "index" "getting-started" "documents" "editor" "commands" "certificates" "files" "farm" "embedding" "palette"
-    "colored-light" "night" "repainting" "upscaled-passes" "thin-lines" "definitions" "scenes" "internals"
+    "colored-light" "night" "repainting" "upscaled-passes" "thin-lines" "section" "toon-foam" "definitions"
+    "scenes" "internals"
 }
 
 /// Chapter that explains the editor, and its heading above the keys.
