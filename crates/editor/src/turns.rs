@@ -1,6 +1,7 @@
-//! Splits keyboard events over several frames. All events that occur while a frame is drawn arrive together with the
-//! next frame. A key that moves the focus must not take earlier typing along to the next field, nor leave later typing
-//! in the old one, so such events are delivered in frames of their own.
+//! Splits events over several frames. All events that occur while a frame is drawn arrive together with the next frame.
+//! A key that moves the focus must not take earlier typing along to the next field, nor leave later typing in the old
+//! one, so such events are delivered in frames of their own. A button of the pointer counts where it is pressed or let
+//! go, so movements after it wait for the next frame.
 
 use egui::{Context, Event, Key, Plugin, RawInput};
 use std::collections::VecDeque;
@@ -45,6 +46,9 @@ fn turn<'e>(events: impl Iterator<Item = &'e Event>) -> usize {
     let (mut before, mut count) = (None, 0);
     for event in events {
         let role = role(event);
+        if before == Some(Role::Press) && matches!(event, Event::PointerMoved(_) | Event::PointerGone) {
+            break;
+        }
         let fits = match (before, role) {
             (_, Role::Neither) | (None, _) => true,
             (Some(Role::Typed), Role::Typed) | (Some(Role::Press), Role::Press) => true,
@@ -102,15 +106,36 @@ mod tests {
     }
 
     #[test]
-    fn events_without_text_do_not_wait() {
+    fn the_ends_of_a_click_belong_together() {
         let press = |pressed| Event::PointerButton {
             pos: egui::Pos2::ZERO,
             button: egui::PointerButton::Primary,
             pressed,
             modifiers: Modifiers::NONE,
         };
-        let moved = || Event::PointerMoved(egui::Pos2::ZERO);
-        assert_eq!(turn([moved(), press(true), moved(), press(false), moved()].iter()), 5);
+        assert_eq!(turn([key(Key::A), press(true)].iter()), 1);
+        assert_eq!(turn([press(true), press(false), press(true), press(false)].iter()), 4, "a double click");
         assert_eq!(turn([press(true), press(false), text("a")].iter()), 2);
+    }
+
+    #[test]
+    fn buttons_count_where_they_are_pressed_and_let_go() {
+        let at = |x: f32| egui::pos2(x, 0.0);
+        let moved = |x: f32| Event::PointerMoved(at(x));
+        let press = |x: f32, pressed| Event::PointerButton {
+            pos: at(x),
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        let mut all =
+            vec![moved(1.0), moved(2.0), press(2.0, true), moved(3.0), moved(9.0), press(9.0, false), moved(0.0)];
+        let mut turns = Vec::new();
+        while !all.is_empty() {
+            let count = turn(all.iter());
+            turns.push(count);
+            all.drain(..count);
+        }
+        assert_eq!(turns, [3, 3, 1]);
     }
 }

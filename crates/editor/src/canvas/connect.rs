@@ -329,7 +329,9 @@ fn joins(sheet: &Sheet, name: &str, wanted: &NewNodeLink) -> Option<Edit> {
             let kind = kind(sheet, from)?;
             let pin = new.pins.iter().position(|pin| takes(pin.accepts, kind))?;
             let mut edit = edit::connected(sheet, from, (node, pin));
-            if matches!(wanted, NewNodeLink::Below(..)) {
+            // What a scene is made of stands beside what it takes: a boat on a sea does not replace the sea.
+            let passes_on = !matches!(kind, Kind::Surface | Kind::Camera | Kind::Light);
+            if passes_on && matches!(wanted, NewNodeLink::Below(..)) {
                 let made = new.makes.first().and_then(|(_, made)| *made)?;
                 let made = if made == Kind::ANY { kind } else { made };
                 let below = sheet.wires.iter().filter(|wire| wire.from == from);

@@ -8,7 +8,7 @@ use crate::actions::Action;
 use crate::document::curve::{Curve, Pick, Shift};
 use crate::document::keyed::Channel;
 use crate::document::{Path, edit};
-use egui::{Pos2, Rect, Response, Stroke, StrokeKind, Ui};
+use egui::{Event, Modifiers, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui};
 
 /// Distance within which something is hit, in points.
 const NEAR: f32 = 8.0;
@@ -63,46 +63,76 @@ impl Curves {
         change: &mut Change<'_>,
     ) {
         self.look_around(ui, response, screen);
-        let (pressed, down, at, modifiers) = ui.input(|input| {
-            let pressed = input.pointer.press_origin().filter(|_| input.pointer.primary_pressed());
-            (pressed, input.pointer.primary_down(), input.pointer.latest_pos(), input.modifiers)
-        });
-        if let Some(start) = pressed.filter(|start| response.contains_pointer() && response.rect.contains(*start)) {
-            self.press(start, modifiers.shift || modifiers.command, screen, spots, change);
-        }
-        let Some(at) = at else { return };
         self.frame_ui(ui, spots);
-        if let Some(mut drag) = self.drag.take() {
-            drag.is_moved |= drag.start.distance(at) > 3.0;
-            if drag.is_moved || matches!(drag.grab, Grab::Frame) {
-                self.pull(&mut drag, at, modifiers, screen, change);
+        // What is pressed and let go counts where it happens, also if both come between two drawings, and the pointer is
+        // elsewhere by then.
+        let (buttons, down, latest, modifiers) = ui.input(|input| {
+            let button = |event: &Event| match event {
+                Event::PointerButton { pos, button: PointerButton::Primary, pressed, .. } => Some((*pos, *pressed)),
+                _ => None,
+            };
+            let buttons: Vec<(Pos2, bool)> = input.events.iter().filter_map(button).collect();
+            (buttons, input.pointer.primary_down(), input.pointer.latest_pos(), input.modifiers)
+        });
+        let is_here =
+            |at: Pos2| response.rect.contains(at) && ui.ctx().layer_id_at(at).is_none_or(|id| id == response.layer_id);
+        for (at, is_pressed) in buttons {
+            if !is_pressed {
+                self.drag_to(ui, response, (at, modifiers), screen, spots, change);
+                self.let_go(change);
+            } else if self.drag.is_none() && is_here(at) {
+                self.press(at, modifiers.shift || modifiers.command, screen, spots, change);
             }
-            if let (Grab::Area, true) = (&drag.grab, drag.is_moved) {
-                let area = Rect::from_two_pos(drag.start, at);
-                let color = ui.visuals().selection.bg_fill;
-                let painter = ui.painter_at(response.rect);
-                painter.rect_filled(area, 0.0, color.gamma_multiply(0.25));
-                painter.rect_stroke(area, 0.0, Stroke::new(1.0, color), StrokeKind::Inside);
-                let inside = spots.iter().filter(|spot| area.contains(spot.place)).flat_map(|spot| &spot.picks);
-                self.picks.clone_from(&drag.picks);
-                for picked in inside {
-                    if !self.picks.contains(picked) {
-                        self.picks.push(picked.clone());
-                    }
-                }
-            }
-            if down {
-                self.drag = Some(drag);
-            } else {
-                if let Some(clicked) = drag.clicked.filter(|_| !drag.is_moved) {
-                    self.picks = clicked;
-                }
-                change.actions.push(Action::Seal);
-            }
+        }
+        let Some(at) = latest else { return };
+        self.drag_to(ui, response, (at, modifiers), screen, spots, change);
+        if !down {
+            self.let_go(change);
         }
         if response.double_clicked() && screen.rect.contains(at) {
             self.insert_at(at, screen, spots, change);
         }
+    }
+
+    /// Moves what is dragged to where the pointer is.
+    fn drag_to(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        (at, modifiers): (Pos2, Modifiers),
+        screen: &Screen,
+        spots: &[Spot],
+        change: &mut Change<'_>,
+    ) {
+        let Some(mut drag) = self.drag.take() else { return };
+        drag.is_moved |= drag.start.distance(at) > 3.0;
+        if drag.is_moved || matches!(drag.grab, Grab::Frame) {
+            self.pull(&mut drag, at, modifiers, screen, change);
+        }
+        if let (Grab::Area, true) = (&drag.grab, drag.is_moved) {
+            let area = Rect::from_two_pos(drag.start, at);
+            let color = ui.visuals().selection.bg_fill;
+            let painter = ui.painter_at(response.rect);
+            painter.rect_filled(area, 0.0, color.gamma_multiply(0.25));
+            painter.rect_stroke(area, 0.0, Stroke::new(1.0, color), StrokeKind::Inside);
+            let inside = spots.iter().filter(|spot| area.contains(spot.place)).flat_map(|spot| &spot.picks);
+            self.picks.clone_from(&drag.picks);
+            for picked in inside {
+                if !self.picks.contains(picked) {
+                    self.picks.push(picked.clone());
+                }
+            }
+        }
+        self.drag = Some(drag);
+    }
+
+    /// Ends a drag.
+    fn let_go(&mut self, change: &mut Change<'_>) {
+        let Some(drag) = self.drag.take() else { return };
+        if let Some(clicked) = drag.clicked.filter(|_| !drag.is_moved) {
+            self.picks = clicked;
+        }
+        change.actions.push(Action::Seal);
     }
 
     /// Pans with the middle button, and zooms with the wheel.

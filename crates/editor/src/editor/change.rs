@@ -3,7 +3,7 @@
 use super::Editor;
 use crate::actions::Line;
 use crate::document::json::Misplaced;
-use crate::document::{Edit, Point, Session, edit, group, output, relocate};
+use crate::document::{Edit, Point, Session, Sheet, edit, group, output, relocate};
 use crate::refusal;
 use crate::state::State;
 use egui::{Context, Id};
@@ -249,6 +249,11 @@ impl Editor {
         if before.value.is_null() {
             // This is the first text that can be parsed.
             self.state.begin();
+        }
+        // A range of all frames stays one.
+        let frames = |sheet: &Sheet| (sheet.frames.0, sheet.frames.1);
+        if self.state.range == frames(&before) {
+            self.state.range = frames(&sheet);
         }
         let inside = self.state.sheet().clone();
         self.state.rename(&sheet.renamed(&before), "");
