@@ -62,6 +62,8 @@ fn point(input: &GridInput) -> f64 {
 /// Adds round ticks and axis labels to a plot.
 pub(crate) fn even<'p>(plot: Plot<'p>, across: &str, up: &str) -> Plot<'p> {
     let number = |mark: GridMark, _: &_| numbered(mark.value, mark.step_size);
+    // The wheel scrolls the panel, and nothing can lose the data.
+    let plot = plot.allow_scroll(false).allow_drag(false).allow_zoom(false).allow_boxed_zoom(false);
     plot.custom_x_axes(vec![AxisHints::new_x().label(across).label_spacing(20.0..=30.0).formatter(number)])
         .custom_y_axes(vec![AxisHints::new_y().label(up).label_spacing(14.0..=22.0).formatter(number)])
         .x_grid_spacer(|input| ticks(input.bounds, point(&input), 0))

@@ -2,6 +2,7 @@
 
 use super::recolor;
 use crate::actions::Action;
+use crate::document::meaning::Meaning;
 use crate::document::palette;
 use crate::document::swatches::{self, Swatch, SwatchKey};
 use crate::field::{self, Gesture};
@@ -56,8 +57,17 @@ pub(super) fn chosen_ui(ui: &mut Ui, state: &State, swatch: &Swatch, all: &[Swat
             if let (SwatchKey::Named(name), true) = (&swatch.key, swatch.uses.is_empty()) {
                 let delete = ui.button("Delete").on_hover_text("Remove this color, which nothing uses");
                 if let Some(gesture) = Gesture::click(&delete) {
-                    gesture.edit(palette::removed(name), actions);
-                    actions.push(Action::Seal);
+                    let edit = palette::removed(name);
+                    // Groups may use it, also those of included files.
+                    let is_whole = |meaning: &Meaning| meaning.graph.is_some();
+                    let breaks = state.after(&edit).is_ok_and(|(after, _)| !is_whole(&after));
+                    if breaks && is_whole(state.session.meaning()) {
+                        let why = format!("\"{name}\" was not deleted: nodes inside of groups use it");
+                        actions.push(Action::Notice(why));
+                    } else {
+                        gesture.edit(edit, actions);
+                        actions.push(Action::Seal);
+                    }
                 }
             }
         });

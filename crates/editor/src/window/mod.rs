@@ -105,7 +105,12 @@ impl egui_tiles::Behavior<Pane> for Panes<'_> {
     }
 
     fn simplification_options(&self) -> SimplificationOptions {
-        SimplificationOptions { all_panes_must_have_tabs: true, ..SimplificationOptions::default() }
+        // Joined, the viewers would share their width with what stands beside them.
+        SimplificationOptions {
+            all_panes_must_have_tabs: true,
+            join_nested_linear_containers: false,
+            ..SimplificationOptions::default()
+        }
     }
 }
 

@@ -29,7 +29,7 @@ pub(super) fn palette_ui(
         let found: Vec<&Command> =
             found.into_iter().map(|index| all[index]).filter(|command| (command.enabled)(state)).collect();
         chosen = moved(ui, chosen, found.len());
-        ScrollArea::vertical().max_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
+        ScrollArea::vertical().max_height(320.0).min_scrolled_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
             for (index, command) in found.iter().enumerate() {
                 let keys = command.keys.map(|keys| ui.ctx().format_shortcut(&keys)).unwrap_or_default();
                 let button = egui::Button::selectable(index == chosen, command.name)
@@ -47,7 +47,8 @@ pub(super) fn palette_ui(
                 ui.weak("No command matches.");
             }
         });
-        if ui.input(|input| input.key_pressed(Key::Enter)) {
+        // Nothing is chosen before something is typed or marked.
+        if ui.input(|input| input.key_pressed(Key::Enter)) && (chosen > 0 || !text.trim().is_empty()) {
             run = found.get(chosen).copied();
         }
     });
