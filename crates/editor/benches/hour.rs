@@ -233,7 +233,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (megabytes, deeds) = (work.most >> 20, work.deeds);
         println!("{name:<24} {deeds:>6} deeds, {undone:>4} undone, at most {megabytes} MB");
     }
-    window.finished();
+    // What is viewed last may have no picture.
+    window.until(|editor| editor.state().evaluated.progress.is_none());
     window.rest();
     window.rest();
     let (started, used) = (Instant::now(), processor());

@@ -89,9 +89,9 @@ impl Window {
     fn drag_camera(&mut self, camera: &str, seconds: u64) -> f64 {
         let context = self.context.clone();
         let (started, mut count) = (Instant::now(), 0_u32);
-        // Never the place where it is: that would change no picture.
         while started.elapsed() < Duration::from_secs(seconds) {
             let before = self.editor.state().evaluated.result.clone();
+            // Never the place where it is: that would change no picture.
             let at = json!([0.02 * f64::from(count + 1), 7.0 + 0.01 * f64::from(count), 0.0]);
             let edit = Edit::set(document::Path::node(camera).to("position"), &at);
             self.editor.act(Action::Edit(edit), &context);

@@ -1,11 +1,10 @@
 //! Knobs of the document, which links in it follow by `= knobs.NAME`.
 
-use super::knobs::relinked;
+use super::knobs::{relinked, unlinked};
 use super::make::free;
 use super::{NoGroup, link};
 use crate::document::change::{Edit, spoken, style};
-use crate::document::edit::default_value;
-use crate::document::json::{Op, Path, Step, quoted};
+use crate::document::json::{Op, Path, quoted};
 use crate::document::sheet::Sheet;
 use serde_json::{Map, Value};
 use trochoid::Knob;
@@ -92,16 +91,9 @@ pub fn deleted_knob(sheet: &Sheet, name: &str) -> Result<Edit, NoGroup> {
 /// # Errors
 /// The place is no knob of a node, or its value is a link.
 pub fn promoted_to_document(sheet: &Sheet, place: &Path, declared: Option<&Knob>) -> Result<(Edit, String), NoGroup> {
-    let [Step::Key(nodes), Step::Key(node), rest @ ..] = place.0.as_slice() else { return Err(NoGroup::NoKnob) };
-    let (true, Some(Step::Key(item))) = (nodes == "nodes", rest.last()) else { return Err(NoGroup::NoKnob) };
-    let value = sheet.get(place).cloned().or_else(|| declared.map(default_value)).ok_or(NoGroup::NoKnob)?;
-    let mut is_linked = false;
-    link::each(&value, &mut |_| is_linked = true);
-    if is_linked {
-        return Err(NoGroup::Linked(format!("{node}.{item}")));
-    }
+    let (node, item, value) = unlinked(sheet, place, declared)?;
     let is_taken = |name: &str| sheet.get(&document_knob(name)).is_some();
-    let wanted = if is_taken(item) { format!("{node}_{item}") } else { item.clone() };
+    let wanted = if is_taken(item) { format!("{node}_{item}") } else { item.into() };
     let name = free(&wanted, is_taken);
     let mut definition = Map::new();
     definition.insert("value".into(), value);

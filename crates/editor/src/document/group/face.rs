@@ -59,22 +59,31 @@ pub(super) fn made(library: &Library, name: &str, group: &Group) -> &'static Dec
             name: kept(name),
             end: if outputs.iter().any(is_front) { End::Front } else { End::Back },
             summary: kept(&summary),
-            formula: "",
-            edge_cases: "",
             source: kept(group.file.as_deref().unwrap_or_default()),
-            items: &[],
-            outputs: &[],
-            role: None,
-            offers: &[],
-            reads: None,
-            aliases: &[],
-            example: "",
-            revision: 0,
+            ..BARE
         },
         items,
         outputs,
     )
 }
+
+/// A declaration of which nothing is said.
+const BARE: Declaration = Declaration {
+    name: "",
+    end: End::Back,
+    summary: "",
+    formula: "",
+    edge_cases: "",
+    source: "",
+    items: &[],
+    outputs: &[],
+    role: None,
+    offers: &[],
+    reads: None,
+    aliases: &[],
+    example: "",
+    revision: 0,
+};
 
 /// Returns a face in which those inputs take lists that have lists in a use.
 pub(super) fn with_lists(face: &'static Declaration, body: &Value) -> &'static Declaration {
@@ -118,23 +127,7 @@ pub fn document_knobs(sheet: &Sheet) -> Vec<Item> {
 
 /// Keeps declarations as long as the program.
 pub fn kept_items(items: Vec<Item>) -> &'static [Item] {
-    let base = Declaration {
-        name: "",
-        end: End::Back,
-        summary: "",
-        formula: "",
-        edge_cases: "",
-        source: "",
-        items: &[],
-        outputs: &[],
-        role: None,
-        offers: &[],
-        reads: None,
-        aliases: &[],
-        example: "",
-        revision: 0,
-    };
-    declared(base, items, Vec::new()).items
+    declared(BARE, items, Vec::new()).items
 }
 
 fn knob_of(library: &Library, group: &Group, name: &str, written: &Value) -> Knob {

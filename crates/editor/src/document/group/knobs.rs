@@ -11,14 +11,15 @@ use crate::document::sheet::Sheet;
 use serde_json::{Map, Value};
 use trochoid::{Item, Knob};
 
-/// Makes the value of a knob of a node within a group a knob of the group, which is linked there. `place` is its path in
-/// the sheet of the group, and `declared` its declaration. Returns the edit and the name of the knob.
+/// Returns node, item and value of a knob that can become one of what is around its node.
 ///
 /// # Errors
-/// The place is no knob of a node in a group, or it is a link.
-pub fn promoted(sheet: &Sheet, place: &Path, declared: Option<&Knob>) -> Result<(Edit, String), NoGroup> {
-    let within = sheet.within.as_ref().ok_or(NoGroup::NoKnob)?;
-    let group = sheet.library.group(within.group()).ok_or(NoGroup::NoKnob)?;
+/// The place is no knob of a node, or its value is a link.
+pub(super) fn unlinked<'p>(
+    sheet: &Sheet,
+    place: &'p Path,
+    declared: Option<&Knob>,
+) -> Result<(&'p str, &'p str, Value), NoGroup> {
     let [Step::Key(nodes), Step::Key(node), rest @ ..] = place.0.as_slice() else { return Err(NoGroup::NoKnob) };
     let (true, Some(Step::Key(item))) = (nodes == "nodes", rest.last()) else { return Err(NoGroup::NoKnob) };
     let value = sheet.get(place).cloned().or_else(|| declared.map(default_value)).ok_or(NoGroup::NoKnob)?;
@@ -27,8 +28,20 @@ pub fn promoted(sheet: &Sheet, place: &Path, declared: Option<&Knob>) -> Result<
     if is_linked {
         return Err(NoGroup::Linked(format!("{node}.{item}")));
     }
+    Ok((node, item, value))
+}
+
+/// Makes the value of a knob of a node within a group a knob of the group, which is linked there. `place` is its path in
+/// the sheet of the group, and `declared` its declaration. Returns the edit and the name of the knob.
+///
+/// # Errors
+/// The place is no knob of a node in a group, or it is a link.
+pub fn promoted(sheet: &Sheet, place: &Path, declared: Option<&Knob>) -> Result<(Edit, String), NoGroup> {
+    let within = sheet.within.as_ref().ok_or(NoGroup::NoKnob)?;
+    let group = sheet.library.group(within.group()).ok_or(NoGroup::NoKnob)?;
+    let (node, item, value) = unlinked(sheet, place, declared)?;
     let is_taken = |name: &str| group.has("knobs", name) || group.has("inputs", name);
-    let wanted = if is_taken(item) { format!("{node}_{item}") } else { item.clone() };
+    let wanted = if is_taken(item) { format!("{node}_{item}") } else { item.into() };
     let name = free(&wanted, is_taken);
     let mut definition = Map::new();
     definition.insert("default".into(), value.clone());
