@@ -14,9 +14,13 @@ use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use trochoid::Heap;
 use trochoid_editor::actions::{Action, Pane, Switch};
 use trochoid_editor::document::{self, Edit, Session};
 use window::Window;
+
+#[global_allocator]
+static HEAP: Heap = Heap;
 
 const SCENES: [&str; 6] = [
     "stormy_sea.json",
@@ -90,6 +94,20 @@ impl Work {
             started.elapsed() > patience
                 || (editor.state().evaluated.progress.is_none() && editor.state().evaluated.result.is_some())
         });
+        if std::env::var("TRACE").is_ok() && memory() > self.most {
+            let e = &window.editor.state().evaluated;
+            let f: usize = e.frames.values().map(|r| r.bytes()).sum();
+            eprintln!(
+                "rss {} taken {} peak {} frames {} = {} mixture {}",
+                memory() >> 20,
+                Heap::taken() >> 20,
+                Heap::peak() >> 20,
+                e.frames.len(),
+                f >> 20,
+                e.mixture.is_some()
+            );
+            Heap::forget_peak();
+        }
         self.most = self.most.max(memory());
         self.deeds += 1;
     }
@@ -197,6 +215,7 @@ impl Work {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let minutes: f64 = std::env::args().filter_map(|arg| arg.parse().ok()).next().unwrap_or(60.0);
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    Heap::return_large();
     let scratch = tempfile::tempdir()?;
     for folder in ["graphs", "samples"] {
         copy(&root.join(folder), &scratch.path().join(folder))?;
@@ -235,10 +254,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     // What is viewed last may have no picture.
     window.until(|editor| editor.state().evaluated.progress.is_none());
-    window.rest();
-    window.rest();
+    // Small pictures of the nodes may take long.
+    let started = Instant::now();
+    loop {
+        let used = processor();
+        window.rest();
+        if processor() - used < 0.1 || started.elapsed() > Duration::from_secs(300) {
+            break;
+        }
+    }
     let (started, used) = (Instant::now(), processor());
-    window.until(|_| started.elapsed() > Duration::from_secs(10));
+    while started.elapsed() < Duration::from_secs(10) {
+        if window.context.has_requested_repaint() {
+            window.draw(Vec::new());
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
     println!("at rest: {:.1} % of a processor", (processor() - used) * 10.0);
     let mut after = BTreeMap::new();
     files(scratch.path(), &mut after)?;

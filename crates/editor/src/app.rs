@@ -97,6 +97,7 @@ pub fn open(document: Option<&Path>, allow: &[PathBuf]) -> Result<(), OpenError>
     if cfg!(target_os = "linux") && !has_display() {
         return Err(OpenError::Window(WindowError::NoDisplay));
     }
+    trochoid::Heap::return_large();
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_app_id("trochoid")

@@ -95,6 +95,19 @@ impl Heap {
         PEAK.store(Self::taken(), Ordering::Relaxed);
     }
 
+    /// Hands blocks of 1 MiB and more back to the system as soon as they are freed, instead of keeping them for later
+    /// requests: for programs that hold pictures of many sizes for a long time, and whose freed blocks would lie between
+    /// used ones. Each large block then costs its page faults anew. Does nothing where the system does so by itself.
+    pub fn return_large() {
+        #[cfg(all(target_os = "linux", target_env = "gnu"))]
+        #[allow(unsafe_code)]
+        // SAFETY: `mallopt` takes any parameter and value, and returns 0 for those that it does not know; it takes the
+        // allocator's lock, so other threads may allocate meanwhile. Blocks keep their kind until they are freed.
+        unsafe {
+            libc::mallopt(libc::M_MMAP_THRESHOLD, 1 << 20);
+        }
+    }
+
     /// Sets the function that ends the program when memory is exhausted. Only the first call counts.
     ///
     /// The function may allocate: if even that fails, the process reports it on stderr and exits at once with code 1.

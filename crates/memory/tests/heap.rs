@@ -34,7 +34,36 @@ fn child(task: &str) -> (String, Option<i32>) {
     (String::from_utf8_lossy(&told).into_owned(), output.status.code())
 }
 
+/// Resident memory of the process, in bytes.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+fn resident() -> usize {
+    let pages = std::fs::read_to_string("/proc/self/statm").unwrap();
+    pages.split_whitespace().nth(1).unwrap().parse::<usize>().unwrap() * 4096
+}
+
+/// Frees large blocks that lie between small ones, and returns what the process keeps of them.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+fn kept_after_freeing() -> usize {
+    // The first large block that is freed makes the allocator keep the later ones.
+    drop(std::hint::black_box(vec![1_u8; 8 * MB]));
+    let before = resident();
+    let blocks: Vec<(Vec<u8>, Vec<u8>)> = (0..32).map(|_| (vec![1; 4 * MB], vec![1; 64 << 10])).collect();
+    assert!(resident() > before + 128 * MB);
+    let (large, small): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
+    drop(large);
+    let kept = resident().saturating_sub(before);
+    assert_eq!(small.iter().flatten().count(), 32 * (64 << 10));
+    kept
+}
+
 fn task(name: &str) {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    if let "keeping" | "returning" = name {
+        if name == "returning" {
+            Heap::return_large();
+        }
+        return println!("kept {}", if kept_after_freeing() > 64 * MB { "most" } else { "little" });
+    }
     Heap::on_exhaustion(if name == "nothing left" { end_without_memory } else { end });
     match name {
         "bound" => {
@@ -91,6 +120,12 @@ fn memory_is_counted_and_bounded() {
     let (told, code) = child("the system");
     assert!(told.contains("bound None"), "{told}");
     assert_eq!(code, Some(7));
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    for (name, kept) in [("keeping", "kept most"), ("returning", "kept little")] {
+        let (told, code) = child(name);
+        assert!(told.contains(kept), "{name}: {told}");
+        assert_eq!(code, Some(0));
+    }
     let (told, code) = child("nothing left");
     assert!(told.contains("error: out of memory, even"), "{told}");
     assert_eq!(code, Some(1));

@@ -149,10 +149,7 @@ impl Editor {
             let is_current = painting.generation == self.asked.generation && self.painting.what.is_some();
             let window = painting.recipe.0.window();
             let seen = &mut self.state.evaluated;
-            let of_same_pixels = |result: &&Arc<Result>| {
-                result.frame == self.state.frame
-                    && result.picture.planes.first().is_some_and(|plane| plane.window() == window)
-            };
+            let of_same_pixels = |result: &&Arc<Result>| result.frame == self.state.frame && result.window == window;
             if let Some(whole) = seen.whole.as_ref().filter(of_same_pixels).filter(|_| is_current) {
                 seen.painted =
                     Some(Arc::new(Result { screen, display: painting.display.clone(), ..Result::clone(whole) }));

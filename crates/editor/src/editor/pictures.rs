@@ -34,7 +34,7 @@ const SERIES: u64 = 1 << 48;
 type What = (u64, String, usize, i64, u32, Option<[f32; 4]>);
 
 /// Memory limit for cached frames, in bytes.
-pub(super) const FRAMES: usize = 2 << 30;
+pub(super) const FRAMES: usize = 5 << 26;
 
 impl Editor {
     /// Returns the viewer of the last requests.
@@ -77,7 +77,10 @@ impl Editor {
         let look = self.state.look.clone();
         let name = subject.whole_name();
         let what = (subject.revision, name, subject.output, self.state.frame, look.proxy, look.region);
-        if self.asked.what.as_ref() != Some(&what) {
+        // Frames that were played have no values behind them.
+        let is_bare = self.state.evaluated.result.as_ref().is_some_and(|result| result.is_bare());
+        let lacks = is_bare && !self.state.playing && self.state.evaluated.progress.is_none();
+        if self.asked.what.as_ref() != Some(&what) || lacks {
             let same_but_frame =
                 self.asked.what.as_ref().is_some_and(|old| {
                     (old.0, &old.1, old.2, old.4, old.5) == (what.0, &what.1, what.2, what.4, what.5)
@@ -88,29 +91,28 @@ impl Editor {
             }
             self.asked.what = Some(what);
             self.asked.display = look.display.clone();
-            match self.state.evaluated.frames.get(&self.state.frame).filter(|seen| seen.display == look.display) {
-                Some(ready) => {
-                    self.state.evaluated.result = Some(ready.clone());
-                    self.state.evaluated.whole = Some(ready.clone());
-                    self.state.evaluated.last = None;
-                    self.state.evaluated.failed = None;
-                    self.state.evaluated.progress = None;
-                }
-                None => {
-                    let progressive = !self.state.playing;
-                    let job = self.job(subject.clone(), self.asked.generation, self.state.frame, progressive);
-                    // A picture of which only colors changed is painted at once.
-                    let weighs = self.lane() == Lane::First && self.weighs();
-                    self.worker.evaluate(job, weighs);
-                    self.state.evaluated.progress = Some(0.0);
-                    self.asked.ahead = None;
-                    self.asked.blame = None;
-                }
+            let seen = &mut self.state.evaluated;
+            let ready = seen.frames.get(&self.state.frame).filter(|made| made.display == look.display).cloned();
+            if let Some(ready) = &ready {
+                (seen.result, seen.whole) = (Some(ready.clone()), Some(ready.clone()));
+                (seen.last, seen.failed, seen.progress) = (None, None, None);
+            }
+            if ready.as_ref().is_none_or(|ready| ready.is_bare() && !self.state.playing) {
+                // A coarse picture would hide the one that is there.
+                let progressive = !self.state.playing && ready.is_none();
+                let job = self.job(subject.clone(), self.asked.generation, self.state.frame, progressive);
+                // A picture of which only colors changed is painted at once.
+                let weighs = self.lane() == Lane::First && self.weighs();
+                self.worker.evaluate(job, weighs);
+                self.state.evaluated.progress = Some(0.0);
+                self.asked.ahead = None;
+                self.asked.blame = None;
             }
         } else if self.asked.display != look.display {
             self.asked.display = look.display.clone();
             self.forget_frames();
-            if let Some(result) = &self.state.evaluated.result {
+            // One without values is evaluated again as soon as playback ends.
+            if let Some(result) = self.state.evaluated.result.as_ref().filter(|result| !result.is_bare()) {
                 let space = result.lens.graph.space();
                 self.worker.show(self.asked.generation, result.picture.clone(), space, look.display);
             }
@@ -166,6 +168,7 @@ impl Editor {
     /// Drops cached frames, because they show something other than the viewed result.
     pub(super) fn forget_frames(&mut self) {
         self.state.evaluated.frames.clear();
+        self.worker.hold(0);
         self.asked.failed.clear();
         self.asked.ahead = None;
         self.asked.series = (self.asked.series + 1).max(SERIES);
@@ -249,7 +252,8 @@ impl Editor {
                     seen.past.drain(..most);
                     seen.nodes = result.nodes.iter().map(|node| (node.name.clone(), node.clone())).collect();
                     let range = self.state.playing.then_some(self.state.range);
-                    keep_frame(&mut seen.frames, &result, self.state.frame, range, room);
+                    keep_frame(&mut seen.frames, result.played(), self.state.frame, range, room);
+                    self.worker.hold(seen.frames.values().map(|made| made.bytes()).sum());
                     seen.whole = Some(result.clone());
                 }
                 seen.result = Some(result);
@@ -257,7 +261,8 @@ impl Editor {
             News::Ahead(result) if result.generation == self.asked.series => {
                 if result.display == self.state.look.display {
                     let range = self.state.playing.then_some(self.state.range);
-                    keep_frame(&mut seen.frames, &Arc::new(*result), self.state.frame, range, room);
+                    keep_frame(&mut seen.frames, result.played(), self.state.frame, range, room);
+                    self.worker.hold(seen.frames.values().map(|made| made.bytes()).sum());
                 }
                 self.asked.ahead = None;
             }
@@ -309,12 +314,12 @@ impl Editor {
 /// next.
 fn keep_frame(
     frames: &mut std::collections::BTreeMap<i64, Arc<crate::evaluate::Result>>,
-    result: &Arc<crate::evaluate::Result>,
+    result: crate::evaluate::Result,
     present: i64,
     range: Option<(i64, i64)>,
     room: usize,
 ) {
-    frames.insert(result.frame, result.clone());
+    frames.insert(result.frame, Arc::new(result));
     let mut taken: usize = frames.values().map(|result| result.bytes()).sum();
     let away = |frame: i64| match range {
         Some(range) => super::play::ahead(frame, present, range),

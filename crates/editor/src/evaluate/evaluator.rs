@@ -15,8 +15,9 @@ use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 use trochoid::{Buffers, Cache, EvalError, Format, Keep, Kind, PackError, PackedRecipe, Plan, Settings};
 
-/// Memory limit for prepared stages and for planes that are kept from picture to picture, in bytes.
-const CACHE: usize = 5 << 28;
+/// Memory limit for all that is kept from picture to picture, in bytes: prepared stages, planes, frames for playback, and
+/// the recipe.
+const KEPT: usize = 3 << 28;
 /// Pictures expected to take no longer than this are evaluated without a coarse preview.
 const AT_ONCE: Duration = Duration::from_millis(90);
 /// Factor by which the first, coarse picture is smaller.
@@ -56,7 +57,7 @@ impl<'o> Evaluator<'o> {
         news: &'o Sender<News>,
         wake: &'o (dyn Fn() + Send + Sync),
     ) -> Self {
-        Self { queue, news, wake, cache: Cache::with_limit(CACHE), last: Default::default(), known }
+        Self { queue, news, wake, cache: Cache::with_limit(KEPT), last: Default::default(), known }
     }
 
     fn tell(&self, news: News) {
@@ -70,6 +71,7 @@ impl<'o> Evaluator<'o> {
         while let Some(task) = self.queue.next() {
             let lane = task.lane();
             let stamp = self.queue.stamp(lane);
+            self.leave(self.known.bytes());
             match task {
                 Task::Show(generation, picture, space, display) => {
                     let screen = Arc::new(shown::screen(&picture, space, &display));
@@ -89,6 +91,11 @@ impl<'o> Evaluator<'o> {
                 }
             }
         }
+    }
+
+    /// Limits the cache to what frames for playback, and a recipe of some bytes, leave of all that is kept.
+    fn leave(&mut self, recipe: usize) {
+        self.cache.limit_to(KEPT.saturating_sub(self.queue.held() + recipe));
     }
 
     /// Answers of what a pixel is made.
@@ -238,6 +245,7 @@ impl<'o> Evaluator<'o> {
         }
         // The one before is needed no more, and both would not fit.
         self.known.set_recipe(None);
+        self.leave(LIMIT);
         let tell = |share: f32| {
             let _ = self.news.send(News::Mixing { generation, share });
             (self.wake)();

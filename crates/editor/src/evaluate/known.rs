@@ -36,6 +36,11 @@ impl Known {
         *locked(&self.recipe) = recipe;
     }
 
+    /// Returns the memory of the recipe, in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        locked(&self.recipe).as_ref().map_or(0, KnownRecipe::bytes)
+    }
+
     /// Answers requests for recipes until the queue is closed. A recipe that is not known is evaluated later.
     pub(super) fn answer(&self, queue: &Queue, news: &Sender<News>, wake: &(dyn Fn() + Send + Sync)) {
         while let Some((job, stamp)) = queue.next_known() {

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use trochoid::{CheckedGraph, Kind, PackedRecipe, PaletteColor};
 
 /// Maximum memory of a recipe, in bytes.
-pub(super) const LIMIT: usize = 1 << 30;
+pub(super) const LIMIT: usize = 1 << 28;
 
 /// The recipe of a viewed picture, with the colors of a text of the document.
 #[derive(Clone, Debug)]
@@ -67,6 +67,10 @@ impl KnownRecipe {
     pub(super) fn new(subject: &Subject, lens: &Lens, place: &impl std::fmt::Debug, recipe: Arc<PackedRecipe>) -> Self {
         let of = structure(subject, lens, place, &recipe.info().names);
         Self { of, recipe }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.recipe.bytes()
     }
 
     /// Returns the recipe for the picture of a document whose weights are the same; `None` if they may be others.

@@ -61,6 +61,7 @@ pub(super) fn evaluate(
         subject: job.subject.clone(),
         lens: lens.clone(),
         format,
+        window: settings.region.unwrap_or_else(|| format.window()),
         picture: Arc::new(picture),
         screen: Arc::new(screen),
         display: job.display.clone(),

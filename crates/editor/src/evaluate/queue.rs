@@ -6,7 +6,7 @@ use super::request::Job;
 use super::shown::Display;
 use super::subject::Subject;
 use std::collections::VecDeque;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use trochoid::{Monitor, Picture, WorkingSpace};
@@ -92,6 +92,8 @@ pub(super) struct Queue {
     wake_up: Condvar,
     /// Incremented by every request of a viewer that makes its running task obsolete.
     newest: [AtomicU64; 2],
+    /// Bytes of the frames that are kept for playback.
+    held: AtomicUsize,
     /// Extra milliseconds per picture, for tests.
     #[cfg(test)]
     pace: AtomicU64,
@@ -106,6 +108,16 @@ impl Queue {
         while started.elapsed() < pace && !cancelled() {
             std::thread::sleep(Duration::from_millis(1));
         }
+    }
+
+    /// Sets the bytes of the frames that are kept for playback.
+    pub(super) fn hold(&self, bytes: usize) {
+        self.held.store(bytes, Ordering::Relaxed);
+    }
+
+    /// Returns the bytes of the frames that are kept for playback.
+    pub(super) fn held(&self) -> usize {
+        self.held.load(Ordering::Relaxed)
     }
 
     /// Sets the extra time per picture.

@@ -9,7 +9,7 @@ use super::shown::{Display, Screen};
 use super::subject::Subject;
 use std::sync::Arc;
 use std::time::Duration;
-use trochoid::{Format, NodeReport, Phases, Picture, RefusedFile};
+use trochoid::{Format, Kind, NodeReport, Phases, Picture, RefusedFile, Window};
 
 /// Request for a picture.
 #[derive(Clone, Debug)]
@@ -47,7 +47,9 @@ pub struct Result {
     pub lens: Arc<Lens>,
     /// The document's format, at this size.
     pub format: Format,
-    /// The picture.
+    /// The pixels that were evaluated.
+    pub window: Window,
+    /// The picture; without planes if only the converted one is kept.
     pub picture: Arc<Picture>,
     /// The picture converted for the screen.
     pub screen: Arc<Screen>,
@@ -64,6 +66,32 @@ impl Result {
     pub fn work(&self) -> Duration {
         let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         Duration::from_secs_f64(self.nodes.iter().map(|node| node.seconds).sum::<f64>() / threads as f64)
+    }
+
+    /// Returns what playback needs: the converted picture, without the values of colors.
+    pub fn played(&self) -> Self {
+        let mut played = self.clone();
+        if self.picture.kind == Kind::Color {
+            let Picture { output, kind, guarantee, audit, control_count, control_colors, hull, margin, planes: _ } =
+                &*self.picture;
+            played.picture = Arc::new(Picture {
+                output: *output,
+                kind: *kind,
+                planes: Vec::new(),
+                guarantee: *guarantee,
+                audit: audit.clone(),
+                control_count: *control_count,
+                control_colors: control_colors.clone(),
+                hull: hull.clone(),
+                margin: *margin,
+            });
+        }
+        played
+    }
+
+    /// Returns whether there are no values behind the converted picture.
+    pub fn is_bare(&self) -> bool {
+        self.picture.planes.is_empty()
     }
 
     /// Returns the memory used by the picture, in bytes.

@@ -71,6 +71,11 @@ impl Worker {
         });
     }
 
+    /// Tells how many bytes the frames take that are kept for playback: so much less is kept here.
+    pub fn hold(&self, bytes: usize) {
+        self.queue.hold(bytes);
+    }
+
     /// Requests a picture with other display settings.
     pub fn show(&self, generation: u64, picture: Arc<Picture>, space: WorkingSpace, display: Display) {
         let shown = Some((generation, picture, space, display));

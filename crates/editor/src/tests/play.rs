@@ -61,6 +61,41 @@ fn every_frame_is_shown_in_order_however_long_it_takes() {
 }
 
 #[test]
+fn frames_are_kept_as_shown_and_have_their_values_when_looked_at() {
+    let mut window = slow(dusk(), 5);
+    ask(&mut window, Action::Play(true));
+    let last = *follow(&mut window, FRAMES as usize + 2).last().unwrap();
+    assert!(
+        editor(&window).state().evaluated.frames.values().all(|made| made.is_bare()),
+        "values take four times the memory"
+    );
+    let shown = editor(&window).state().evaluated.result.clone().unwrap();
+    assert!(shown.is_bare() && shown.frame == last);
+    // No coarse picture comes in between.
+    ask(&mut window, Action::Play(false));
+    let paused = editor(&window).state().frame;
+    while editor(&window).state().evaluated.progress.is_some()
+        || editor(&window).state().evaluated.result.as_ref().unwrap().is_bare()
+    {
+        assert!(editor(&window).state().evaluated.result.as_ref().unwrap().finished);
+        window.step();
+    }
+    for frame in [paused, 3, 2] {
+        ask(&mut window, Action::Frame(frame));
+        let kept = editor(&window).state().evaluated.frames[&frame].screen.clone();
+        assert_eq!(editor(&window).state().evaluated.result.as_ref().unwrap().screen, kept, "shown at once");
+        finished(&mut window);
+        let result = editor(&window).state().evaluated.result.as_ref().unwrap();
+        assert_eq!((result.frame, result.picture.planes.len(), &result.screen), (frame, 3, &kept));
+    }
+    // Nothing is asked for again when nothing happens.
+    let generation = editor(&window).state().evaluated.result.as_ref().unwrap().generation;
+    window.run_steps(5);
+    assert_eq!(editor(&window).state().evaluated.result.as_ref().unwrap().generation, generation);
+    assert!(editor(&window).state().evaluated.progress.is_none());
+}
+
+#[test]
 fn a_range_too_large_for_the_memory_is_played_all_the_same() {
     let mut window = slow(dusk(), 5);
     window.state_mut().as_mut().unwrap().room = 1;

@@ -127,6 +127,8 @@ fn the_spread_and_the_dispersion_can_be_set() {
 #[test]
 fn waves_are_counted_by_length_amplitude_and_steepness() {
     let mut window = opened(&WAVE.replace("\"count\": 0", "\"count\": 300"));
+    // What comes above a button moves it.
+    awaited(&mut window, "Profile, heights");
     awaited(&mut window, "The curve is the log-normal one");
     window.get_by_label("Steepness").click();
     window.run_steps(3);

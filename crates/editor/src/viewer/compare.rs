@@ -102,7 +102,7 @@ impl Compare {
     pub(super) fn wanted(&mut self, result: &Result) -> Option<(u64, Arc<Picture>, WorkingSpace, Display)> {
         self.held.as_ref()?;
         let display = self.display(result);
-        let held = self.held.as_ref().filter(|held| held.display != display)?;
+        let held = self.held.as_ref().filter(|held| held.display != display && !held.picture.planes.is_empty())?;
         Some((held.number, held.picture.clone(), held.space, display))
     }
 

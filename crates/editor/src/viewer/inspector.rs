@@ -26,7 +26,7 @@ pub(super) fn pixel(result: &Result, at: Pos2) -> Option<[i64; 2]> {
     if !(0.0..1.0).contains(&at.x) || !(0.0..1.0).contains(&at.y) {
         return None;
     }
-    let window = result.picture.planes.first()?.window();
+    let window = result.window;
     let [x, y] = blame::pixel([at.x, at.y], [result.format.width(), result.format.height()]);
     ((window.x0..window.x1).contains(&x) && (window.y0..window.y1).contains(&y)).then_some([x, y])
 }
@@ -44,7 +44,7 @@ pub(super) fn values(result: &Result, [x, y]: [i64; 2]) -> Vec<f64> {
 
 /// Returns the color of a pixel as displayed.
 pub(super) fn displayed(result: &Result, [x, y]: [i64; 2]) -> Option<Color32> {
-    let window = result.picture.planes.first()?.window();
+    let window = result.window;
     let index = (y - window.y0) as usize * result.screen.size[0] + (x - window.x0) as usize;
     let pixel = result.screen.pixels.get(4 * index..4 * index + 3)?;
     Some(Color32::from_rgb(pixel[0], pixel[1], pixel[2]))

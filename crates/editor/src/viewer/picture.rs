@@ -113,7 +113,7 @@ pub(super) fn place(rect: Rect, share: Pos2) -> Pos2 {
 /// Returns the part of the document's picture that a result covers, in fractions.
 pub(super) fn part(result: &Result) -> Rect {
     let whole = vec2(result.format.width() as f32, result.format.height() as f32);
-    let Some(window) = result.picture.planes.first().map(trochoid::Plane::window) else { return Rect::NOTHING };
+    let window = result.window;
     let corner = |x: i64, y: i64| (vec2(x as f32, y as f32) / whole).to_pos2();
     Rect::from_min_max(corner(window.x0, window.y0), corner(window.x1, window.y1))
 }

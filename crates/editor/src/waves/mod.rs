@@ -11,7 +11,7 @@ mod stability;
 
 use crate::actions::Action;
 use crate::state::State;
-use egui::{ComboBox, RichText, ScrollArea, Ui};
+use egui::{ComboBox, RichText, ScrollArea, Spinner, Ui};
 use histogram::Counted;
 use live::Live;
 use profile::Section;
@@ -108,7 +108,8 @@ fn plots_ui(
     match profile {
         Some(Some(profile)) => profile::profile_ui(&mut waves.section, ui, profile, title, is_late),
         Some(None) => drop(ui.weak("It takes seconds to run this sea up to this frame: no profile is drawn.")),
-        None => drop(ui.spinner()),
+        // What is below moves little when the profile comes.
+        None => drop(ui.add_sized([ui.available_width(), profile::HEIGHT], Spinner::new())),
     }
     match spectrum {
         Some(Some(spectrum)) => {

@@ -60,6 +60,9 @@ fn spoken(points: &[ProfilePoint]) -> String {
     format!("Profile, heights from {} to {} m", number(low), number(high))
 }
 
+/// Height that the profile takes with its fields, about.
+pub(super) const HEIGHT: f32 = 200.0;
+
 /// Draws the profile, and the fields that choose its line.
 pub(super) fn profile_ui(section: &mut Section, ui: &mut Ui, profile: &Profile, title: &str, is_late: bool) {
     ui.label(RichText::new(title).strong());

@@ -75,11 +75,17 @@ impl PlaneKeeper {
         // Coarse pictures of the same edit go before the whole one, and after the next edit again.
         let coarse = cache.recent(picture.area()).saturating_sub(prepared);
         let mut room = cache.limit().saturating_sub(prepared + known + coarse);
+        let mut kept = Vec::new();
         for (index, fill, key) in unknown.into_iter().rev() {
             let wanted = fill.wanted.iter().flatten().filter(|wanted| **wanted);
             let bytes = wanted.count() * picture.area() * 4 * pass.offsets.len();
             let Some(left) = room.checked_sub(bytes) else { continue };
             room = left;
+            kept.push((index, fill, key, bytes));
+        }
+        // Old planes go before new ones take memory.
+        cache.make_way(kept.iter().map(|(.., bytes)| bytes).sum());
+        for (index, fill, key, _) in kept {
             let plane = |wanted: &bool| vec![0.0; if *wanted { picture.area() } else { 0 }];
             let planes = || fill.wanted.iter().map(|channels| channels.iter().map(plane).collect()).collect();
             let samples = pass.offsets.iter().map(|_| planes()).collect();

@@ -91,6 +91,12 @@ impl Cache {
         self.kept.retain(|_, entry| entry.used > mark);
     }
 
+    /// Changes the limit, and drops what goes beyond it.
+    pub fn limit_to(&mut self, bytes: usize) {
+        (self.limit, self.room) = (bytes, bytes);
+        self.trim();
+    }
+
     /// Returns the memory of what was used since the last call of [`forget_unused`](Self::forget_unused): prepared stages,
     /// and planes of pictures with fewer pixels than `area`.
     pub(crate) fn recent(&self, area: usize) -> usize {
@@ -150,7 +156,15 @@ impl Cache {
 
     /// Drops entries that are too large by themselves, then the oldest entries until the rest is within the limits.
     pub(crate) fn trim(&mut self) {
-        let limit = self.room;
+        self.trim_to(self.room);
+    }
+
+    /// Drops already now what [`trim`](Self::trim) would drop once `bytes` more are kept.
+    pub(crate) fn make_way(&mut self, bytes: usize) {
+        self.trim_to(self.room.saturating_sub(bytes));
+    }
+
+    fn trim_to(&mut self, limit: usize) {
         self.kept.retain(|_, entry| entry.data.bytes() <= limit);
         let mut ages: Vec<(u64, usize, bool, Key)> = self
             .kept
