@@ -4,7 +4,7 @@ use crate::actions::{OtherPalette, Tint};
 use crate::document::group::NoGroup;
 use crate::document::json::Misplaced;
 use crate::document::meaning::Meaning;
-use crate::document::swatches::{Swatch, SwatchKey, swatches};
+use crate::document::swatches::{Swatch, SwatchKey, add_elsewhere, swatches};
 use crate::document::{Edit, Node, Path, Session, Sheet, decor, group, keyed};
 use crate::evaluate::{Blamed, Display, Mixture, Result, Screen};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -371,7 +371,10 @@ impl State {
 
     /// Returns the colors of the document at the current frame.
     pub fn swatches(&self) -> Vec<Swatch> {
-        swatches(self.sheet(), self.session.meaning().graph.as_deref(), self.frame)
+        let (sheet, meaning) = (self.sheet(), self.session.meaning());
+        let mut all = swatches(sheet, meaning.graph.as_deref(), self.frame);
+        add_elsewhere(&mut all, sheet, &meaning.sheet);
+        all
     }
 
     /// Returns the names under which a recipe has the selected color.

@@ -12,12 +12,14 @@ pub struct Edit {
     pub merge: Option<String>,
     /// Operations, in order.
     pub ops: Vec<Op>,
+    /// Operations after these whose places are those of the whole document, even if a group is entered.
+    pub around: Vec<Op>,
 }
 
 impl Edit {
     /// Creates an edit that merges with no other.
     pub fn new(label: impl Into<String>, ops: Vec<Op>) -> Self {
-        Self { label: label.into(), merge: None, ops }
+        Self { label: label.into(), merge: None, ops, around: Vec::new() }
     }
 
     /// Returns the edit with a merge key, as part of a gesture.
@@ -41,6 +43,7 @@ impl Edit {
     #[must_use]
     pub fn then(mut self, next: Self) -> Self {
         self.ops.extend(next.ops);
+        self.around.extend(next.around);
         self
     }
 
@@ -48,7 +51,7 @@ impl Edit {
     pub(super) fn applied(&self, text: &str) -> Result<(String, Vec<Splice>), Misplaced> {
         let mut text = text.to_string();
         let mut splices = Vec::new();
-        for op in &self.ops {
+        for op in self.ops.iter().chain(&self.around) {
             let splice = splice(&text, op)?;
             if splice.removed != splice.inserted {
                 splice.redo(&mut text);
@@ -61,7 +64,7 @@ impl Edit {
     /// Returns whether the edit, made for one document, has the same meaning in another: the value it changes (for a
     /// list element: the whole list) is equal in both, and the node exists in both or in neither.
     pub fn fits(&self, made_for: &Value, document: &Value) -> bool {
-        self.ops.iter().all(|op| {
+        self.ops.iter().chain(&self.around).all(|op| {
             let steps = &op.path().0;
             let list = steps.iter().position(|step| matches!(step, Step::Index(_))).unwrap_or(steps.len());
             let [place, node] = [list, steps.len().min(2)].map(|count| Path(steps[..count].to_vec()));

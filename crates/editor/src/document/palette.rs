@@ -22,6 +22,14 @@ pub enum Refused {
     /// The palette is in a file.
     #[error("colors in the document, and these are in {0}: bring the palette into the document first")]
     Filed(String),
+    /// Groups of an included file use the name.
+    #[error("\"{name}\" to stay, because groups of {file} use it; the file is another document: change it there")]
+    Included {
+        /// The name.
+        name: String,
+        /// The file.
+        file: String,
+    },
     /// A palette names only colors that the document does not.
     #[error("names of the document's palette, and it has no {names}{}", .near.as_ref().map_or(String::new(), |near| format!("; did you mean {near}?")))]
     Unknown {
@@ -70,7 +78,7 @@ pub fn renamed(swatch: &Swatch, to: &str) -> Edit {
     let mut ops = renaming(&swatch.uses, to);
     let from = swatch.called();
     ops.push(Op::Rename(entry(&from), to.into()));
-    Edit::new(format!("Rename {from} to {to}"), ops)
+    Edit { around: renaming(&swatch.elsewhere, to), ..Edit::new(format!("Rename {from} to {to}"), ops) }
 }
 
 /// Lets all uses of a color be those of another one, a name of the palette, and removes it from the palette.
@@ -79,7 +87,19 @@ pub fn merged(swatch: &Swatch, into: &str) -> Edit {
     if let SwatchKey::Named(name) = &swatch.key {
         ops.push(Op::Remove(entry(name)));
     }
-    Edit::new(format!("Merge {} into {into}", swatch.called()), ops)
+    let label = format!("Merge {} into {into}", swatch.called());
+    Edit { around: renaming(&swatch.elsewhere, into), ..Edit::new(label, ops) }
+}
+
+/// Refuses to give up a name that groups of included files use.
+///
+/// # Errors
+/// They do.
+pub fn given_up(swatch: &Swatch) -> Result<(), Refused> {
+    match swatch.included.first() {
+        Some(file) => Err(Refused::Included { name: swatch.called(), file: file.clone() }),
+        None => Ok(()),
+    }
 }
 
 /// Removes a color that nothing uses.

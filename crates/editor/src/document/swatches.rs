@@ -3,9 +3,11 @@
 use super::change::{spoken, style};
 use super::color::{hex, is_name, rgb};
 use super::curve::Curve;
+use super::group::Within;
 use super::json::{Path, Step};
 use super::sheet::Sheet;
 use serde_json::Value;
+use std::collections::HashSet;
 use trochoid::{Arity, CheckedGraph, Item, Kind, KnobType, WorkingSpace, srgb_decode};
 
 /// What identifies a color of a document.
@@ -28,9 +30,22 @@ pub struct Swatch {
     pub value: Option<Value>,
     /// Places that use the color. Of a color without a name they are its only places.
     pub uses: Vec<Path>,
+    /// Places of the whole document that use a name and are not in the sheet: in groups, and around an entered one.
+    pub elsewhere: Vec<Path>,
+    /// The included files whose groups use a name, once for each use.
+    pub included: Vec<String>,
 }
 
 impl Swatch {
+    fn new(key: SwatchKey, color: Option<[f32; 3]>, value: Option<Value>) -> Self {
+        Self { key, color, value, uses: Vec::new(), elsewhere: Vec::new(), included: Vec::new() }
+    }
+
+    /// Returns the number of places that use the color.
+    pub fn count(&self) -> usize {
+        self.uses.len() + self.elsewhere.len() + self.included.len()
+    }
+
     /// Returns whether the color is keyed over frames.
     pub fn is_keyed(&self) -> bool {
         self.value.as_ref().is_some_and(|value| value.get("keys").is_some())
@@ -62,6 +77,19 @@ impl Swatch {
                 names.push(name.clone());
             }
         }
+        names
+    }
+
+    /// Returns what uses the name beside the sheet, each once: groups, nodes around an entered one, and included files.
+    pub fn around(&self) -> Vec<String> {
+        let place = |place: &Path| match place.0.as_slice() {
+            [Step::Key(top), Step::Key(name), ..] if top == "groups" => format!("the group {name}"),
+            [_, Step::Key(name), ..] => name.clone(),
+            _ => place.to_string(),
+        };
+        let mut names: Vec<String> = self.elsewhere.iter().map(place).chain(self.included.iter().cloned()).collect();
+        let mut seen = HashSet::new();
+        names.retain(|name| seen.insert(name.clone()));
         names
     }
 
@@ -99,19 +127,18 @@ pub fn swatches(sheet: &Sheet, graph: Option<&CheckedGraph>, frame: i64) -> Vec<
     let shown = |value: &Value| shown(value, space, frame as f64);
     match sheet.value.get("palette") {
         Some(Value::Object(entries)) => {
-            all.extend(entries.iter().map(|(name, value)| Swatch {
-                key: SwatchKey::Named(name.clone()),
-                color: shown(value),
-                value: Some(value.clone()),
-                uses: Vec::new(),
-            }));
+            all.extend(
+                entries.iter().map(|(name, value)| {
+                    Swatch::new(SwatchKey::Named(name.clone()), shown(value), Some(value.clone()))
+                }),
+            );
         }
         _ => {
             let colors = graph.map(CheckedGraph::palette).unwrap_or_default();
             all.extend(colors.iter().map(|named| {
                 let [r, g, b] = [0, 1, 2].map(|channel| named.color.at(frame as f64)[channel]);
                 let color = space.to_display([r, g, b]).map(|channel| channel.clamp(0.0, 1.0) as f32);
-                Swatch { key: SwatchKey::Named(named.name.clone()), color: Some(color), value: None, uses: Vec::new() }
+                Swatch::new(SwatchKey::Named(named.name.clone()), Some(color), None)
             }));
         }
     }
@@ -136,11 +163,62 @@ pub fn swatches(sheet: &Sheet, graph: Option<&CheckedGraph>, frame: i64) -> Vec<
             None => {
                 literals.push((form, all.len()));
                 let key = SwatchKey::Literal(spoken(&place));
-                all.push(Swatch { key, color: shown(value), value: Some(value.clone()), uses: vec![place] });
+                all.push(Swatch { uses: vec![place], ..Swatch::new(key, shown(value), Some(value.clone())) });
             }
         }
     }
     all
+}
+
+/// Adds where names are used beside a sheet of the document: in knobs, in groups, and in the document itself if the sheet
+/// is that of a group.
+pub fn add_elsewhere(all: &mut [Swatch], sheet: &Sheet, root: &Sheet) {
+    let mut add = |place: &Path, value: &Value, file: Option<&String>| {
+        for (name, place) in names_in(value, place) {
+            let key = SwatchKey::Named(name);
+            match (all.iter_mut().find(|own| own.key == key), file) {
+                (Some(own), Some(file)) => own.included.push(file.clone()),
+                (Some(own), None) => own.elsewhere.push(place),
+                (None, _) => {}
+            }
+        }
+    };
+    let in_node = |at: &Path, body: &Value| -> Vec<(Path, Value)> {
+        let Some(declaration) = root.library.declaration(body) else { return Vec::new() };
+        let mut found = Vec::new();
+        gather(declaration.items, body, &Path::default(), true, &mut found);
+        let own = |place: Path| Some((at.clone().join(&place.0), place.find(body)?.clone()));
+        found.into_iter().filter_map(own).collect()
+    };
+    // A knob of a group has a default, and one of the document a value, by itself or beside what describes it.
+    let in_knob = |at: &Path, body: &Value| -> (Path, Value) {
+        let inner = ["default", "value"].into_iter().find_map(|key| Some((at.to(key), body.get(key)?.clone())));
+        inner.unwrap_or_else(|| (at.clone(), body.clone()))
+    };
+    let knobs = Path::default().to("knobs");
+    for (name, body) in knobs.find(&root.value).and_then(Value::as_object).into_iter().flatten() {
+        let (place, value) = in_knob(&knobs.to(name.as_str()), body);
+        add(&place, &value, None);
+    }
+    let entered = sheet.within.as_ref().map(Within::group);
+    for name in root.library.names() {
+        let Some(group) = root.library.group(name) else { continue };
+        let (at, file) = (Path::default().to("groups").to(name.as_str()), group.file.as_ref());
+        for (knob, body) in group.entries("knobs") {
+            let (place, value) = in_knob(&at.to("knobs").to(knob.as_str()), body);
+            add(&place, &value, file);
+        }
+        // The nodes of the sheet are known.
+        for (node, body) in group.entries("nodes").filter(|_| entered != Some(name.as_str())) {
+            let found = in_node(&at.to("nodes").to(node.as_str()), body);
+            found.iter().for_each(|(place, value)| add(place, value, file));
+        }
+    }
+    for node in root.nodes.iter().filter(|_| entered.is_some()) {
+        let path = Path::node(&node.name);
+        let found = root.get(&path).map_or_else(Vec::new, |body| in_node(&path, body));
+        found.iter().for_each(|(place, value)| add(place, value, None));
+    }
 }
 
 /// Returns the places of all colors that are written in nodes that make colors, names of the palette among them.

@@ -2,7 +2,6 @@
 
 use super::recolor;
 use crate::actions::Action;
-use crate::document::meaning::Meaning;
 use crate::document::palette;
 use crate::document::swatches::{self, Swatch, SwatchKey};
 use crate::field::{self, Gesture};
@@ -54,20 +53,11 @@ pub(super) fn chosen_ui(ui: &mut Ui, state: &State, swatch: &Swatch, all: &[Swat
         }
         ui.add_enabled_ui(!is_filed, |ui| {
             merge_ui(ui, swatch, all, actions);
-            if let (SwatchKey::Named(name), true) = (&swatch.key, swatch.uses.is_empty()) {
+            if let (SwatchKey::Named(name), 0) = (&swatch.key, swatch.count()) {
                 let delete = ui.button("Delete").on_hover_text("Remove this color, which nothing uses");
                 if let Some(gesture) = Gesture::click(&delete) {
-                    let edit = palette::removed(name);
-                    // Groups may use it, also those of included files.
-                    let is_whole = |meaning: &Meaning| meaning.graph.is_some();
-                    let breaks = state.after(&edit).is_ok_and(|(after, _)| !is_whole(&after));
-                    if breaks && is_whole(state.session.meaning()) {
-                        let why = format!("\"{name}\" was not deleted: nodes inside of groups use it");
-                        actions.push(Action::Notice(why));
-                    } else {
-                        gesture.edit(edit, actions);
-                        actions.push(Action::Seal);
-                    }
+                    gesture.edit(palette::removed(name), actions);
+                    actions.push(Action::Seal);
                 }
             }
         });
@@ -92,7 +82,7 @@ fn name_ui(
                 ui,
                 "color name",
                 &written,
-                |typed| palette::free(typed, all),
+                |typed| palette::given_up(swatch).and_then(|()| palette::free(typed, all)),
                 |text| TextEdit::singleline(text).desired_width(128.0).hint_text("Name this color"),
             );
             let help =
@@ -136,7 +126,8 @@ fn name_ui(
 fn merge_ui(ui: &mut Ui, swatch: &Swatch, all: &[Swatch], actions: &mut Vec<Action>) {
     let own = swatch.called();
     let names: Vec<&str> = palette::names(all).filter(|name| *name != own).collect();
-    let menu = ui.add_enabled_ui(!names.is_empty(), |ui| {
+    let given_up = palette::given_up(swatch);
+    let menu = ui.add_enabled_ui(!names.is_empty() && given_up.is_ok(), |ui| {
         ui.menu_button("Merge into", |ui| {
             egui::ScrollArea::vertical().max_height(260.0).show(ui, |ui| {
                 for name in names {
@@ -149,7 +140,11 @@ fn merge_ui(ui: &mut Ui, swatch: &Swatch, all: &[Swatch], actions: &mut Vec<Acti
             });
         })
     });
-    menu.response.on_hover_text("Let everything that uses this color use another one instead");
+    let help = match given_up {
+        Ok(()) => "Let everything that uses this color use another one instead".to_string(),
+        Err(why) => format!("Expected {why}"),
+    };
+    menu.response.on_hover_text(help);
 }
 
 /// Says that a color is keyed, and what a change does.

@@ -152,7 +152,7 @@ fn labels_ui(ui: &Ui, area: Rect, start: f32, row: &Row<'_>) {
     // The weight in a pixel takes the place of the number of uses.
     let (count, ink) = match row.weight {
         Some(weight) => (crate::format::percent(weight), visuals.hyperlink_color),
-        None => (format!("×{}", swatch.uses.len()), weak),
+        None => (format!("×{}", swatch.count()), weak),
     };
     let at = pos2(numbers - 58.0, area.center().y - 1.0);
     painter.text(at, Align2::RIGHT_CENTER, count, FontId::proportional(11.0), ink);
@@ -218,7 +218,8 @@ fn help(row: &Row<'_>) -> String {
     if let Some(weight) = row.weight {
         lines.push(format!("{} of the pixel", crate::format::percent(weight)));
     }
-    let nodes = swatch.nodes();
+    let mut nodes = swatch.nodes();
+    nodes.extend(swatch.around());
     match nodes.len() {
         0 => lines.push("Nothing uses it".into()),
         count if count <= 6 => lines.push(format!("Used by {}", nodes.join(", "))),

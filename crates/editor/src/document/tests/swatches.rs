@@ -1,6 +1,7 @@
 use super::small;
 use crate::document::swatches::{Swatch, SwatchKey};
 use crate::document::{Edit, Session, palette, palette_file, swatches, swatches::swatches};
+use crate::state::State;
 use rand::{RngExt as _, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::path::{Path, PathBuf};
@@ -53,6 +54,81 @@ fn colors_are_found_wherever_they_are_written() {
     let later = swatches(session.sheet(), None, 2);
     assert_eq!(later[4].called(), "#203040");
     assert_eq!(later[1].color, Some([0.5, 0.0, 0.5]));
+}
+
+/// A document that uses one of its colors at its top, in a group, and in a group of that group.
+const GROUPED: &str = r##"{
+  "trochoid": 1, "format": { "width": 8, "height": 4 },
+  "palette": { "ink": "#000000", "red": "#ff0000" },
+  "knobs": { "ground": { "value": "palette.ink", "help": "Below all." } },
+  "groups": {
+    "Inner": {
+      "inputs": { "under": "Color" },
+      "knobs": { "tint": "palette.ink" },
+      "nodes": { "wash": { "type": "Mix", "a": "under", "b": "= knobs.tint", "weight": 0.5 } },
+      "outputs": { "color": "wash" }
+    },
+    "Outer": {
+      "inputs": {},
+      "nodes": {
+        "base": { "type": "Constant", "color": { "keys": [[1, "palette.ink"], [3, "#ffffff"]] } },
+        "inner": { "type": "Inner", "under": "base" }
+      },
+      "outputs": { "color": "inner" }
+    }
+  },
+  "nodes": {
+    "one": { "type": "Outer" },
+    "two": { "type": "Inner", "under": "palette.ink" },
+    "all": { "type": "Mix", "a": "one", "b": "two", "weight": 0.5 }
+  },
+  "outputs": { "beauty": { "color": "all" } }
+}"##;
+
+/// Renaming and merging reach every use, whichever group is entered.
+#[test]
+fn uses_in_groups_follow_their_color() {
+    for scope in [vec![], vec!["one"], vec!["one", "inner"], vec!["two"]] {
+        let mut state = State::new(Session::new(GROUPED.into(), None));
+        assert_eq!(errors(&state.session), Vec::<String>::new());
+        state.scope = scope.iter().map(ToString::to_string).collect();
+        state.read_insides();
+        assert_eq!(state.scope.len(), scope.len());
+        let ink = |state: &State| state.swatches().into_iter().find(|own| own.called() == "ink");
+        let swatch = ink(&state).unwrap();
+        assert_eq!(swatch.count(), 4, "{scope:?}");
+        let edit = state.in_document(palette::renamed(&swatch, "coal")).unwrap();
+        let (renamed, merged) = (edit, state.in_document(palette::merged(&swatch, "red")).unwrap());
+        state.session.edit(renamed).unwrap();
+        assert_eq!(state.session.text(), GROUPED.replace("ink", "coal"), "{scope:?}");
+        state.session.undo();
+        assert_eq!(state.session.text(), GROUPED);
+        state.session.edit(merged).unwrap();
+        let expected = GROUPED.replace("\"ink\": \"#000000\", ", "").replace("palette.ink", "palette.red");
+        assert_eq!(state.session.text(), expected, "{scope:?}");
+        assert_eq!(errors(&state.session), Vec::<String>::new());
+    }
+}
+
+#[test]
+fn a_color_that_included_groups_use_keeps_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("lib.json"), GROUPED).unwrap();
+    let text = r##"{
+      "trochoid": 1, "format": { "width": 8, "height": 4 }, "include": ["lib.json"],
+      "palette": { "ink": "#000000", "red": "#ff0000" },
+      "nodes": { "one": { "type": "Outer" } },
+      "outputs": { "beauty": { "color": "one" } }
+    }"##;
+    std::fs::write(folder.path().join("scene.json"), text).unwrap();
+    let state = State::new(Session::open(&folder.path().join("scene.json")).unwrap());
+    assert_eq!(errors(&state.session), Vec::<String>::new());
+    let all = state.swatches();
+    assert_eq!(all.iter().map(Swatch::count).collect::<Vec<_>>(), [2, 0]);
+    assert_eq!(all[0].around(), ["lib.json"]);
+    let why = palette::given_up(&all[0]).unwrap_err().to_string();
+    assert!(why.contains("\"ink\" to stay, because groups of lib.json use it"), "{why}");
+    assert_eq!(palette::given_up(&all[1]), Ok(()));
 }
 
 #[test]
