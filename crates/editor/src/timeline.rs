@@ -16,10 +16,13 @@ pub(crate) struct Timeline {
 
 /// Width of a button, in points.
 const BUTTON: f32 = 26.0;
+/// Height of the strip of frames, in points; all of the row has it, so that everything stands on one line.
+const STRIP: f32 = 30.0;
 
 /// Draws the timeline.
 pub(crate) fn timeline_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
+        ui.set_min_height(STRIP);
         let (first, last) = state.range;
         let mut button = |ui: &mut Ui, text: &str, name: &str, action: Action| {
             // A constant width, so that nothing beside the button moves.
@@ -96,7 +99,7 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
     // A still has a single frame, in the middle.
     let is_still = high == low;
     let span = (high - low).max(1) as f64;
-    let (rect, response) = ui.allocate_exact_size(vec2(width, 30.0), Sense::click_and_drag());
+    let (rect, response) = ui.allocate_exact_size(vec2(width, STRIP), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::slider(true, state.frame as f64, "Timeline"));
     ui.ctx().accesskit_node_builder(response.id, |builder| {
         builder.set_min_numeric_value(low as f64);
@@ -114,7 +117,7 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
         false => [x(state.range.0 as f64), x(state.range.1 as f64)],
     };
     let range = Rect::from_x_y_ranges(ends[0]..=ends[1], rect.y_range());
-    painter.rect_filled(range, 2.0, visuals.faint_bg_color.gamma_multiply(2.0));
+    painter.rect_filled(range, 2.0, crate::theme::range(visuals));
     let half = (0.5 * bar.width() / span as f32).max(0.5);
     for frame in state.evaluated.frames.keys() {
         let center = x(*frame as f64);
@@ -151,7 +154,7 @@ fn strip_ui(timeline: &mut Timeline, ui: &mut Ui, state: &State, width: f32, act
                 align,
                 mark.to_string(),
                 FontId::proportional(10.0),
-                visuals.weak_text_color(),
+                visuals.text_color(),
             );
         }
         mark += step;

@@ -38,7 +38,8 @@ pub(super) fn group_ui(panel: &mut Properties, ui: &mut Ui, state: &State, withi
     let sheet = state.sheet();
     let Some(known) = sheet.library.group(within.group()) else { return };
     let definition = within.definition();
-    ui.add_enabled_ui(known.file.is_none(), |ui| {
+    let is_own = known.file.is_none();
+    ui.add_enabled_ui(is_own, |ui| {
         ui.horizontal_wrapped(|ui| {
             let is_taken = |name: &str| sheet.library.group(name).is_some() || registry().get(name).is_some();
             let read = |typed: &str| name_of(typed, is_taken);
@@ -52,7 +53,15 @@ pub(super) fn group_ui(panel: &mut Properties, ui: &mut Ui, state: &State, withi
             }
             ui.label(RichText::new("Group").strong());
         });
-        ui.weak("Select a node to see its knobs. Right-click a knob to make it one of the group.");
+    });
+    match &known.file {
+        None => ui.weak("Select a node to see its knobs. Right-click a knob to make it one of the group."),
+        // Legible, unlike what it explains.
+        Some(file) => {
+            ui.label(format!("{file} has this group. Make local copies it into this document, to change it."))
+        }
+    };
+    ui.add_enabled_ui(is_own, |ui| {
         ui.separator();
         ui.label(RichText::new("Knobs of the group").strong());
         let items = sheet.library.face(within.group()).map_or(&[][..], |face| face.items);
@@ -145,8 +154,8 @@ pub(super) fn written_ui(
 pub(super) fn side_ui(ui: &mut Ui, state: &State, node: &Node, side: Side, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
     let Some(within) = &sheet.within else { return };
-    ui.add_enabled_ui(within.file.is_none(), |ui| {
-        let called = node.called();
+    let (is_own, called) = (within.file.is_none(), node.called());
+    ui.add_enabled_ui(is_own, |ui| {
         ui.horizontal_wrapped(|ui| {
             let known = sheet.library.group(within.group());
             let is_taken = |name: &str| match side {
@@ -166,12 +175,14 @@ pub(super) fn side_ui(ui: &mut Ui, state: &State, node: &Node, side: Side, actio
             }
             ui.label(RichText::new(if side == Side::Input { "Input" } else { "Output" }).strong());
         });
-        if side == Side::Output {
-            ui.label("What uses of the group make under this name.");
-            return;
-        }
-        ui.label("What a use of the group connects here.");
-        ui.separator();
+    });
+    if side == Side::Output {
+        ui.label("What uses of the group make under this name.");
+        return;
+    }
+    ui.label("What a use of the group connects here.");
+    ui.separator();
+    ui.add_enabled_ui(is_own, |ui| {
         let path = Path::node(&node.name);
         let written = sheet.get(&path);
         let kind = written.and_then(|input| input.as_str().or_else(|| input.get("kind")?.as_str())).unwrap_or_default();
