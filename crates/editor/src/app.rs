@@ -180,7 +180,7 @@ mod tests {
         assert!(second.editor.tree == first.editor.tree);
         assert_eq!(second.context.options(|options| options.theme_preference), egui::ThemePreference::Light);
         let context = second.context.clone();
-        second.editor.act(crate::actions::Action::ResetPanels, &context);
+        second.editor.act(crate::actions::Action::Layout(crate::actions::Layout::First), &context);
         second.save(&mut storage);
         assert!(app(Some(&storage)).editor.tree == layout::first(), "what was reset stays so");
     }

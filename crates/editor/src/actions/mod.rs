@@ -141,7 +141,7 @@ pub enum Action {
     Duplicate,
     /// Delete the selected nodes.
     Delete,
-    /// Bypass or re-enable the selected nodes.
+    /// Disable or enable the selected nodes.
     Disable,
     /// Select all nodes.
     SelectAll,
@@ -191,8 +191,6 @@ pub enum Action {
     Viewer(Switch),
     /// Do this in the second viewer.
     Second(Box<Self>),
-    /// Restore the initial panel layout.
-    ResetPanels,
     /// Arrange the panels.
     Layout(Layout),
     /// Arrange the panels as the user kept them under a name.

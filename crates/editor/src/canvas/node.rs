@@ -377,7 +377,7 @@ fn about_ui(plan: &Plan, ui: &mut Ui, state: &State, index: usize, total: f64) {
             Fate::LeftOut(why) => drop(ui.weak(format!("Left out: {why}"))),
         }
     } else if node.disabled {
-        ui.weak("Bypassed");
+        ui.weak("Disabled");
     }
     if plan.idle.contains(&index) {
         ui.weak("Not rendered: no output needs it. Drop a wire from it on an output's mark, or choose Make output.");

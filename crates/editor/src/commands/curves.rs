@@ -1,7 +1,7 @@
 //! Commands of keyed values.
 
-use super::{Command, NONE, always, command, keys};
-use crate::actions::{Action, Pane};
+use super::{Command, NONE, command, keys};
+use crate::actions::Action;
 use egui::Key;
 
 /// Commands of keyed values, in menu order.
@@ -13,7 +13,8 @@ pub(super) static CURVES: &[Command] = &[
         "Go to the next frame with a key of the selected nodes, or of any.",
         |state| Action::Frame(state.next_key(true).unwrap_or(state.frame)),
         |state| state.next_key(true).is_some(),
-    ),
+    )
+    .begins(),
     command(
         "Viewer",
         "Previous key",
@@ -21,13 +22,5 @@ pub(super) static CURVES: &[Command] = &[
         "Go to the previous frame with a key of the selected nodes, or of any.",
         |state| Action::Frame(state.next_key(false).unwrap_or(state.frame)),
         |state| state.next_key(false).is_some(),
-    ),
-    command(
-        "Window",
-        "Show curves",
-        None,
-        "Show keyed knobs as curves, or as a dope sheet.",
-        |_| Action::Panel(Pane::Curves),
-        always,
     ),
 ];

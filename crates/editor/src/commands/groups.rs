@@ -13,7 +13,8 @@ pub(super) static GROUPS: &[Command] = &[
         "Make a group of the selected nodes, and a use of it in their place.",
         |_| Action::Group,
         chosen,
-    ),
+    )
+    .begins(),
     command(
         "Graph",
         "Unpack",

@@ -1,4 +1,4 @@
-//! Commands that arrange the panels.
+//! Commands that arrange the panels; in the menus, the list of layouts stands for them.
 
 use super::{Command, always, command};
 use crate::actions::{Action, Layout};

@@ -3,6 +3,7 @@
 mod curves;
 mod groups;
 mod help;
+mod keys;
 mod layouts;
 mod scene;
 mod space;
@@ -24,6 +25,10 @@ pub struct Command {
     pub help: &'static str,
     /// Keyboard shortcut.
     pub keys: Option<KeyboardShortcut>,
+    /// Whether the viewer reads the keys, while the pointer is over it.
+    pub over_viewer: bool,
+    /// Whether a line separates it from the command before it in the menu.
+    pub begins: bool,
     /// Returns the action to perform.
     pub action: fn(&State) -> Action,
     /// Returns whether the command is available.
@@ -46,7 +51,19 @@ const fn command(
     action: fn(&State) -> Action,
     enabled: fn(&State) -> bool,
 ) -> Command {
-    Command { menu, name, help, keys, action, enabled }
+    Command { menu, name, help, keys, over_viewer: false, begins: false, action, enabled }
+}
+
+impl Command {
+    /// Lets the command begin a part of its menu.
+    const fn begins(self) -> Self {
+        Self { begins: true, ..self }
+    }
+
+    /// Shows a key that the viewer reads, while the pointer is over it.
+    const fn over_viewer(self, key: Key) -> Self {
+        Self { keys: keys(NONE, key), over_viewer: true, ..self }
+    }
 }
 
 fn always(_: &State) -> bool {
@@ -95,7 +112,7 @@ pub static COMMANDS: &[Command] = &[
         always,
     ),
     command("File", "Open …", keys(COMMAND, Key::O), "Open a document.", |_| Action::Open, always),
-    command("File", "Save", keys(COMMAND, Key::S), "Save the document.", |_| Action::Save, always),
+    command("File", "Save", keys(COMMAND, Key::S), "Save the document.", |_| Action::Save, always).begins(),
     command("File", "Save as …", keys(SHIFTED, Key::S), "Save to another file.", |_| Action::SaveAs, always),
     command(
         "File",
@@ -112,7 +129,8 @@ pub static COMMANDS: &[Command] = &[
         "Render the outputs of all frames in the range to their files.",
         |_| Action::Render,
         |state| state.render.is_none() && state.session.meaning().graph.is_some(),
-    ),
+    )
+    .begins(),
     command(
         "File",
         "Stop rendering",
@@ -128,8 +146,9 @@ pub static COMMANDS: &[Command] = &[
         "Show the folders that documents may access besides their own, and revoke access.",
         |_| Action::ShowAllowed,
         always,
-    ),
-    command("File", "Quit", keys(COMMAND, Key::Q), "Close the window.", |_| Action::Quit, always),
+    )
+    .begins(),
+    command("File", "Quit", keys(COMMAND, Key::Q), "Close the window.", |_| Action::Quit, always).begins(),
     command(
         "Edit",
         "Undo",
@@ -153,7 +172,8 @@ pub static COMMANDS: &[Command] = &[
         "Copy the selected nodes, then delete them.",
         |_| Action::Cut,
         chosen,
-    ),
+    )
+    .begins(),
     command("Edit", "Copy", keys(COMMAND, Key::C), "Copy the selected nodes as text.", |_| Action::Copy, chosen),
     command("Edit", "Paste", keys(COMMAND, Key::V), "Paste nodes from the clipboard.", |_| Action::AskPaste, always),
     command("Edit", "Duplicate", keys(COMMAND, Key::D), "Duplicate the selected nodes.", |_| Action::Duplicate, chosen),
@@ -172,7 +192,8 @@ pub static COMMANDS: &[Command] = &[
         "Find nodes, knobs, colors and notes of the document by name or value.",
         |_| Action::Find,
         always,
-    ),
+    )
+    .begins(),
     command("Edit", "Select all", keys(COMMAND, Key::A), "Select all nodes.", |_| Action::SelectAll, always),
     command(
         "Edit",
@@ -181,7 +202,8 @@ pub static COMMANDS: &[Command] = &[
         "Find and run a command by name.",
         |_| Action::Palette,
         always,
-    ),
+    )
+    .begins(),
     command(
         "Graph",
         "Add node",
@@ -213,7 +235,8 @@ pub static COMMANDS: &[Command] = &[
         "Connect wires past the selected nodes and leave the nodes unconnected.",
         |_| Action::Extract,
         chosen,
-    ),
+    )
+    .begins(),
     command(
         "Graph",
         "Dot",
@@ -226,7 +249,7 @@ pub static COMMANDS: &[Command] = &[
         "Graph",
         "Disable",
         keys(NONE, Key::D),
-        "Bypass or re-enable the selected nodes.",
+        "Disable the selected nodes, so that their inputs pass through, or enable them again.",
         |_| Action::Disable,
         chosen,
     ),
@@ -237,7 +260,8 @@ pub static COMMANDS: &[Command] = &[
         "Lay out the selected nodes, or all nodes.",
         |_| Action::Arrange,
         always,
-    ),
+    )
+    .begins(),
     command("Graph", "Align left", None, "Align left edges.", |_| Action::Line(Line::Left), several),
     command("Graph", "Align centers", None, "Align centers in a column.", |_| Action::Line(Line::Centers), several),
     command("Graph", "Align top", None, "Align top edges.", |_| Action::Line(Line::Top), several),
@@ -256,7 +280,8 @@ pub static COMMANDS: &[Command] = &[
         "Add a titled area behind the selected nodes.",
         |_| Action::Backdrop,
         always,
-    ),
+    )
+    .begins(),
     command(
         "Graph",
         "Name backdrop",
@@ -272,7 +297,8 @@ pub static COMMANDS: &[Command] = &[
         "Give every color without a name one in the palette, after the place that uses it.",
         |_| Action::NameColors,
         always,
-    ),
+    )
+    .begins(),
     command(
         "Graph",
         "Bring palette into document",
@@ -289,7 +315,8 @@ pub static COMMANDS: &[Command] = &[
         "Frame the selected nodes, or all nodes.",
         |_| Action::Frames,
         always,
-    ),
+    )
+    .begins(),
     command(
         "Viewer",
         "View node",
@@ -308,7 +335,8 @@ pub static COMMANDS: &[Command] = &[
         "Play the range in real time, or stop.",
         |state| Action::Play(!state.playing),
         always,
-    ),
+    )
+    .begins(),
     command(
         "Viewer",
         "Next frame",
@@ -348,7 +376,8 @@ pub static COMMANDS: &[Command] = &[
         "Start the range at the current frame.",
         |state| Action::Range(state.frame, state.range.1.max(state.frame)),
         always,
-    ),
+    )
+    .begins(),
     command(
         "Viewer",
         "Set range end",
@@ -365,7 +394,7 @@ pub static COMMANDS: &[Command] = &[
         |state| Action::Onion(!state.look.onion),
         always,
     ),
-    command("Viewer", "Full size", None, "Evaluate every pixel.", |_| Action::Proxy(1), always),
+    command("Viewer", "Full size", None, "Evaluate every pixel.", |_| Action::Proxy(1), always).begins(),
     command("Viewer", "Half size", None, "Evaluate a quarter of the pixels.", |_| Action::Proxy(2), always),
     command("Viewer", "Quarter size", None, "Evaluate a sixteenth of the pixels.", |_| Action::Proxy(4), always),
     command(
@@ -375,7 +404,8 @@ pub static COMMANDS: &[Command] = &[
         "Hold the current picture as A, to compare others with it.",
         |_| Action::Viewer(Switch::Hold),
         seen,
-    ),
+    )
+    .begins(),
     command("Viewer", "Release A", None, "Stop comparing with A.", |_| Action::Viewer(Switch::LetGo), seen),
     command(
         "Viewer",
@@ -400,31 +430,36 @@ pub static COMMANDS: &[Command] = &[
         "Evaluate only a region; drag in the picture to draw it.",
         |_| Action::Viewer(Switch::Region),
         seen,
-    ),
+    )
+    .begins(),
     command(
         "Viewer",
         "Hull",
         None,
-        "Switch between the picture and its colors inside the convex hull of the controls (H).",
+        "Switch between the picture and its colors inside the convex hull of the controls.",
         |_| Action::Viewer(Switch::Hull),
         seen,
-    ),
+    )
+    .begins()
+    .over_viewer(Key::H),
     command(
         "Viewer",
         "Near",
         None,
-        "Toggle marks on pixels near the hull's faces (N).",
+        "Toggle marks on pixels near the hull's faces.",
         |_| Action::Viewer(Switch::Near),
         seen,
-    ),
+    )
+    .over_viewer(Key::N),
     command(
         "Viewer",
         "Scopes",
         None,
-        "Toggle histogram, waveform and vectorscope of the picture (S).",
+        "Toggle histogram, waveform and vectorscope of the picture.",
         |_| Action::Viewer(Switch::Scopes),
         always,
-    ),
+    )
+    .over_viewer(Key::S),
     command(
         "Viewer",
         "Whole picture",
@@ -461,6 +496,14 @@ pub static COMMANDS: &[Command] = &[
     ),
     command(
         "Window",
+        "Show curves",
+        None,
+        "Show keyed knobs as curves, or as a dope sheet.",
+        |_| Action::Panel(Pane::Curves),
+        always,
+    ),
+    command(
+        "Window",
         "Show waves",
         None,
         "Show the waves of the selected sea.",
@@ -476,9 +519,9 @@ pub static COMMANDS: &[Command] = &[
         always,
     ),
     command("Window", "Show text", None, "Show the document's text.", |_| Action::Panel(Pane::Text), always),
-    command("Window", "Reset panels", None, "Restore the initial panel layout.", |_| Action::ResetPanels, always),
     command("Window", "Show help", None, "Show the manual.", |_| Action::Panel(Pane::Help), always),
-    command("Window", "Dark or light", None, "Switch between the dark and the light theme.", |_| Action::Theme, always),
+    command("Window", "Switch theme", None, "Switch between the dark and the light theme.", |_| Action::Theme, always)
+        .begins(),
 ];
 
 /// Adds the actions of pressed shortcuts. Those without Ctrl are ignored while text is being typed.
@@ -488,7 +531,7 @@ pub fn pressed(context: &egui::Context, state: &State, actions: &mut Vec<Action>
     // Shortcuts with Shift come first: egui also matches a shortcut without Shift when Shift is held.
     commands.sort_by_key(|command| command.keys.is_some_and(|keys| !keys.modifiers.shift));
     for command in commands {
-        let Some(keys) = command.keys else { continue };
+        let Some(keys) = command.keys.filter(|_| !command.over_viewer) else { continue };
         // Copy and cut arrive as events of their own.
         let clipboard = keys.modifiers == COMMAND && matches!(keys.logical_key, Key::C | Key::X | Key::V);
         if clipboard || keys == PLAY || (typing && !keys.modifiers.command) {

@@ -2,13 +2,15 @@
 
 use super::{Command, command, seen};
 use crate::actions::{Action, Switch};
+use egui::Key;
 
 /// These commands, in menu order.
 pub(super) static SCENE: &[Command] = &[command(
     "Viewer",
     "Move the camera",
     None,
-    "Orbit, pan and dolly the camera of the picture by dragging in it (C).",
+    "Orbit, pan and dolly the camera of the picture by dragging in it.",
     |_| Action::Viewer(Switch::Camera),
     seen,
-)];
+)
+.over_viewer(Key::C)];

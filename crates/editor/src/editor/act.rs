@@ -100,7 +100,6 @@ impl Editor {
             Action::Viewer(switch) => self.panels.viewer.switch(switch, &self.state),
             Action::Second(action) => self.on_second(|editor| editor.act(*action, context)),
             Action::Panel(pane) => layout::bring(&mut self.tree, pane),
-            Action::ResetPanels => self.tree = layout::first(),
             Action::Layout(layout) => self.tree = layout::arranged(layout),
             Action::OwnLayout(name) => self.own_layout(&name),
             Action::NameLayout => self.prompts.name(Named::Layout, self.layouts.names()),

@@ -177,7 +177,7 @@ fn contents_ui(help: &mut Help, ui: &mut Ui) {
     ui.label(RichText::new("Nodes").strong());
     for page in nodes {
         let HelpPage::Node(name) = &page else { continue };
-        let summary = registry().get(name).map_or("", |ty| ty.declaration().summary);
+        let summary = registry().get(name).map_or("", |ty| ty.declaration().summary).replace('`', "");
         ui.horizontal(|ui| {
             link(ui, page.clone());
             ui.add(Label::new(RichText::new(summary).weak()).truncate());

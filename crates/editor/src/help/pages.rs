@@ -58,8 +58,8 @@ pub(super) fn keys(context: &Context) -> String {
     for menu in MENUS {
         let _ = writeln!(text, "\n## {menu}\n\n| command | keys | what it does |\n|---|---|---|");
         for command in commands().filter(|command| command.menu == menu) {
-            let keys = command.keys.map(|keys| escaped(&context.format_shortcut(&keys))).unwrap_or_default();
-            let _ = writeln!(text, "| {} | {keys} | {} |", command.name, prose(command.help));
+            let keys = escaped(&command.written_keys(context));
+            let _ = writeln!(text, "| {} | {keys} | {} |", command.name, prose(&command.whole_help()));
         }
     }
     text

@@ -121,9 +121,9 @@ fn node_ui(panel: &mut Properties, ui: &mut Ui, state: &State, name: &str, actio
         if node.is_use && ui.button("Enter").on_hover_text("Show the inside of the group (Enter)").clicked() {
             actions.push(Action::Enter(state.scope.iter().cloned().chain([name.to_string()]).collect()));
         }
-        let mut on = field::switch_ui(ui, !node.disabled, "On");
-        on.response = on.response.on_hover_text("Turn off to bypass the node: its input passes through unchanged (D)");
-        on.edit(actions, |_| edit::disabled(sheet, &[name.into()]));
+        let mut off = field::switch_ui(ui, node.disabled, "Disable");
+        off.response = off.response.on_hover_text("Let the input of the node pass through unchanged (D)");
+        off.edit(actions, |_| edit::disabled(sheet, &[name.into()]));
     });
     let Some(declaration) = node.declaration else {
         ui.label("Unknown node type. The node stays in the document unchanged.");

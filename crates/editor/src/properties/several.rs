@@ -20,10 +20,10 @@ pub(super) fn several_ui(panel: &mut Properties, ui: &mut Ui, state: &State, act
     let nodes: Vec<&Node> = names.iter().filter_map(|name| sheet.node(name)).collect();
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new(edit::count(nodes.len(), "node")).heading());
-        let on = same(nodes.iter().map(|node| !node.disabled));
-        let mut told = field::mixed_switch_ui(ui, on, "On");
-        told.response = told.response.on_hover_text("Turn off to bypass these nodes (D)");
-        told.edit(actions, |on| edit::switched(sheet, &names, on));
+        let off = same(nodes.iter().map(|node| node.disabled));
+        let mut told = field::mixed_switch_ui(ui, off, "Disable");
+        told.response = told.response.on_hover_text("Let the inputs of these nodes pass through unchanged (D)");
+        told.edit(actions, |off| edit::switched(sheet, &names, !off));
     });
     ui.add(egui::Label::new(RichText::new(types(&nodes)).weak()).wrap());
     ui.separator();

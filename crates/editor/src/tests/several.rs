@@ -131,19 +131,19 @@ fn nodes_of_other_types_share_what_has_the_same_name_and_kind() {
 }
 
 #[test]
-fn all_are_turned_off_and_on_together() {
+fn all_are_disabled_and_enabled_together() {
     let mut window = open(&["coarse", "fine"]);
-    let switch = |window: &Window| window.get_by_role_and_label(Role::CheckBox, "On").accesskit_node().toggled();
+    let switch = |window: &Window| window.get_by_role_and_label(Role::CheckBox, "Disable").accesskit_node().toggled();
     assert_eq!(switch(&window), Some(Toggled::Mixed));
     let click = |window: &mut Window| {
-        window.get_by_role_and_label(Role::CheckBox, "On").click();
+        window.get_by_role_and_label(Role::CheckBox, "Disable").click();
         window.run_steps(3);
     };
     let off = |window: &Window| ["coarse", "fine"].map(|node| value(window, node, "disabled"));
     click(&mut window);
-    assert_eq!((off(&window), switch(&window)), ([None, None], Some(Toggled::True)));
+    assert_eq!((off(&window), switch(&window)), ([Some(json!(true)), Some(json!(true))], Some(Toggled::True)));
     click(&mut window);
-    assert_eq!((off(&window), switch(&window)), ([Some(json!(true)), Some(json!(true))], Some(Toggled::False)));
+    assert_eq!((off(&window), switch(&window)), ([None, None], Some(Toggled::False)));
     act(&mut window, Action::Undo);
     act(&mut window, Action::Undo);
     assert_eq!(text(&window), GRAIN);

@@ -21,6 +21,21 @@ impl Viewer {
         }
     }
 
+    /// Returns whether what a command switches is on; `None` if it only does something.
+    pub(crate) fn is_on(&self, switch: Switch, state: &State) -> Option<bool> {
+        let compares = |mode: Mode| self.compare.held.as_ref().is_some_and(|held| held.mode == mode);
+        match switch {
+            Switch::Hold | Switch::LetGo => None,
+            Switch::Wipe => Some(compares(Mode::Wipe)),
+            Switch::Difference => Some(compares(Mode::Difference)),
+            Switch::Region => Some(self.frames_region || state.look.region.is_some()),
+            Switch::Hull => Some(self.space.shown),
+            Switch::Near => Some(self.near.shown),
+            Switch::Camera => Some(self.scene.steers()),
+            Switch::Scopes => Some(self.scopes.shown),
+        }
+    }
+
     /// Holds the current picture, if there is one.
     pub(super) fn hold(&mut self, state: &State) {
         if let Some(result) = &state.evaluated.result {

@@ -4,6 +4,7 @@
 mod allowed;
 mod find;
 mod leave;
+mod menu;
 mod modal;
 mod name;
 mod palette;
@@ -12,7 +13,7 @@ mod recover;
 mod welcome;
 
 use crate::actions::{Action, Layout as LayoutChoice, Pane};
-use crate::commands::{MENUS, commands};
+use crate::commands::MENUS;
 use crate::document::VersionStatus;
 use crate::editor::{Editor, Panels};
 use crate::state::State;
@@ -118,23 +119,17 @@ fn menus_ui(editor: &mut Editor, ui: &mut Ui, actions: &mut Vec<Action>) {
     MenuBar::new().ui(ui, |ui| {
         for menu in MENUS {
             ui.menu_button(menu, |ui| {
-                for command in commands().filter(|command| command.menu == menu) {
-                    let mut button = egui::Button::new(command.name);
-                    if let Some(keys) = command.keys {
-                        button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
-                    }
-                    let enabled = (command.enabled)(&editor.state);
-                    if ui.add_enabled(enabled, button).on_hover_text(command.help).clicked() {
-                        actions.push((command.action)(&editor.state));
-                    }
-                }
+                menu::commands_ui(editor, ui, menu, actions);
                 if menu == "Viewer" {
+                    ui.separator();
                     editor.panels.viewer.transform_menu(ui, &editor.state, actions);
                 }
                 if menu == "Window" {
+                    ui.separator();
                     layouts_ui(editor, ui, actions);
                 }
                 if menu == "File" && !editor.recent.is_empty() {
+                    ui.separator();
                     ui.menu_button("Open recent", |ui| {
                         for file in editor.recent.iter().filter(|file| file.is_file()) {
                             let name = file.file_name().unwrap_or_default().to_string_lossy();

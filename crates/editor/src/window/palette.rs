@@ -31,11 +31,10 @@ pub(super) fn palette_ui(
         chosen = moved(ui, chosen, found.len());
         ScrollArea::vertical().max_height(320.0).min_scrolled_height(320.0).auto_shrink([false, true]).show(ui, |ui| {
             for (index, command) in found.iter().enumerate() {
-                let keys = command.keys.map(|keys| ui.ctx().format_shortcut(&keys)).unwrap_or_default();
                 let button = egui::Button::selectable(index == chosen, command.name)
-                    .shortcut_text(keys)
+                    .shortcut_text(command.written_keys(ui.ctx()))
                     .min_size(egui::vec2(ui.available_width(), 0.0));
-                let row = ui.add(button).on_hover_text(command.help);
+                let row = ui.add(button).on_hover_text(command.whole_help());
                 if index == chosen {
                     row.scroll_to_me(None);
                 }
