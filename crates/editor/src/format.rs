@@ -47,6 +47,16 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
+/// Returns a unit of knobs as it follows a number.
+pub(crate) fn unit(unit: &str) -> String {
+    match unit {
+        "" => String::new(),
+        "degrees" => "°".into(),
+        "pixels" => " px".into(),
+        unit => format!(" {unit}"),
+    }
+}
+
 /// Formats a fraction as a percentage.
 pub(crate) fn percent(share: f64) -> String {
     match 100.0 * share {

@@ -1,5 +1,6 @@
 //! Axes of plots: as many round ticks as are legible, none of them cut off by the edge.
 
+use egui::Ui;
 use egui_plot::{AxisHints, GridInput, GridMark, Plot};
 
 /// Minimum distance between ticks, horizontally and vertically, in points.
@@ -40,10 +41,14 @@ fn decades((low, high): (f64, f64), point: f64) -> Vec<GridMark> {
     }
     let of = FINE.iter().find(apart).unwrap_or(&FINE[3]);
     let all = (low.floor() as i64..=high.ceil() as i64).take(100);
-    all.flat_map(|decade| of.iter().map(move |of| decade as f64 + of.log10()))
-        .filter(|value| (low..=high - END * point.abs()).contains(value))
-        // All of them get labels: their distance is already taken care of.
-        .map(|value| GridMark { value, step_size: 1.0 })
+    // The lines of powers of ten are the strongest ones. All of them get labels: their distance is already taken care of.
+    let step = |index: usize| match index {
+        0 => 1.0,
+        _ => (of.get(index + 1).unwrap_or(&10.0) / of[index]).log10(),
+    };
+    all.flat_map(|decade| of.iter().enumerate().map(move |(index, of)| (index, decade as f64 + of.log10())))
+        .map(|(index, value)| GridMark { value, step_size: step(index) })
+        .filter(|mark| (low..=high - END * point.abs()).contains(&mark.value))
         .collect()
 }
 
@@ -52,6 +57,16 @@ pub(crate) fn numbered(value: f64, step: f64) -> String {
     let digits = (-step.log10() - 1e-9).ceil().clamp(0.0, 12.0) as usize;
     let value = if value.abs() < 0.5 * step { 0.0 } else { value };
     format!("{value:.digits$}")
+}
+
+/// Returns the height of a plot in all of the width: higher in a wide panel, where it would be a strip.
+pub(crate) fn height(ui: &Ui, least: f32) -> f32 {
+    (0.28 * ui.available_width()).clamp(least, 2.0 * least)
+}
+
+/// Returns the side of a square plot.
+pub(crate) fn side(ui: &Ui, least: f32) -> f32 {
+    height(ui, least).min(ui.available_width())
 }
 
 /// Returns the value per point.
@@ -111,6 +126,8 @@ mod tests {
             let all = decades((low, high), (high - low) / 200.0);
             assert!(all.len() >= 2, "{low} to {high}: {all:?}");
             assert!(all.windows(2).all(|two| two[1].value > two[0].value));
+            let is_power = |mark: &GridMark| mark.value.fract().abs() < 1e-9;
+            assert!(all.iter().all(|mark| (mark.step_size == 1.0) == is_power(mark)), "{all:?}");
         }
     }
 }

@@ -103,12 +103,14 @@ fn nodes_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         ui.weak("Nothing has been evaluated yet.");
         return;
     }
+    // Names and times stand beside the bars.
+    let room = (ui.available_width() - 240.0).clamp(110.0, 420.0);
     Grid::new("nodes").num_columns(3).striped(true).show(ui, |ui| {
         for node in nodes.iter().filter(|node| node.seconds > 0.002 * longest).take(40) {
             if ui.link(&node.name).on_hover_text(node.ty).clicked() {
                 actions.push(Action::Visit(node.name.clone()));
             }
-            let (rect, response) = ui.allocate_exact_size(vec2(110.0, 12.0), Sense::hover());
+            let (rect, response) = ui.allocate_exact_size(vec2(room, 12.0), Sense::hover());
             let width = rect.width() * (node.seconds / longest) as f32;
             let color = match node.estimated {
                 true => Color32::from_rgb(0x5c, 0x9d, 0xdc).gamma_multiply(0.6),

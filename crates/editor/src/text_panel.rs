@@ -2,7 +2,7 @@
 
 use crate::actions::Action;
 use crate::state::State;
-use egui::{RichText, ScrollArea, TextEdit, Ui};
+use egui::{Label, Margin, RichText, ScrollArea, TextEdit, TextStyle, Ui};
 
 /// State of the text panel.
 #[derive(Debug, Default)]
@@ -36,6 +36,16 @@ impl TextPanel {
     pub(crate) fn typings(&self) -> u64 {
         self.typings
     }
+}
+
+/// Margin of the field.
+const FIELD: Margin = Margin::symmetric(4, 2);
+
+/// Returns the numbers of the lines of a text, one below the other.
+fn numbers(text: &str) -> String {
+    let count = text.split('\n').count();
+    let width = count.to_string().len();
+    (1..=count).map(|line| format!("{line:>width$}")).collect::<Vec<String>>().join("\n")
 }
 
 /// Draws the text, with its faults and their places above.
@@ -86,10 +96,34 @@ pub(crate) fn text_panel_ui(panel: &mut TextPanel, ui: &mut Ui, state: &State, a
             text: session.text().into(),
             typed: false,
         });
-        let edit = TextEdit::multiline(&mut draft.text).code_editor().desired_width(f32::INFINITY);
-        if ui.add(edit).changed() {
-            draft.typed = draft.text != session.text();
-            panel.typings += 1;
-        }
+        ui.horizontal_top(|ui| {
+            let numbers = Label::new(RichText::new(numbers(&draft.text)).monospace().weak()).selectable(false);
+            // As high as the first line of the field, which has a margin.
+            ui.vertical(|ui| {
+                ui.add_space(FIELD.top.into());
+                ui.add(numbers.extend());
+            });
+            let mut layout = |ui: &Ui, text: &dyn egui::TextBuffer, _: f32| {
+                let font = TextStyle::Monospace.resolve(ui.style());
+                ui.fonts_mut(|fonts| fonts.layout_no_wrap(text.as_str().into(), font, ui.visuals().text_color()))
+            };
+            let edit = TextEdit::multiline(&mut draft.text).code_editor().margin(FIELD).desired_width(f32::INFINITY);
+            if ui.add(edit.layouter(&mut layout)).changed() {
+                draft.typed = draft.text != session.text();
+                panel.typings += 1;
+            }
+        });
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_line_has_its_number() {
+        assert_eq!(numbers(""), "1");
+        assert_eq!(numbers("{\n}"), "1\n2");
+        assert_eq!(numbers(&"\n".repeat(9)), " 1\n 2\n 3\n 4\n 5\n 6\n 7\n 8\n 9\n10", "the last line is empty");
+    }
 }

@@ -3,7 +3,7 @@
 use super::typed::{self, NoNumber, Wanted};
 use super::{FieldResponse, Gesture, escaped, joined, rounded};
 use crate::refusal::{self, refusal_ui};
-use egui::{DragValue, Slider, Ui};
+use egui::{Atom, DragValue, Slider, Ui};
 use serde_json::{Value, json};
 use std::cell::Cell;
 use std::ops::RangeInclusive;
@@ -208,7 +208,8 @@ impl<'n> Number<'n> {
         let field = DragValue::new(&mut value)
             .clamp_existing_to_range(false)
             .speed(self.speed)
-            .prefix(self.prefix)
+            // Numbers below each other align at their ends.
+            .prefix((Atom::grow(), self.prefix))
             .suffix(self.suffix)
             .custom_formatter(|_, _| shown.clone())
             .custom_parser(parse)

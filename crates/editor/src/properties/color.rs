@@ -47,8 +47,10 @@ pub(super) fn color_ui(
         other => crate::document::change::style(other),
     };
     let salt = place.path.to_string();
+    // The dropper and the key button follow; names and triples are longer than #rrggbb.
+    let width = (ui.available_size_before_wrap().x - 84.0).clamp(72.0, 180.0);
     let text = field::draft_ui(ui, &salt, &written, read_color, |text| {
-        TextEdit::singleline(text).desired_width(72.0).font(egui::TextStyle::Monospace)
+        TextEdit::singleline(text).desired_width(width).font(egui::TextStyle::Monospace)
     });
     let given = swatch.given.or(text.given);
     let response = field::joined(swatch.response, text.response);

@@ -64,15 +64,7 @@ pub(super) fn button_ui(
     let diamond = diamond_ui(ui, filled, keyed.is_some()).on_hover_text(help);
     diamond.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Button, true, help));
     if let Some(gesture) = Gesture::click(&diamond) {
-        let value = match keyed {
-            Some(keyed) if keyed.find(frame).is_some() => {
-                keyed.without(&[frame]).map_or_else(|| shown.clone(), |keyed| keyed.write())
-            }
-            Some(keyed) => keyed.with(frame, shown).write(),
-            None => Curve { keys: Vec::new(), interpolation: Interpolation::Linear }.with(frame, shown).write(),
-        };
-        gesture.edit(place.set(&value), actions);
-        actions.push(Action::Seal);
+        switch(gesture, keyed, shown, place, actions);
     }
     if keyed.is_some() {
         let mut open = panel.curves.contains(&place.path);
@@ -84,6 +76,38 @@ pub(super) fn button_ui(
             };
         }
     }
+}
+
+/// Draws the entry of a knob's menu that sets or removes a key at this frame.
+pub(super) fn menu_ui(ui: &mut Ui, shown: &Value, place: &WidgetContext<'_>, actions: &mut Vec<Action>) {
+    let keyed = place.value.and_then(Curve::read);
+    let frame = place.state.frame as f64;
+    let has_key = keyed.as_ref().is_some_and(|keyed| keyed.find(frame).is_some());
+    let entry = ui.button(if has_key { "Remove key" } else { "Set key" });
+    if let Some(gesture) = Gesture::click(&entry) {
+        switch(gesture, keyed.as_ref(), shown, place, actions);
+        ui.close();
+    }
+}
+
+/// Sets a key at this frame, or removes it.
+fn switch(
+    gesture: Gesture,
+    keyed: Option<&Curve>,
+    shown: &Value,
+    place: &WidgetContext<'_>,
+    actions: &mut Vec<Action>,
+) {
+    let frame = place.state.frame as f64;
+    let value = match keyed {
+        Some(keyed) if keyed.find(frame).is_some() => {
+            keyed.without(&[frame]).map_or_else(|| shown.clone(), |keyed| keyed.write())
+        }
+        Some(keyed) => keyed.with(frame, shown).write(),
+        None => Curve { keys: Vec::new(), interpolation: Interpolation::Linear }.with(frame, shown).write(),
+    };
+    gesture.edit(place.set(&value), actions);
+    actions.push(Action::Seal);
 }
 
 /// Draws a keyframe diamond, filled if there is a key at the current frame.

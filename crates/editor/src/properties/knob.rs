@@ -7,6 +7,7 @@ use crate::actions::Action;
 use crate::document::curve::Curve;
 use crate::document::edit::default_value;
 use crate::field::{self, FieldResponse, Gesture, NoNumber, Number};
+use crate::format;
 use egui::{ComboBox, TextEdit, Ui};
 use serde_json::{Value, json};
 use trochoid::{Item, Knob, KnobDefault, KnobType, expected};
@@ -105,6 +106,9 @@ fn menu_ui(
         place.reset(gesture, actions);
         ui.close();
     }
+    if knob.animated {
+        key::menu_ui(ui, shown, place, actions);
+    }
     link::menu_ui(panel, ui, place);
     if place.path.0.first() == Some(&"nodes".into()) {
         promote_ui(ui, place, actions);
@@ -130,10 +134,11 @@ fn widget_ui(
         let given = Gesture::click(&button).map(|gesture| (value.clone(), gesture));
         return FieldResponse { response: button, given };
     }
-    let suffix = unit(knob.unit);
+    let suffix = format::unit(knob.unit);
     match (&knob.takes, value) {
         (KnobType::Number { min, max }, Value::Number(_)) => number_ui(ui, value, (*min, *max), &suffix),
         (KnobType::Integer { min, max }, Value::Number(number)) => {
+            ui.spacing_mut().interact_size.x = NUMBER;
             let number = Number::new(number.as_f64().unwrap_or_default()).whole();
             number.range(*min as f64, *max as f64).suffix(&suffix).value_ui(ui).map(whole)
         }
@@ -144,10 +149,19 @@ fn widget_ui(
             vector_ui(ui, items, &Item::Knob(*knob), place)
         }
         (KnobType::Text | KnobType::Path, Value::String(text)) => {
-            field::text_ui(ui, text, |text| TextEdit::singleline(text).desired_width(180.0)).map(Value::from)
+            let width = text_width(ui);
+            field::text_ui(ui, text, |text| TextEdit::singleline(text).desired_width(width)).map(Value::from)
         }
-        (takes, value) => field::value_ui(ui, &place.path.to_string(), value, 180.0, |text| read(text, takes)),
+        (takes, value) => {
+            let width = text_width(ui);
+            field::value_ui(ui, &place.path.to_string(), value, width, |text| read(text, takes))
+        }
     }
+}
+
+/// Returns the width of a text field, which leaves room for the key button.
+fn text_width(ui: &Ui) -> f32 {
+    (ui.available_size_before_wrap().x - 36.0).clamp(180.0, 420.0)
 }
 
 /// Error in a typed value: what the knob expects.
@@ -207,7 +221,7 @@ fn whole(value: Value) -> Value {
 /// # Errors
 /// It is none; the error is what was expected.
 pub(super) fn typed_value<'k>(text: &str, knob: &'k Knob) -> Result<Value, NoValue<'k>> {
-    let suffix = unit(knob.unit);
+    let suffix = format::unit(knob.unit);
     let number = |number: Number<'_>| number.suffix(&suffix).read(text).map_err(NoValue::Number);
     match &knob.takes {
         KnobType::Number { min, max } => number(Number::new(0.0).range(*min, *max)).map(Value::from),
@@ -240,7 +254,7 @@ fn vector_ui(ui: &mut Ui, items: &[Value], knob: &Item, place: &WidgetContext<'_
         // Each component has its own id, so that widgets that come and go nearby do not disturb typing.
         let own = ui.push_id(("component", index), |ui| match link::of(Some(item)) {
             Some(_) => link::component_ui(ui, &place.path.to(index), item),
-            None => number_ui(ui, item, (f64::NEG_INFINITY, f64::INFINITY), ""),
+            None => Number::new(item.as_f64().unwrap_or_default()).value_ui(ui),
         });
         let own = follow::component_ui(ui, own.inner, knob).map(|component| {
             let mut items = items.to_vec();
@@ -257,27 +271,24 @@ fn vector_ui(ui: &mut Ui, items: &[Value], knob: &Item, place: &WidgetContext<'_
     all.unwrap_or_else(|| FieldResponse::nothing(ui.weak("—")))
 }
 
-/// Returns a unit as the suffix of a number.
-fn unit(unit: &str) -> String {
-    match unit {
-        "" => String::new(),
-        "degrees" => "°".into(),
-        "pixels" => " px".into(),
-        unit => format!(" {unit}"),
-    }
-}
+/// Least width of a number that stands alone, in points: as wide as most, so that they form a column.
+const NUMBER: f32 = 64.0;
+
+/// Greatest width of a slider, in points.
+const SLIDER: f32 = 260.0;
 
 /// Draws a number field: with a slider if the range is small enough, otherwise without. Shift drags finely.
 pub(super) fn number_ui(ui: &mut Ui, value: &Value, (min, max): (f64, f64), suffix: &str) -> FieldResponse<Value> {
     let mut number = Number::new(value.as_f64().unwrap_or_default()).range(min, max).suffix(suffix);
+    ui.spacing_mut().interact_size.x = NUMBER;
     // The number and the key button follow the slider.
-    let room = ui.available_size_before_wrap().x - 84.0;
+    let room = ui.available_size_before_wrap().x - NUMBER - 44.0;
     let spans = min >= -1.0 && max <= 4.0 && max > min;
     if spans {
         number = number.speed((max - min) / 200.0);
     }
     if spans && room >= 40.0 {
-        ui.spacing_mut().slider_width = room.min(120.0);
+        ui.spacing_mut().slider_width = room.min(SLIDER);
         number = number.slider(min..=max, false);
     }
     number.value_ui(ui)

@@ -12,6 +12,7 @@ mod lasting;
 mod leaving;
 mod linking;
 mod looking;
+mod looks;
 mod modules;
 mod palette;
 mod panels;

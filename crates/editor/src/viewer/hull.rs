@@ -160,7 +160,9 @@ fn axes(painter: &Painter, turned: &Projection) {
         let at = turned.place(end).0;
         painter.line_segment([origin, at], Stroke::new(1.0, color.gamma_multiply(0.6)));
         let beside = (at - origin).normalized() * 9.0;
-        painter.text(at + beside, Align2::CENTER_CENTER, name, FontId::proportional(11.0), color);
+        // An axis may end outside; its letter then stands at the edge.
+        let letter = painter.clip_rect().shrink(8.0).clamp(at + beside);
+        painter.text(letter, Align2::CENTER_CENTER, name, FontId::proportional(11.0), color);
     }
 }
 

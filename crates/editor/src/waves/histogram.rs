@@ -106,7 +106,8 @@ pub(super) fn histogram_ui(counted: &mut Counted, ui: &mut Ui, spectrum: &Spectr
     let blue = ink(Color32::from_rgb(0x5c, 0x9d, 0xdc), ui.visuals());
     let gold = ink(Color32::from_rgb(0xe8, 0xb0, 0x4a), ui.visuals());
     let has_curve = curve.is_some();
-    let plot = Plot::new(("histogram", *counted as u8)).height(140.0).include_y(0.0).include_x(0.0);
+    let plot =
+        Plot::new(("histogram", *counted as u8)).height(crate::plots::height(ui, 140.0)).include_y(0.0).include_x(0.0);
     crate::plots::even(plot, counted.axis(), "waves").show(ui, |plot| {
         plot.bar_chart(BarChart::new("", bars).color(blue.gamma_multiply(0.8)));
         if let Some(curve) = curve {

@@ -5,10 +5,10 @@ use crate::actions::Action;
 use crate::document::link::is_link;
 use crate::document::{Edit, Path};
 use crate::field::{Gesture, Number};
-use crate::format::number;
+use crate::format::{number, unit};
 use crate::prose::explained;
 use crate::state::State;
-use egui::{Align2, Color32, ComboBox, FontId, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
+use egui::{Align, Align2, Color32, ComboBox, FontId, Label, Layout, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
 use serde_json::{Value, json};
 use trochoid::{Declaration, Item, Knob, KnobDefault, KnobType, Settled};
 
@@ -58,13 +58,17 @@ enum Given {
     Elsewhere,
 }
 
+/// Side of the dial of the direction, and width of the names of knobs, in points.
+const DIAL: f32 = 92.0;
+const NAME: f32 = 104.0;
+
 pub(super) fn knobs_ui(ui: &mut Ui, state: &State, sea: &Sea<'_>, actions: &mut Vec<Action>) {
     let items = sea.declaration.items.iter();
     let knobs: Vec<&Knob> =
         items.filter_map(|item| if let Item::Knob(knob) = item { Some(knob) } else { None }).collect();
     let knob = |name: &str| knobs.iter().copied().find(|knob| knob.name == name);
-    // Leaves room for a name beside each slider.
-    ui.spacing_mut().slider_width = 84.0;
+    // The dial, a name, and the number stand beside each slider.
+    ui.spacing_mut().slider_width = (ui.available_width() - DIAL - NAME - 96.0).clamp(84.0, 300.0);
     ui.horizontal_top(|ui| {
         if let Some(direction) = knob("direction") {
             dial_ui(ui, state, sea, direction, actions);
@@ -127,15 +131,6 @@ fn named(knob: &Knob) -> String {
     knob.name.replace('_', " ")
 }
 
-/// Returns the unit of a knob as a suffix of its value.
-fn unit(knob: &Knob) -> String {
-    match knob.unit {
-        "" => String::new(),
-        "degrees" => "°".into(),
-        unit => format!(" {unit}"),
-    }
-}
-
 /// Returns the present value of a number in words, where there is one.
 fn present(sea: &Sea<'_>, knob: &Knob) -> Option<String> {
     let settled = sea.settled.as_ref()?;
@@ -143,7 +138,17 @@ fn present(sea: &Sea<'_>, knob: &Knob) -> Option<String> {
         KnobType::Integer { .. } => settled.integer(knob.name) as f64,
         _ => settled.number(knob.name),
     };
-    value.is_finite().then(|| format!("{}{}", number(value), unit(knob)))
+    value.is_finite().then(|| format!("{}{}", number(value), unit(knob.unit)))
+}
+
+/// Draws the name of a knob, before its value as in the properties.
+fn name_ui(ui: &mut Ui, knob: &Knob) {
+    let size = vec2(NAME, ui.spacing().interact_size.y);
+    let label = ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+        ui.set_min_width(NAME);
+        ui.add(Label::new(named(knob)).truncate())
+    });
+    explained(label.inner, knob.help);
 }
 
 fn knob_ui(ui: &mut Ui, state: &State, sea: &Sea<'_>, knob: &Knob, actions: &mut Vec<Action>) {
@@ -164,8 +169,8 @@ fn knob_ui(ui: &mut Ui, state: &State, sea: &Sea<'_>, knob: &Knob, actions: &mut
         Given::Elsewhere => {
             let Some(value) = present(sea, knob) else { return };
             ui.horizontal(|ui| {
+                name_ui(ui, knob);
                 ui.label(value);
-                explained(ui.weak(named(knob)), knob.help);
             });
         }
     }
@@ -174,6 +179,7 @@ fn knob_ui(ui: &mut Ui, state: &State, sea: &Sea<'_>, knob: &Knob, actions: &mut
 fn choice_ui(ui: &mut Ui, state: &State, sea: &Sea<'_>, knob: &Knob, words: &[&str], actions: &mut Vec<Action>) {
     let chosen = word(state, sea, knob);
     ui.horizontal(|ui| {
+        name_ui(ui, knob);
         let follows = value(state, sea, knob).and_then(Value::as_str).is_some_and(is_link);
         match path(sea, knob).filter(|_| !follows) {
             Some(path) => {
@@ -191,7 +197,6 @@ fn choice_ui(ui: &mut Ui, state: &State, sea: &Sea<'_>, knob: &Knob, words: &[&s
             }
             None => drop(ui.label(&chosen)),
         }
-        explained(ui.label(named(knob)), knob.help);
     });
 }
 
@@ -214,16 +219,16 @@ fn slider_ui(ui: &mut Ui, path: &Path, knob: &Knob, value: f64, actions: &mut Ve
     };
     let whole = matches!(knob.takes, KnobType::Integer { .. });
     ui.horizontal(|ui| {
+        name_ui(ui, knob);
         let logarithmic = matches!(knob.name, "wavelength" | "along" | "across" | "count");
         let (min, max) = match knob.takes {
             KnobType::Number { min, max } => (min, max),
             KnobType::Integer { min, max } => (min as f64, max as f64),
             _ => (f64::NEG_INFINITY, f64::INFINITY),
         };
-        let number = Number::new(value).range(min, max).decimals(3);
+        let number = Number::new(value).range(min, max).decimals(2);
         let number = if whole { number.whole() } else { number };
-        let told = number.suffix(&unit(knob)).slider(low..=high, logarithmic).ui(ui);
-        explained(ui.label(named(knob)), knob.help);
+        let told = number.suffix(&unit(knob.unit)).slider(low..=high, logarithmic).ui(ui);
         told.edit(actions, |value| set(path, value));
     });
 }
@@ -238,7 +243,7 @@ fn dial_ui(ui: &mut Ui, state: &State, sea: &Sea<'_>, knob: &Knob, actions: &mut
         Given::Unset | Given::Elsewhere => (None, present, None),
     };
     let sense = if path.is_some() { Sense::click_and_drag() } else { Sense::hover() };
-    let (rect, response) = ui.allocate_exact_size(vec2(92.0, 92.0), sense);
+    let (rect, response) = ui.allocate_exact_size(vec2(DIAL, DIAL), sense);
     let (center, radius) = (rect.center(), 40.0);
     let visuals = ui.visuals();
     let painter = ui.painter_at(rect);

@@ -77,7 +77,7 @@ pub(super) fn profile_ui(section: &mut Section, ui: &mut Ui, profile: &Profile, 
     let water = if is_late { water.gamma_multiply(0.5) } else { water };
     let weak = ui.visuals().weak_text_color();
     let is_folded = !folds.is_empty();
-    let mut plot = Plot::new(("profile", section.equal)).height(130.0);
+    let mut plot = Plot::new(("profile", section.equal)).height(crate::plots::height(ui, 130.0));
     if section.equal {
         plot = plot.data_aspect(1.0);
     }

@@ -43,7 +43,7 @@ pub(super) fn spectrum_ui(ui: &mut Ui, spectrum: &Spectrum, sheet: &Sheet, sea: 
     let step = spectrum.waves.len().div_ceil(MOST).max(1);
     let stems: Vec<[f64; 2]> =
         spectrum.waves.iter().step_by(step).map(|wave| [wave.wavelength.log10(), wave.amplitude.abs()]).collect();
-    let plot = Plot::new("spectrum").height(150.0).include_y(0.0);
+    let plot = Plot::new("spectrum").height(crate::plots::height(ui, 150.0)).include_y(0.0);
     let color = ink(Color32::from_rgb(0x3f, 0xb5, 0xb0), ui.visuals());
     crate::plots::logarithmic(plot, "m, crest to crest", "m").show(ui, |plot| {
         plot.points(Points::new("", PlotPoints::from(stems)).stems(0.0).radius(1.5).color(color));
@@ -59,7 +59,8 @@ pub(super) fn spectrum_ui(ui: &mut Ui, spectrum: &Spectrum, sheet: &Sheet, sea: 
         })
         .collect();
     let reach = rose.iter().flatten().fold(0.0_f64, |most, value| most.max(value.abs()));
-    let plot = Plot::new("rose").height(180.0).data_aspect(1.0);
+    let side = crate::plots::side(ui, 180.0);
+    let plot = Plot::new("rose").width(side).height(side).data_aspect(1.0);
     let color = ink(Color32::from_rgb(0x5c, 0x9d, 0xdc), ui.visuals());
     crate::plots::above(plot, "along X: amplitude in m", "along Z, m")
         .include_x(-reach)

@@ -86,7 +86,8 @@ pub(super) fn stability_ui(
     if let Some(map) = &stability.map {
         let region: Vec<[f64; 2]> = map.region.clone();
         let [across, up] = map.axes;
-        let plot = Plot::new("stability").height(200.0).data_aspect(1.0);
+        let side = crate::plots::side(ui, 200.0);
+        let plot = Plot::new("stability").width(side).height(side).data_aspect(1.0);
         let shown = crate::plots::even(plot, across, up).show(ui, |plot| {
             plot.polygon(
                 Polygon::new("stable", PlotPoints::from(region))

@@ -11,13 +11,33 @@ use egui::{
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Widths of the lists, in points.
+/// Width of the list of documents, and size of a picture, in points; in large windows they grow.
 const LEFT: f32 = 250.0;
 const PICTURE: Vec2 = vec2(176.0, 99.0);
 /// All of a texture.
 const WHOLE: Rect = Rect { min: egui::pos2(0.0, 0.0), max: egui::pos2(1.0, 1.0) };
-/// Height of the lists, in points.
-const HEIGHT: f32 = 520.0;
+/// Least size of the welcome where the window has room for it, in points; in large windows it covers three quarters.
+const LEAST: Vec2 = vec2(900.0, 520.0);
+
+/// Sizes of its parts in a window.
+#[derive(Clone, Copy)]
+struct Sizes {
+    left: f32,
+    picture: Vec2,
+    right: f32,
+    height: f32,
+}
+
+impl Sizes {
+    fn new(window: Vec2) -> Self {
+        let room = window - vec2(80.0, 120.0);
+        let [width, height] = (0.75 * room).max(LEAST).min(room).into();
+        let grown = (width / LEAST.x).clamp(1.0, 1.6);
+        let (left, picture) = (LEFT * grown.min(1.3), PICTURE * grown);
+        let columns = ((width - left - 30.0) / (picture.x + 10.0)).floor().max(1.0);
+        Self { left, picture, right: columns * (picture.x + 10.0) + 14.0, height }
+    }
+}
 
 /// Draws the welcome, and does what is chosen.
 pub(super) fn welcome_ui(context: &Context, mut shown: Welcome, actions: &mut Vec<Action>) -> Option<Prompt> {
@@ -30,19 +50,17 @@ pub(super) fn welcome_ui(context: &Context, mut shown: Welcome, actions: &mut Ve
     }
     let moved = context.input(|input| input.events.iter().any(|event| matches!(event, egui::Event::Key { .. })));
     let mut taken = None;
-    let room = context.content_rect().size() - vec2(80.0, 120.0);
-    let height = HEIGHT.min(room.y);
-    let columns = ((room.x - LEFT - 30.0) / (PICTURE.x + 10.0)).floor().clamp(1.0, 3.0);
-    let right = columns * (PICTURE.x + 10.0) + 14.0;
+    let sizes = Sizes::new(context.content_rect().size());
+    let Sizes { left, right, height, .. } = sizes;
     let modal = Modal::new("welcome".into()).show(context, |ui| {
-        ui.set_width(LEFT + 18.0 + right);
+        ui.set_width(left + 18.0 + right);
         ui.label(RichText::new("Trochoid").heading());
         ui.add_space(6.0);
         let mut places = vec![Rect::NOTHING; shown.choices.len()];
         ui.horizontal_top(|ui| {
-            ui.allocate_ui_with_layout(vec2(LEFT, height), Layout::top_down(Align::Min), |ui| {
-                ui.set_width(LEFT);
-                list_ui(ui, &mut shown, height, &mut places, &mut taken, actions);
+            ui.allocate_ui_with_layout(vec2(left, height), Layout::top_down(Align::Min), |ui| {
+                ui.set_width(left);
+                list_ui(ui, &mut shown, sizes, &mut places, &mut taken, actions);
             });
             ui.add_space(8.0);
             ui.allocate_ui_with_layout(vec2(right, height), Layout::top_down(Align::Min), |ui| {
@@ -50,7 +68,7 @@ pub(super) fn welcome_ui(context: &Context, mut shown: Welcome, actions: &mut Ve
                 ui.strong("Begin with a scene");
                 ui.add_space(4.0);
                 let area = ScrollArea::vertical().id_salt("templates").max_height(height - 30.0).auto_shrink(false);
-                area.show(ui, |ui| templates_ui(ui, &mut shown, moved, &mut places, &mut taken));
+                area.show(ui, |ui| templates_ui(ui, &mut shown, (sizes.picture, moved), &mut places, &mut taken));
             });
         });
         shown.places = places;
@@ -76,7 +94,7 @@ pub(super) fn welcome_ui(context: &Context, mut shown: Welcome, actions: &mut Ve
 fn list_ui(
     ui: &mut Ui,
     shown: &mut Welcome,
-    height: f32,
+    sizes: Sizes,
     places: &mut [Rect],
     taken: &mut Option<usize>,
     actions: &mut Vec<Action>,
@@ -95,7 +113,7 @@ fn list_ui(
     ui.add_space(8.0);
     ui.strong("Recent documents");
     ui.add_space(4.0);
-    let area = ScrollArea::vertical().id_salt("recent").max_height(height - 150.0).auto_shrink(false);
+    let area = ScrollArea::vertical().id_salt("recent").max_height(sizes.height - 150.0).auto_shrink(false);
     area.show(ui, |ui| {
         let recent = shown.choices.iter().enumerate().filter_map(|(index, choice)| match choice {
             Choice::Recent(file) => Some((index, file.as_path())),
@@ -109,7 +127,7 @@ fn list_ui(
         for (index, file) in shown.gone.iter().enumerate() {
             ui.horizontal(|ui| {
                 let text = RichText::new(format!("{} is gone", name(file))).weak().italics();
-                let room = vec2(LEFT - 80.0, ui.spacing().interact_size.y);
+                let room = vec2(sizes.left - 80.0, ui.spacing().interact_size.y);
                 let label = ui.allocate_ui_with_layout(room, Layout::left_to_right(Align::Center), |ui| {
                     ui.set_min_width(room.x);
                     ui.add_space(8.0);
@@ -175,13 +193,18 @@ fn row_ui(ui: &mut Ui, name: &str, told: &str, chosen: bool, picture: Option<(Te
 }
 
 /// Draws the pictures of the templates.
-fn templates_ui(ui: &mut Ui, shown: &mut Welcome, moved: bool, places: &mut [Rect], taken: &mut Option<usize>) {
+fn templates_ui(
+    ui: &mut Ui,
+    shown: &mut Welcome,
+    (size, moved): (Vec2, bool),
+    places: &mut [Rect],
+    taken: &mut Option<usize>,
+) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = vec2(10.0, 8.0);
         for (index, place) in places.iter_mut().enumerate() {
             let Choice::Template(scene) = shown.choices[index] else { continue };
-            let size = PICTURE + vec2(0.0, 20.0);
-            let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+            let (rect, response) = ui.allocate_exact_size(size + vec2(0.0, 20.0), Sense::click());
             let chosen = index == shown.chosen;
             response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, chosen, scene.name));
             *place = rect;
@@ -189,7 +212,7 @@ fn templates_ui(ui: &mut Ui, shown: &mut Welcome, moved: bool, places: &mut [Rec
                 response.scroll_to_me(None);
             }
             if ui.is_rect_visible(rect) {
-                let picture = Rect::from_min_size(rect.min, PICTURE);
+                let picture = Rect::from_min_size(rect.min, size);
                 if let Some(texture) = picture_of(ui, shown, scene) {
                     ui.painter().image(texture, picture.shrink(2.0), WHOLE, egui::Color32::WHITE);
                 }
@@ -241,4 +264,24 @@ fn name(file: &Path) -> String {
 
 fn folder(file: &Path) -> String {
     file.parent().unwrap_or(file).display().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_welcome_fills_large_windows_and_fits_small_ones() {
+        for (window, columns) in
+            [([700.0, 500.0], 1.0), ([1280.0, 800.0], 3.0), ([1920.0, 1080.0], 3.0), ([2560.0, 1440.0], 5.0)]
+        {
+            let sizes = Sizes::new(window.into());
+            assert_eq!(((sizes.right - 14.0) / (sizes.picture.x + 10.0)).round(), columns, "{window:?}");
+            assert!(sizes.left + 18.0 + sizes.right <= window[0] - 60.0, "{window:?}");
+            assert!(sizes.height <= window[1] - 120.0, "{window:?}");
+        }
+        assert_eq!(Sizes::new(vec2(1280.0, 800.0)).picture, PICTURE);
+        let large = Sizes::new(vec2(2560.0, 1440.0));
+        assert!(large.height > 900.0 && large.left + large.right > 1500.0);
+    }
 }
