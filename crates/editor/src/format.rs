@@ -47,6 +47,14 @@ pub(crate) fn number(value: f64) -> String {
     }
 }
 
+/// Formats a measure with two decimals, or with its significant digits if it is small.
+pub(crate) fn measure(value: f64) -> String {
+    match value.abs() {
+        a if a == 0.0 || (0.1..1e6).contains(&a) => format!("{value:.2}"),
+        _ => number(value),
+    }
+}
+
 /// Returns a unit of knobs as it follows a number.
 pub(crate) fn unit(unit: &str) -> String {
     match unit {
@@ -81,5 +89,7 @@ mod tests {
         assert_eq!(thousands(12), "12");
         assert_eq!(number(0.25), "0.2500");
         assert_eq!(number(f64::INFINITY), "inf");
+        assert_eq!([12.438, -0.4039, 0.0].map(measure), ["12.44", "-0.40", "0.00"]);
+        assert_eq!([0.004, 1e9].map(measure), ["0.0040", "1.000e9"]);
     }
 }

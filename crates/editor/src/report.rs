@@ -104,7 +104,7 @@ fn nodes_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         return;
     }
     // Names and times stand beside the bars.
-    let room = (ui.available_width() - 240.0).clamp(110.0, 420.0);
+    let room = (ui.available_width() - 200.0).clamp(110.0, 420.0);
     Grid::new("nodes").num_columns(3).striped(true).show(ui, |ui| {
         for node in nodes.iter().filter(|node| node.seconds > 0.002 * longest).take(40) {
             if ui.link(&node.name).on_hover_text(node.ty).clicked() {

@@ -434,6 +434,14 @@ pub static COMMANDS: &[Command] = &[
     .begins(),
     command(
         "Viewer",
+        "Whole picture",
+        keys(Modifiers::SHIFT, Key::W),
+        "Evaluate the whole picture instead of a region.",
+        |_| Action::Region(None),
+        |state| state.look.region.is_some(),
+    ),
+    command(
+        "Viewer",
         "Hull",
         None,
         "Switch between the picture and its colors inside the convex hull of the controls.",
@@ -460,14 +468,6 @@ pub static COMMANDS: &[Command] = &[
         always,
     )
     .over_viewer(Key::S),
-    command(
-        "Viewer",
-        "Whole picture",
-        keys(Modifiers::SHIFT, Key::W),
-        "Evaluate the whole picture instead of a region.",
-        |_| Action::Region(None),
-        |state| state.look.region.is_some(),
-    ),
     command("Window", "Show viewer", None, "Show the picture.", |_| Action::Panel(Pane::Viewer), always),
     command(
         "Window",

@@ -216,28 +216,32 @@ fn document_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut
         number(ui, "Frames per second", frames.to("fps"), Number::rate(sheet.frames.2), actions);
         next_row(ui);
     });
-    let combo = (0.45 * ui.available_width()).clamp(48.0, 100.0);
-    let choice = |ui: &mut Ui, label: &str, path: Path, words: &[&str], default: &str, actions: &mut Vec<Action>| {
-        let chosen = sheet.get(&path).and_then(Value::as_str).unwrap_or(default).to_string();
-        egui::ComboBox::from_label(label).width(combo).selected_text(&chosen).show_ui(ui, |ui| {
-            for word in words {
-                if let Some(gesture) = Gesture::click(&ui.selectable_label(*word == chosen, *word)) {
-                    gesture.edit(Edit::set(path.clone(), &(*word).into()), actions);
+    // The label stands before the field, as everywhere.
+    let choice = |ui: &mut Ui, label: &str, path: Path, shown: &str, values: &[Value], actions: &mut Vec<Action>| {
+        let named = ui.label(label);
+        let width = ui.available_width().clamp(48.0, 100.0);
+        let combo = egui::ComboBox::from_id_salt(label).width(width).selected_text(shown);
+        let combo = combo.show_ui(ui, |ui| {
+            for value in values {
+                let text = value.as_str().map_or_else(|| value.to_string(), String::from);
+                if let Some(gesture) = Gesture::click(&ui.selectable_label(text == shown, &text)) {
+                    gesture.edit(Edit::set(path.clone(), value), actions);
                 }
             }
         });
+        combo.response.labelled_by(named.id);
+        ui.end_row();
     };
-    let spaces = trochoid::WorkingSpace::ALL.map(trochoid::WorkingSpace::name);
-    choice(ui, "Working space", Path::default().to("working_space"), &spaces, "linear-srgb", actions);
-    let shadings = trochoid::Shading::ALL.map(trochoid::Shading::name);
-    choice(ui, "Shading", format.to("shading"), &shadings, "sample", actions);
-    let samples = sheet.get(&format.to("samples")).and_then(Value::as_u64).unwrap_or(1);
-    egui::ComboBox::from_label("Samples per pixel").width(combo).selected_text(samples.to_string()).show_ui(ui, |ui| {
-        for count in [1_u64, 4, 16] {
-            if let Some(gesture) = Gesture::click(&ui.selectable_label(count == samples, count.to_string())) {
-                gesture.edit(Edit::set(format.to("samples"), &count.into()), actions);
-            }
-        }
+    egui::Grid::new("choices").num_columns(2).show(ui, |ui| {
+        let word = |path: &Path, default: &str| sheet.get(path).and_then(Value::as_str).unwrap_or(default).to_string();
+        let (space, shading) = (Path::default().to("working_space"), format.to("shading"));
+        let spaces = trochoid::WorkingSpace::ALL.map(|space| Value::from(space.name()));
+        choice(ui, "Working space", space.clone(), &word(&space, "linear-srgb"), &spaces, actions);
+        let shadings = trochoid::Shading::ALL.map(|shading| Value::from(shading.name()));
+        choice(ui, "Shading", shading.clone(), &word(&shading, "sample"), &shadings, actions);
+        let samples = sheet.get(&format.to("samples")).and_then(Value::as_u64).unwrap_or(1);
+        let counts = [1, 4, 16].map(Value::from);
+        choice(ui, "Samples per pixel", format.to("samples"), &samples.to_string(), &counts, actions);
     });
     ui.separator();
     document_knobs::knobs_ui(panel, ui, state, actions);

@@ -5,7 +5,7 @@ use crate::actions::Action;
 use crate::document::link::is_link;
 use crate::document::{Edit, Path};
 use crate::field::{Gesture, Number};
-use crate::format::{number, unit};
+use crate::format::{measure, unit};
 use crate::prose::explained;
 use crate::state::State;
 use egui::{Align, Align2, Color32, ComboBox, FontId, Label, Layout, Sense, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
@@ -67,13 +67,13 @@ pub(super) fn knobs_ui(ui: &mut Ui, state: &State, sea: &Sea<'_>, actions: &mut 
     let knobs: Vec<&Knob> =
         items.filter_map(|item| if let Item::Knob(knob) = item { Some(knob) } else { None }).collect();
     let knob = |name: &str| knobs.iter().copied().find(|knob| knob.name == name);
-    // The dial, a name, and the number stand beside each slider.
-    ui.spacing_mut().slider_width = (ui.available_width() - DIAL - NAME - 96.0).clamp(84.0, 300.0);
     ui.horizontal_top(|ui| {
         if let Some(direction) = knob("direction") {
             dial_ui(ui, state, sea, direction, actions);
         }
         ui.vertical(|ui| {
+            // A name stands before each slider, and its number behind it.
+            ui.spacing_mut().slider_width = (ui.available_width() - NAME - 92.0).clamp(84.0, 300.0);
             for knob in KNOBS.into_iter().filter(|name| *name != "direction").filter_map(knob) {
                 let counts = ONLY.iter().filter(|(name, ..)| *name == knob.name).all(|(_, choice, words)| {
                     let choice = knobs.iter().find(|knob| knob.name == *choice);
@@ -138,7 +138,7 @@ fn present(sea: &Sea<'_>, knob: &Knob) -> Option<String> {
         KnobType::Integer { .. } => settled.integer(knob.name) as f64,
         _ => settled.number(knob.name),
     };
-    value.is_finite().then(|| format!("{}{}", number(value), unit(knob.unit)))
+    value.is_finite().then(|| format!("{}{}", measure(value), unit(knob.unit)))
 }
 
 /// Draws the name of a knob, before its value as in the properties.

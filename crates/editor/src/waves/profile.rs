@@ -1,7 +1,7 @@
 //! The surface above a line, seen from the side: crests are sharp where waves move the water toward them.
 
 use crate::field::Number;
-use crate::format::number;
+use crate::format::measure;
 use crate::theme::ink;
 use egui::{Color32, RichText, Ui, WidgetInfo, WidgetType};
 use egui_plot::{HLine, Line, Plot, PlotPoint, PlotPoints};
@@ -57,7 +57,7 @@ fn spoken(points: &[ProfilePoint]) -> String {
     let heights = points.iter().map(|point| point.height);
     let (low, high) =
         heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), height| (low.min(height), high.max(height)));
-    format!("Profile, heights from {} to {} m", number(low), number(high))
+    format!("Profile, heights from {} to {} m", measure(low), measure(high))
 }
 
 /// Height that the profile takes with its fields, about.

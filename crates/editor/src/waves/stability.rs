@@ -4,7 +4,7 @@ use super::sea::Sea;
 use crate::actions::Action;
 use crate::document::{Edit, Path};
 use crate::field::Gesture;
-use crate::format::number;
+use crate::format::{measure, number};
 use crate::state::State;
 use egui::{Color32, RichText, Ui};
 use egui_plot::{Line, Plot, PlotPoints, Points, Polygon};
@@ -31,7 +31,7 @@ pub(super) fn reached_ui(ui: &mut Ui, reached: &Reached, times: FrameTimes) {
     } else {
         "over all frames".into()
     };
-    ui.label(format!("Heights {} to {} m, rift up to {}, {over}.", number(*low), number(*high), number(*rift)))
+    ui.label(format!("Heights {} to {} m, rift up to {}, {over}.", measure(*low), measure(*high), measure(*rift)))
         .on_hover_text("Thresholds and bands of masks lie between these values");
 }
 

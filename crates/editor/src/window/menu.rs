@@ -3,7 +3,7 @@
 use crate::actions::Action;
 use crate::commands::{Command, commands};
 use crate::editor::Editor;
-use egui::{AtomExt as _, Button, Ui, WidgetInfo, WidgetType, vec2};
+use egui::{AtomExt as _, Button, TextStyle, Ui, WidgetInfo, WidgetType, vec2};
 
 /// Width of the column of ticks, in points.
 const TICKS: f32 = 12.0;
@@ -20,13 +20,14 @@ pub(super) fn commands_ui(editor: &Editor, ui: &mut Ui, menu: &str, actions: &mu
         })
         .collect();
     let has_ticks = entries.iter().any(|(.., on)| on.is_some());
+    let tick_size = vec2(TICKS, ui.text_style_height(&TextStyle::Body));
     for (command, action, on) in entries {
         if command.begins {
             ui.separator();
         }
         let tick = if on == Some(true) { "✔" } else { "" };
         let button = match has_ticks {
-            true => Button::new((tick.atom_size(vec2(TICKS, 0.0)), command.name)),
+            true => Button::new((tick.atom_size(tick_size), command.name)),
             false => Button::new(command.name),
         };
         let enabled = (command.enabled)(&editor.state);

@@ -29,12 +29,15 @@ struct Sizes {
 }
 
 impl Sizes {
-    fn new(window: Vec2) -> Self {
+    fn new(window: Vec2, scenes: usize) -> Self {
         let room = window - vec2(80.0, 120.0);
         let [width, height] = (0.75 * room).max(LEAST).min(room).into();
-        let grown = (width / LEAST.x).clamp(1.0, 1.6);
+        let grown = (width / LEAST.x).clamp(1.0, 2.0);
         let (left, picture) = (LEFT * grown.min(1.3), PICTURE * grown);
         let columns = ((width - left - 30.0) / (picture.x + 10.0)).floor().max(1.0);
+        // No higher than the scenes need.
+        let rows = (scenes as f32 / columns).ceil();
+        let height = height.min((rows * (picture.y + 28.0) + 30.0).max(LEAST.y));
         Self { left, picture, right: columns * (picture.x + 10.0) + 14.0, height }
     }
 }
@@ -50,7 +53,8 @@ pub(super) fn welcome_ui(context: &Context, mut shown: Welcome, actions: &mut Ve
     }
     let moved = context.input(|input| input.events.iter().any(|event| matches!(event, egui::Event::Key { .. })));
     let mut taken = None;
-    let sizes = Sizes::new(context.content_rect().size());
+    let scenes = shown.choices.iter().filter(|choice| matches!(choice, Choice::Template(_))).count();
+    let sizes = Sizes::new(context.content_rect().size(), scenes);
     let Sizes { left, right, height, .. } = sizes;
     let modal = Modal::new("welcome".into()).show(context, |ui| {
         ui.set_width(left + 18.0 + right);
@@ -273,15 +277,15 @@ mod tests {
     #[test]
     fn the_welcome_fills_large_windows_and_fits_small_ones() {
         for (window, columns) in
-            [([700.0, 500.0], 1.0), ([1280.0, 800.0], 3.0), ([1920.0, 1080.0], 3.0), ([2560.0, 1440.0], 5.0)]
+            [([700.0, 500.0], 1.0), ([1280.0, 800.0], 3.0), ([1920.0, 1080.0], 3.0), ([2560.0, 1440.0], 4.0)]
         {
-            let sizes = Sizes::new(window.into());
+            let sizes = Sizes::new(window.into(), 15);
             assert_eq!(((sizes.right - 14.0) / (sizes.picture.x + 10.0)).round(), columns, "{window:?}");
             assert!(sizes.left + 18.0 + sizes.right <= window[0] - 60.0, "{window:?}");
             assert!(sizes.height <= window[1] - 120.0, "{window:?}");
         }
-        assert_eq!(Sizes::new(vec2(1280.0, 800.0)).picture, PICTURE);
-        let large = Sizes::new(vec2(2560.0, 1440.0));
+        assert_eq!(Sizes::new(vec2(1280.0, 800.0), 15).picture, PICTURE);
+        let large = Sizes::new(vec2(2560.0, 1440.0), 15);
         assert!(large.height > 900.0 && large.left + large.right > 1500.0);
     }
 }
