@@ -350,7 +350,7 @@ fn faults_are_told_with_their_places() {
         // Within a group, with the way back.
         (bad_weight, used(""), &["node \"g/m\"", "1.5, in the group G as used at 3:", "a mask"]),
         // Links.
-        (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= g.weight" }"##.into(), &["a value that leads back to itself: g.weight → g.weight", "give one of them a value of its own"]),
+        (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= g.weight" }"##.into(), &["a value that leads back to itself: g.weight follows g.weight", "give one of them a value of its own"]),
         (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= x.at" }"##.into(), &["a link to \"x\", which is not a node"]),
         (String::new(), format!(r##"{x} "g": {{ "type": "Mix", "a": "#000", "b": "#fff", "weight": "= x.at" }}"##), &["a link to \"at\" of \"x\""]),
         (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= knobs.k" }"##.into(), &["\"knobs.k\", which the document does not have"]),
@@ -361,9 +361,9 @@ fn faults_are_told_with_their_places() {
         (String::new(), r##""t": { "type": "Noise", "kind": "fbm" }, "g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "= t.kind * 2" }"##.into(), &["\"t.kind\", which is \"fbm\"", "expected numbers"]),
         (String::new(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "=" }"##.into(), &["of the formula \"\""]),
         (r#""knobs": { "k": { "min": 1 } },"#.into(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 1 }"##.into(), &["the knob \"k\" without a value"]),
-        (String::new(), r##""a": { "type": "Noise", "scale": "= b.gain" }, "b": { "type": "Noise", "gain": "= a.scale / 2" }, "g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 1 }"##.into(), &["a value that leads back to itself: b.gain → a.scale → b.gain"]),
-        (good.clone(), r##""g": { "type": "G", "in": "#000", "must": 1, "k": "= h.k" }, "h": { "type": "G", "in": "#000", "must": 1, "k": "= g.k" }"##.into(), &["a value that leads back to itself: ", "g/k → h/k → g/k"]),
-        (r#""knobs": { "a": "= knobs.b", "b": "= knobs.a + 1" },"#.into(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 1 }"##.into(), &["knobs.a → knobs.b → knobs.a"]),
+        (String::new(), r##""a": { "type": "Noise", "scale": "= b.gain" }, "b": { "type": "Noise", "gain": "= a.scale / 2" }, "g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 1 }"##.into(), &["a value that leads back to itself: b.gain follows a.scale, which follows b.gain"]),
+        (good.clone(), r##""g": { "type": "G", "in": "#000", "must": 1, "k": "= h.k" }, "h": { "type": "G", "in": "#000", "must": 1, "k": "= g.k" }"##.into(), &["a value that leads back to itself: ", "g.k follows h.k, which follows g.k"]),
+        (r#""knobs": { "a": "= knobs.b", "b": "= knobs.a + 1" },"#.into(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 1 }"##.into(), &["knobs.a follows knobs.b, which follows knobs.a"]),
         (r#""knobs": { "k": { "value": 3, "max": 2 } },"#.into(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 1 }"##.into(), &["k: 3; expected a number of at most 2"]),
         (r#""knobs": [1],"#.into(), r##""g": { "type": "Mix", "a": "#000", "b": "#fff", "weight": 1 }"##.into(), &["expected an object of knobs by name"]),
         (good.clone(), used(r#", "k": "= g.in""#), &["the group G does not have"]),

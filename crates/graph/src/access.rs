@@ -94,6 +94,7 @@ pub fn refusals(refused: &[RefusedFile]) -> Vec<Diagnostic> {
     let fault = |refused: &RefusedFile| Diagnostic {
         remedy: remedy.into(),
         means: Some(means.clone()),
+        used: None,
         ..refused.diagnostic()
     };
     refused.iter().map(fault).collect()
@@ -281,6 +282,7 @@ impl RefusedFile {
             expected: self.outside.expected(),
             remedy: ALLOW.into(),
             means: Some(Means::Allow(vec![self.outside.clone()])),
+            used: None,
         }
     }
 

@@ -86,7 +86,7 @@ pub enum Offer {
 impl std::fmt::Display for Offer {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Self::Rest => "plane at rest",
+            Self::Rest => "water level",
             Self::Waves => "waves",
             Self::Trails => "trails of bursts",
             Self::Folds => "folds",

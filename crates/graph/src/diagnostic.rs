@@ -56,6 +56,8 @@ pub struct Diagnostic {
     pub remedy: String,
     /// Means of the remedy that a front end can offer, if any.
     pub means: Option<Means>,
+    /// The use of a group that has the node, and where it is, if the node is within one.
+    pub used: Option<String>,
 }
 
 /// Means of a remedy, which a front end can offer by an option or a button.
@@ -71,6 +73,8 @@ pub enum Means {
     },
     /// Choosing one output of several.
     ChooseOutput,
+    /// Leading a node to an output. Who is still building a document will do so anyway.
+    LeadToOutput,
 }
 
 impl Diagnostic {
@@ -86,6 +90,7 @@ impl Diagnostic {
             "found": self.found,
             "expected": self.expected,
             "remedy": self.remedy,
+            "used": self.used,
         })
     }
 
@@ -116,7 +121,7 @@ impl fmt::Display for Diagnostic {
 
 impl fmt::Display for Statement<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Diagnostic { file, line, column, node, port, found, expected, remedy, .. } = self.0;
+        let Diagnostic { file, line, column, node, port, found, expected, remedy, used, .. } = self.0;
         f.write_str(file)?;
         if *line > 0 {
             write!(f, ":{line}:{column}")?;
@@ -127,7 +132,11 @@ impl fmt::Display for Statement<'_> {
             (None, Some(port)) => write!(f, ": {port}")?,
             (None, None) => {}
         }
-        write!(f, ": found {found}; expected {expected}")?;
+        write!(f, ": found {found}")?;
+        if let Some(used) = used {
+            write!(f, ", in {used}")?;
+        }
+        write!(f, "; expected {expected}")?;
         if !remedy.is_empty() {
             write!(f, "\n  remedy: {remedy}")?;
         }

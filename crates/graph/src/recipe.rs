@@ -249,6 +249,7 @@ impl CheckedGraph {
                     expected: "colors that are mixed, each by one name".into(),
                     remedy,
                     means: None,
+                    used: None,
                 });
             }
         }

@@ -115,6 +115,7 @@ fn invalid(file: String, place: (usize, usize), found: String, expected: String,
         expected,
         remedy: remedy.into(),
         means: None,
+        used: None,
     }])
 }
 
@@ -254,6 +255,7 @@ pub fn missing_files(graph: &CheckedGraph) -> Vec<Diagnostic> {
                 "correct the path, which is relative to the document, or make the file before rendering".into()
             }),
             means: None,
+            used: None,
         }
     };
     missing.into_iter().map(fault).collect()

@@ -60,5 +60,6 @@ fn trouble(name: &str, found: &str) -> Diagnostic {
         expected: "a document".into(),
         remedy: String::new(),
         means: None,
+        used: None,
     }
 }

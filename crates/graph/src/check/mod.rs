@@ -134,16 +134,13 @@ impl<'a> Checker<'a> {
         found: String,
         expected: String,
         remedy: String,
-    ) {
+    ) -> Option<&mut Diagnostic> {
         // Nobody reads a longer list of faults.
         if self.is_full() {
-            return;
+            return None;
         }
         let origin = self.document.origin(place.offset);
-        let found = match place.node.map(|node| self.use_of(node)) {
-            Some(Some(used)) => format!("{found}, in {used}"),
-            _ => found,
-        };
+        let used = place.node.and_then(|node| self.use_of(node));
         self.diagnostics.push(Diagnostic {
             severity,
             is_assigned: origin.is_assigned,
@@ -156,7 +153,9 @@ impl<'a> Checker<'a> {
             expected,
             remedy,
             means: None,
+            used,
         });
+        self.diagnostics.last_mut()
     }
 
     /// Whether no more diagnostics are accepted, so that expensive work for them can be skipped.

@@ -3,7 +3,7 @@
 use super::kinds::kind_of;
 use super::{Checker, Draft, FaultLocation};
 use crate::{
-    Accepts, Arity, ChannelSet, Item, Kind, Knob, KnobType, NodeId, OutputSpec, Port, Record, Settled, Severity,
+    Accepts, Arity, ChannelSet, Item, Kind, Knob, KnobType, Means, NodeId, OutputSpec, Port, Record, Settled, Severity,
     Source, refusal,
 };
 use petgraph::algo::{tarjan_scc, toposort};
@@ -253,7 +253,10 @@ impl<'a> Checker<'a> {
                 ),
             };
             let place = FaultLocation { offset: draft.offset, node: Some(draft.name), port: None };
-            self.report(Severity::Warning, place, found, "every node to be used".into(), remedy);
+            let told = self.report(Severity::Warning, place, found, "every node to be used".into(), remedy);
+            if let Some(told) = told {
+                told.means = Some(Means::LeadToOutput);
+            }
         }
     }
 }

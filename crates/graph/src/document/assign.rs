@@ -120,6 +120,7 @@ impl Document {
             expected: "NODE.KNOB=VALUE, for example storm.height=3".into(),
             remedy: "write a node of the document, a dot, one of its knobs, =, and a JSON value".into(),
             means: None,
+            used: None,
         };
         let parts = assignment.split_once('=').and_then(|(path, value)| Some((steps(path)?, value)));
         let Some(([Step::Key(node), path @ ..], value)) = parts.as_ref().map(|(steps, value)| (&steps[..], *value))

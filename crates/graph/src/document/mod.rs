@@ -159,6 +159,7 @@ fn fault(
         expected: expected.into(),
         remedy: remedy.into(),
         means: None,
+        used: None,
     })
 }
 

@@ -66,8 +66,7 @@ impl<'d> Expander<'d> {
     ) -> Option<T> {
         let name = format!("{}{name}", scope.prefix);
         if let Some(first) = self.followed.iter().position(|known| *known == name) {
-            let circle: Vec<&str> = self.followed[first..].iter().map(String::as_str).chain([name.as_str()]).collect();
-            let found = format!("a value that leads back to itself: {}", shorten(&circle.join(" → ")));
+            let found = format!("a value that leads back to itself: {}", circle(&self.followed[first..]));
             self.error(offset, found, "a chain that ends", "give one of them a value of its own");
             return None;
         }
@@ -231,4 +230,16 @@ impl<'d> Expander<'d> {
             }
         }
     }
+}
+
+/// Tells in words how values follow each other around a circle.
+fn circle(names: &[String]) -> String {
+    // A knob or input of a use is written as those of nodes are.
+    let told = |name: &String| match name.rsplit_once('/') {
+        Some((user, own)) if !own.contains('.') => shorten(&format!("{user}.{own}")),
+        _ => shorten(name),
+    };
+    let next = names.iter().skip(1).take(5).map(told).chain((names.len() > 6).then(|| "…".into()));
+    let next: Vec<String> = next.chain([told(&names[0])]).collect();
+    format!("{} follows {}", told(&names[0]), next.join(", which follows "))
 }

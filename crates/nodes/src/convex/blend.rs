@@ -35,15 +35,9 @@ impl Node for Blend {
         if colors == ways {
             return;
         }
-        // Weights without a color would be lost: the remaining ones sum to less than 1, so the result would be darker
-        // than every color of the palette. The message shows this for a gray of 0.6.
+        // Weights without a color would be lost: the remaining ones sum to less than 1.
         let found = if colors < ways {
-            let kept = colors as f64 / ways as f64;
-            format!(
-                "{colors} colors for {ways} weights: with equal weights the first {colors} sum to {kept:.3}, and \
-                 colors that are all 0.6 would give {:.3}",
-                0.6 * kept
-            )
+            format!("{colors} colors for {ways} weights: the result would be darker than each of its colors")
         } else {
             format!("{colors} colors for {ways} weights: the last {} would have no weight", colors - ways)
         };

@@ -17,5 +17,5 @@ fn only_water_floats_things() {
     };
     assert!(Frame::new(graph("field", &nodes("water"), Path::new(".")).unwrap()).is_ok());
     let faults = refused("field", &nodes("m"));
-    assert!(faults.contains("which has no plane at rest") && faults.contains("RippleSea or ToonSea"), "{faults}");
+    assert!(faults.contains("which has no water level") && faults.contains("RippleSea or ToonSea"), "{faults}");
 }

@@ -129,7 +129,7 @@ fn what_cannot_be_baked_is_refused() {
         { "at": [1, 0, 0] }, { "at": [0, 0, 1] }, { "at": [1, 0, 1] }] }] },
         "b": { "type": "Bake", "sea": "sea" }"#;
     let faults = refused("field", &format!("{model}, {PICKED}"));
-    assert!(faults.contains("which has no plane at rest") && faults.contains("GerstnerSea"), "{faults}");
+    assert!(faults.contains("which has no water level") && faults.contains("GerstnerSea"), "{faults}");
 }
 
 #[test]
