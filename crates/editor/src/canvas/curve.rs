@@ -141,7 +141,7 @@ mod tests {
     use egui::pos2;
 
     fn view(zoom: f32) -> View {
-        View { rect: Rect::from_min_size(Pos2::ZERO, vec2(400.0, 300.0)), pan: Vec2::ZERO, zoom }
+        View { rect: Rect::from_min_size(Pos2::ZERO, vec2(400.0, 300.0)), zoom, ..View::default() }
     }
 
     #[test]

@@ -4,6 +4,8 @@ use super::Canvas;
 use super::backdrop::Subject;
 use super::drag::Gesture;
 use super::menu::MenuTarget;
+use super::node::LEGIBLE;
+use super::pin::SHOWN;
 use super::plan::{End, Plan};
 use crate::actions::Action;
 use crate::document::output;
@@ -19,7 +21,7 @@ impl Canvas {
     /// Draws the marks of a node's outputs and handles their input.
     pub(super) fn marks_ui(&mut self, plan: &Plan, ui: &Ui, state: &State, node: usize, actions: &mut Vec<Action>) {
         let zoom = self.view.zoom;
-        let Some(names) = plan.makes.get(&node).filter(|_| zoom > 0.45) else { return };
+        let Some(names) = plan.makes.get(&node).filter(|_| zoom >= SHOWN) else { return };
         let tip = self.view.area(plan.boxes[node]).center_bottom() + vec2(0.0, 16.0 * zoom);
         let color = ui.visuals().text_color();
         let arrow = [vec2(-5.0, -7.0), vec2(5.0, -7.0), vec2(0.0, 0.0)].map(|corner| tip + corner * zoom);
@@ -30,7 +32,7 @@ impl Canvas {
             .enumerate()
             .map(|(nth, name)| {
                 let text = if nth < last { format!("{name}, ") } else { name.clone() };
-                ui.painter().layout_no_wrap(text, FontId::proportional(11.0 * zoom), color)
+                ui.painter().layout_no_wrap(text, FontId::proportional((11.0 * zoom).max(LEGIBLE)), color)
             })
             .collect();
         let width: f32 = texts.iter().map(|text| text.size().x).sum();

@@ -1,4 +1,4 @@
-//! Overview map in the corner of the canvas, shown while part of the graph is out of view.
+//! Overview map in the corner of the canvas, shown while part of the graph is out of view. Over nodes it is faint.
 
 use super::Canvas;
 use super::plan::Plan;
@@ -8,28 +8,40 @@ use egui::{Color32, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, WidgetInfo, Widge
 
 /// Maximum width and height.
 const SIZE: [f32; 2] = [150.0, 120.0];
+/// Distance from the edges of the panel.
+const MARGIN: f32 = 10.0;
+/// Width of the strip at the right that has room for the map.
+pub(super) const STRIP: f32 = SIZE[0] + 2.0 * MARGIN;
+/// Opacity of the map where it lies over nodes and the pointer is elsewhere.
+const FAINT: f32 = 0.3;
 
 impl Canvas {
-    /// Draws the overview map; pressing on it centers the view there.
-    pub(super) fn minimap_ui(&mut self, plan: &Plan, ui: &Ui) {
+    /// Returns the place of the overview map on the screen, if it is shown.
+    pub(super) fn map_place(&self, plan: &Plan) -> Option<Rect> {
         let seen = self.view.seen();
         let room = self.view.rect.size();
-        if !plan.bounds.is_finite()
-            || seen.expand(50.0 / self.view.zoom).contains_rect(plan.bounds)
-            || room.x < 420.0
-            || room.y < 260.0
-        {
-            return;
+        let is_needed = plan.bounds.is_finite() && !seen.expand(50.0 / self.view.zoom).contains_rect(plan.bounds);
+        if !is_needed || room.x < 420.0 || room.y < 260.0 {
+            return None;
         }
-        let all = plan.bounds.union(seen).expand(20.0);
-        let scale = (SIZE[0] / all.width()).min(SIZE[1] / all.height());
-        let place = Rect::from_min_max(
-            self.view.rect.max - all.size() * scale - vec2(10.0, 10.0),
-            self.view.rect.max - vec2(10.0, 10.0),
-        );
+        let all = mapped(plan, seen);
+        let corner = self.view.rect.max - vec2(MARGIN, MARGIN);
+        Some(Rect::from_min_max(corner - all.size() * scale(all), corner))
+    }
+
+    /// Draws the overview map; pressing on it centers the view there.
+    pub(super) fn minimap_ui(&mut self, plan: &Plan, ui: &Ui) {
+        let Some(place) = self.map_place(plan) else { return };
+        let seen = self.view.seen();
+        let all = mapped(plan, seen);
+        let scale = scale(all);
         let small = |at: Pos2| place.min + (at - all.min) * scale;
         let area = |area: Rect| Rect::from_min_max(small(area.min), small(area.max));
-        let painter = ui.painter().with_clip_rect(place.expand(1.0));
+        let mut painter = ui.painter().with_clip_rect(place.expand(1.0));
+        let below = Rect::from_min_max(self.view.canvas(place.min), self.view.canvas(place.max));
+        if plan.boxes.iter().any(|own| own.intersects(below)) && !ui.rect_contains_pointer(place) {
+            painter.set_opacity(FAINT * painter.opacity());
+        }
         let dark = ui.visuals().dark_mode;
         let ground = if dark { Color32::from_gray(0x18) } else { Color32::from_gray(0xf4) };
         painter.rect_filled(place, 4.0, ground.gamma_multiply(0.93));
@@ -55,4 +67,14 @@ impl Canvas {
             self.view.center(pos2(all.left() + on.x, all.top() + on.y));
         }
     }
+}
+
+/// Returns the part of the canvas that the map shows.
+fn mapped(plan: &Plan, seen: Rect) -> Rect {
+    plan.bounds.union(seen).expand(20.0)
+}
+
+/// Returns the scale at which the map shows a part of the canvas.
+fn scale(all: Rect) -> f32 {
+    (SIZE[0] / all.width()).min(SIZE[1] / all.height())
 }

@@ -69,8 +69,6 @@ pub struct Canvas {
     marks: Vec<(String, Rect)>,
     /// Number of menus opened so far; part of each menu's id, so that each gets a size of its own.
     menus: u64,
-    /// Whether the view has been initialized.
-    is_shown: bool,
     /// Views of the document and of uses that were left, by the path of the use.
     views: HashMap<String, view::View>,
     /// Whether scrolling pans (touchpad) instead of zooming (mouse wheel).
@@ -165,7 +163,6 @@ impl Canvas {
 
     /// Updates the viewport and the plan, and opens what was requested for this frame.
     fn prepare(&mut self, ui: &Ui, state: &State, rect: Rect) -> Plan {
-        self.view.set_rect(rect);
         let old = self.plan.take();
         let mut plan = match old {
             Some(plan) if Arc::ptr_eq(&plan.sheet, state.sheet()) => plan,
@@ -186,17 +183,20 @@ impl Canvas {
         };
         plan.hear(state);
         self.pictures.tidy(state);
-        if !self.is_shown && rect.is_positive() {
-            self.is_shown = true;
-            if let Some(area) = plan.area(&BTreeSet::new()) {
-                let looked = state.look.node.as_ref().and_then(|(name, _)| plan.sheet.find(state.own_name(name)?));
-                self.view.open(area, looked.map_or(area.center(), |node| plan.boxes[node].center()));
-            }
+        // As long as nobody has moved the view, the graph is fitted into a panel that gets another size.
+        let fits_again = self.view.rect != rect && rect.is_positive() && self.view.is_untouched();
+        self.view.set_rect(rect);
+        if let Some(area) = plan.area(&BTreeSet::new()).filter(|_| fits_again) {
+            let looked = state.look.node.as_ref().and_then(|(name, _)| plan.sheet.find(state.own_name(name)?));
+            self.view.open(area, looked.map_or(area.center(), |node| plan.boxes[node].center()));
         }
         let framed = std::mem::take(&mut self.wants_frame).then(|| plan.area(&state.selection)).flatten();
         let backdrop = self.wants_backdrop.take().and_then(|name| plan.sheet.backdrops.get(&name).map(backdrop::area));
         if let Some(area) = backdrop.or(framed) {
-            self.view.show(area);
+            self.view.show(area, 0.0);
+            if self.map_place(&plan).is_some_and(|map| map.intersects(self.view.area(area))) {
+                self.view.show(area, minimap::STRIP);
+            }
         }
         if std::mem::take(&mut self.wants_search) {
             let at = ui.input(|input| input.pointer.hover_pos()).filter(|at| rect.contains(*at));
@@ -217,11 +217,9 @@ impl Canvas {
         }
         self.forget_cursor();
         (self.search, self.writing) = (None, None);
+        // With the area that it had: the panel of a group is lower, and the view must not creep at each change.
         self.views.insert(from.into(), self.view);
-        match self.views.get(to) {
-            Some(view) => (self.view.pan, self.view.zoom) = (view.pan, view.zoom),
-            None => self.is_shown = false,
-        }
+        self.view = self.views.get(to).copied().unwrap_or_default();
     }
 
     /// Pans and zooms the view.

@@ -22,7 +22,7 @@ use trochoid::{End, State as Fate};
 const COSTLY: f64 = 0.02;
 
 /// Minimum legible font size, in points.
-const LEGIBLE: f32 = 9.0;
+pub(super) const LEGIBLE: f32 = 9.0;
 
 /// Minimum width of a node on the screen for its name to be drawn, in points.
 const NAMED: f32 = 30.0;
@@ -94,7 +94,7 @@ impl Canvas {
             }
             self.marks_ui(plan, ui, state, index, actions);
             self.fault_ui(plan, ui, state, index, actions);
-            self.pins_ui(plan, ui, index, response.hovered());
+            let on_pin = self.pins_ui(plan, ui, index, response.hovered());
             if response.clicked() {
                 actions.push(Action::Select(picked(ui, state, &node.name)));
             }
@@ -104,7 +104,7 @@ impl Canvas {
                     false => Action::Look(state.whole_name(&node.name), 0),
                 });
             }
-            if response.secondary_clicked() {
+            if response.secondary_clicked() || on_pin {
                 if !chosen {
                     actions.push(Action::Select([node.name.clone()].into()));
                 }
@@ -253,7 +253,7 @@ impl Canvas {
             return;
         }
         for (nth, slot) in slots.iter().enumerate() {
-            let size = (15.0 * zoom).clamp(9.0, 20.0);
+            let size = (15.0 * zoom).clamp(12.0, 20.0);
             // Beside the node, because pins stand on its top edge.
             let at = seen.right_top() + vec2(size * 0.75, size * (nth as f32 * 1.15 + 0.5));
             let place = Rect::from_center_size(at, vec2(size, size));
@@ -312,7 +312,8 @@ fn draw_text(ui: &Ui, node: &Node, head: Rect, zoom: f32, colors: [Color32; 2], 
     let name =
         TextFormat { strikethrough: strike, ..TextFormat::simple(size(12.5_f32.max(LEGIBLE / zoom)), colors[0]) };
     let text = elided(node.called(), name, width);
-    let is_small = 10.0 * zoom < 0.7 * LEGIBLE;
+    // Two lines of legible text do not fit into a small head.
+    let is_small = zoom < 0.65;
     // Below the pins, which reach into the head; centered if the name stands alone.
     let top = match is_small {
         true => head.center().y - text.size().y / 2.0,
@@ -323,15 +324,16 @@ fn draw_text(ui: &Ui, node: &Node, head: Rect, zoom: f32, colors: [Color32; 2], 
         return;
     }
     let line = pos2(left, head.top() + 20.5 * zoom);
+    let about = size(10.0_f32.max(LEGIBLE / zoom));
     let mut width = width;
     let seconds = state.report(node).map_or(0.0, |node| node.seconds);
     if total > 0.0 && seconds > COSTLY * total {
         let text = format::seconds(seconds);
         let at = pos2(head.right() - 6.0 * zoom, line.y);
-        let place = painter.text(at, Align2::RIGHT_TOP, text, size(10.0), colors[0]);
+        let place = painter.text(at, Align2::RIGHT_TOP, text, about.clone(), colors[0]);
         width -= place.width() + 4.0 * zoom;
     }
-    let text = elided(&node.ty, TextFormat::simple(size(10.0), colors[1]), width.max(1.0));
+    let text = elided(&node.ty, TextFormat::simple(about, colors[1]), width.max(1.0));
     painter.galley(line, text, colors[1]);
 }
 

@@ -15,36 +15,40 @@ use serde_json::Value;
 
 /// Radius of a pin.
 const RADIUS: f32 = 4.2;
-/// Minimum zoom at which pins can be clicked and dragged.
-const TAKEN: f32 = 0.4;
+/// Minimum zoom at which there are pins: below it, they would stand on names, and be too small to be pulled.
+pub(super) const SHOWN: f32 = 0.45;
+/// Distance at which the pointer takes a pin, in points.
+const REACH: f32 = 8.0;
 /// Angle of the labels above pins, in radians.
 const SLANT: f32 = -0.66;
 
 impl Canvas {
-    /// Draws the pins of a node and handles their input.
-    pub(super) fn pins_ui(&mut self, plan: &Plan, ui: &Ui, node: usize, hovered: bool) {
-        if self.view.zoom < 0.22 {
-            return;
+    /// Draws the pins of a node and handles their input. Returns whether one was right-clicked, which asks for the node's
+    /// menu.
+    pub(super) fn pins_ui(&mut self, plan: &Plan, ui: &Ui, node: usize, hovered: bool) -> bool {
+        if self.view.zoom < SHOWN {
+            return false;
         }
         let about = &plan.sheet.nodes[node];
-        for output in 0..about.makes.len() {
-            self.pin_ui(plan, ui, End::Output(node, output), hovered);
-        }
-        for pin in 0..about.pins.len() {
-            self.pin_ui(plan, ui, End::Pin(node, pin), hovered);
-        }
+        let outputs = (0..about.makes.len()).map(|output| End::Output(node, output));
+        let pins = (0..about.pins.len()).map(|pin| End::Pin(node, pin));
+        outputs.chain(pins).fold(false, |asked, end| self.pin_ui(plan, ui, end, hovered) | asked)
     }
 
-    fn pin_ui(&mut self, plan: &Plan, ui: &Ui, end: End, hovered: bool) {
+    fn pin_ui(&mut self, plan: &Plan, ui: &Ui, end: End, hovered: bool) -> bool {
         let zoom = self.view.zoom;
         let at = self.view.screen(plan.end(end));
         let radius = (RADIUS * zoom).clamp(1.8, 8.0);
-        let reach = (2.0 * radius + 5.0).min(16.0 * zoom.max(0.5));
-        let place = Rect::from_center_size(at, vec2(reach, reach));
+        let reach = REACH.max(radius + 2.5);
+        // Halfway to the next pin, the other one is meant.
+        let side = |next: Option<End>| {
+            next.map_or(reach, |next| reach.min(zoom * plan.end(next).distance(plan.end(end)) / 2.0))
+        };
+        let [before, after] = beside(plan, end);
+        let place = Rect::from_min_max(at - vec2(side(before), reach), at + vec2(side(after), reach));
         // The node's name is part of the id: otherwise another pin would inherit it when a node is deleted.
         let name = &plan.sheet.nodes[end.node()].name;
-        let sense = if zoom < TAKEN { Sense::hover() } else { Sense::click_and_drag() };
-        let response = ui.interact(place, ui.id().with((name, index_of(end))), sense);
+        let response = ui.interact(place, ui.id().with((name, index_of(end))), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, plan.spoken(end)));
         let idle = matches!(self.gesture, Gesture::Idle);
         if idle && response.drag_started_by(PointerButton::Primary) {
@@ -66,22 +70,32 @@ impl Canvas {
             }
             End::Pin(node, index) => {
                 let pin = &plan.sheet.nodes[node].pins[index];
-                let wired = plan.wire_at((node, index)).is_some();
+                let wire = plan.wire_at((node, index));
+                let wired = wire.is_some();
                 let swatch = if wired { None } else { swatch(&plan.sheet, pin) };
-                draw_pin(ui, at, large, pin, (wired, swatch), strength);
+                // What flows through a wire has its color up to the end of it.
+                let flows = wire.and_then(|wire| plan.sheet.kind(&plan.sheet.wires[wire]));
+                let color = match flows {
+                    None if pin.takes_all => theme::kind(None),
+                    None => theme::accepts(pin.accepts),
+                    kind => theme::kind(kind),
+                };
+                draw_pin(ui, at, large, pin, (wired, swatch), color.gamma_multiply(strength), strength);
                 let close = zoom >= 1.5;
                 if let Some(text) = constant(pin).filter(|_| close && !wired) {
                     label(ui, at, radius, &text, 9.0 * zoom.min(1.6), ui.visuals().text_color(), hovered);
                 }
-                if zoom >= 0.5 && (hovered || response.hovered() || close && !pin.more && constant(pin).is_none()) {
+                if hovered || response.hovered() || close && !pin.more && constant(pin).is_none() {
                     let size = (9.5 * zoom).clamp(9.0, 15.0);
                     label(ui, at, radius, &pin.label, size, ui.visuals().strong_text_color(), hovered);
                 }
             }
         }
+        let asks = response.secondary_clicked();
         if self.explains() && response.hovered() {
             response.on_hover_ui(|ui| about_ui(plan, ui, end));
         }
+        asks
     }
 
     /// Handles a click on a pin: a wire follows the pointer until another pin is clicked.
@@ -114,6 +128,20 @@ impl Canvas {
     }
 }
 
+/// Returns the pins before and after a pin on the same edge of its node.
+fn beside(plan: &Plan, end: End) -> [Option<End>; 2] {
+    let node = &plan.sheet.nodes[end.node()];
+    let (index, count) = match end {
+        End::Output(_, output) => (output, node.makes.len()),
+        End::Pin(_, pin) => (pin, node.pins.len()),
+    };
+    let other = |index: usize| match end {
+        End::Output(node, _) => End::Output(node, index),
+        End::Pin(node, _) => End::Pin(node, index),
+    };
+    [index.checked_sub(1).map(other), Some(index + 1).filter(|next| *next < count).map(other)]
+}
+
 fn index_of(end: End) -> (bool, usize) {
     match end {
         End::Output(_, output) => (true, output),
@@ -121,10 +149,17 @@ fn index_of(end: End) -> (bool, usize) {
     }
 }
 
-fn draw_pin(ui: &Ui, at: Pos2, radius: f32, pin: &Pin, (wired, swatch): (bool, Option<Color32>), strength: f32) {
+fn draw_pin(
+    ui: &Ui,
+    at: Pos2,
+    radius: f32,
+    pin: &Pin,
+    (wired, swatch): (bool, Option<Color32>),
+    color: Color32,
+    strength: f32,
+) {
     let painter = ui.painter();
     let behind = ui.visuals().panel_fill;
-    let color = theme::accepts(pin.accepts).gamma_multiply(strength);
     let missing = pin.required && pin.value.is_none();
     if let Some(swatch) = swatch {
         let place = Rect::from_center_size(at, vec2(2.1, 2.1) * radius);

@@ -17,11 +17,13 @@ pub(super) struct View {
     pub(super) pan: Vec2,
     /// Screen points per canvas unit.
     pub(super) zoom: f32,
+    /// Pan and zoom as they were when the graph was fitted into the view, until when nobody had moved it.
+    pub(super) fitted: Option<(Vec2, f32)>,
 }
 
 impl Default for View {
     fn default() -> Self {
-        Self { rect: Rect::NOTHING, pan: Vec2::ZERO, zoom: 1.0 }
+        Self { rect: Rect::NOTHING, pan: Vec2::ZERO, zoom: 1.0, fitted: None }
     }
 }
 
@@ -61,20 +63,31 @@ impl View {
         self.pan += at - self.screen(kept);
     }
 
-    /// Zooms to fit an area, but to no more than 100%.
-    pub(super) fn show(&mut self, area: Rect) {
-        let room = (self.rect.size() - vec2(48.0, 72.0)).max(vec2(40.0, 40.0));
+    /// Zooms to fit an area, but to no more than 100%, and keeps a strip at the right free of it.
+    pub(super) fn show(&mut self, area: Rect, strip: f32) {
+        let room = (self.rect.size() - vec2(48.0 + strip, 72.0)).max(vec2(40.0, 40.0));
         let fits = (room / area.size().max(vec2(1.0, 1.0))).min_elem();
         self.zoom = fits.clamp(ZOOM[0], 1.0);
         self.center(area.center());
+        self.pan.x -= strip / 2.0;
+    }
+
+    /// Returns whether nobody has moved the view since the graph was fitted into it.
+    pub(super) fn is_untouched(&self) -> bool {
+        self.fitted.is_none_or(|fitted| fitted == (self.pan, self.zoom))
     }
 
     /// Sets the initial view: all of an area if its names stay legible, otherwise the part of it around a place.
     pub(super) fn open(&mut self, area: Rect, around: Pos2) {
-        self.show(area);
-        if self.zoom >= READABLE {
-            return;
+        self.show(area, 0.0);
+        if self.zoom < READABLE {
+            self.show_part(area, around);
         }
+        self.fitted = Some((self.pan, self.zoom));
+    }
+
+    /// Shows the part of an area around a place, with names that are just legible.
+    fn show_part(&mut self, area: Rect, around: Pos2) {
         self.zoom = READABLE;
         let half = (self.rect.size() / 2.0 - vec2(24.0, 36.0)) / self.zoom;
         let within = |at: f32, ends: egui::Rangef, half: f32| match ends.span() > 2.0 * half {

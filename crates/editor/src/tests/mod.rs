@@ -23,6 +23,7 @@ mod reach;
 mod safety;
 mod second;
 mod several;
+mod sight;
 #[cfg(feature = "snapshots")]
 mod snapshots;
 mod steady;

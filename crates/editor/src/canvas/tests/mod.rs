@@ -2,6 +2,7 @@
 
 mod nodes;
 mod outputs;
+mod sight;
 mod wires;
 
 use super::{Canvas, arrange, backdrop, canvas_ui, deleting, lined_up};
