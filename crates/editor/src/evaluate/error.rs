@@ -24,10 +24,11 @@ pub enum PictureError {
 }
 
 impl PictureError {
-    /// Returns the node that failed, if the failure belongs to one.
+    /// Returns the node at fault, if the failure belongs to one.
     pub fn node(&self) -> Option<&str> {
         match self {
             Self::Evaluate(EvalError::Node { node, .. }) => Some(node),
+            Self::Lens(LensError::Fault(fault)) => fault.node.as_deref(),
             _ => None,
         }
     }

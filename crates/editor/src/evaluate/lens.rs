@@ -89,14 +89,22 @@ pub enum LensError {
     #[error("a {0} is not a picture: connect it to a Render or a pass, and view that")]
     NoPicture(Kind),
     /// The node's type is unknown.
-    #[error("the kind of \"{0}\" is unknown, because its type is")]
+    #[error("{0} cannot be shown, because nobody knows what it makes: select it to see what is wrong with it")]
     Unknown(String),
     /// The node or one of its dependencies has a fault.
-    #[error("{}found {}; expected {}", .0.node.as_deref().map_or(String::new(), |node| format!("{node}: ")), .0.found, .0.expected)]
+    #[error("{}", told(.0))]
     Fault(Box<Diagnostic>),
     /// The lens's document cannot be read.
     #[error(transparent)]
     Load(LoadError),
+}
+
+/// Tells a fault with its place first. The lens has a text of its own, whose lines nobody knows.
+fn told(fault: &Diagnostic) -> String {
+    let place: Vec<&str> = [&fault.node, &fault.port].into_iter().flatten().map(String::as_str).collect();
+    let place = if place.is_empty() { String::new() } else { format!("{}: ", place.join(", ")) };
+    let remedy = if fault.remedy.is_empty() { String::new() } else { format!("\n{}", fault.remedy) };
+    format!("{place}found {}; expected {}{remedy}", fault.found, fault.expected)
 }
 
 /// Builds the graph that shows an output of a node.

@@ -16,7 +16,13 @@ use trochoid::{Arity, Item, Knob, KnobDefault, KnobType, Port};
 /// Draws what the selected nodes share.
 pub(super) fn several_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
-    let names: Vec<String> = state.selection.iter().filter(|name| sheet.find(name).is_some()).cloned().collect();
+    // The boxes of a group's inputs and outputs are no nodes, and have nothing to set.
+    let is_node = |name: &&String| sheet.node(name).is_some_and(|node| node.side.is_none());
+    let names: Vec<String> = state.selection.iter().filter(is_node).cloned().collect();
+    if names.is_empty() {
+        ui.label("Boxes of the group's inputs and outputs: select one of them to see what it is.");
+        return;
+    }
     let nodes: Vec<&Node> = names.iter().filter_map(|name| sheet.node(name)).collect();
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new(edit::count(nodes.len(), "node")).heading());

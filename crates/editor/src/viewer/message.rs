@@ -1,12 +1,18 @@
 //! What the viewer says in the place of a picture, and over it.
 
 use crate::actions::Action;
+use crate::document::VersionStatus;
 use crate::state::State;
 use egui::{Align2, Color32, FontId, Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
 /// Draws the message why there is no picture, with a button that goes to the node at fault.
 pub(super) fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut Vec<Action>) {
+    let meaning = state.session.meaning();
     let (text, color) = match (&state.evaluated.failed, &state.look.node) {
+        // What concerns the whole document stands at the top of the window.
+        (Some(_), _) if !meaning.readable || VersionStatus::of(&meaning.sheet.value).notice().is_some() => {
+            ("No picture: the message at the top says why.".into(), Color32::from_gray(190))
+        }
         (Some(why), _) => (why.clone(), Color32::from_rgb(0xf0, 0x90, 0x80)),
         (None, None) => ("Select a node in the graph and press 1 to view it.".into(), Color32::from_gray(190)),
         (None, Some(_)) => ("Evaluating …".into(), Color32::from_gray(150)),
@@ -34,9 +40,8 @@ pub(super) fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut V
         });
         return;
     }
-    let looked = state.look.node.as_ref().and_then(|(name, _)| state.sheet().find(state.own_name(name)?));
-    let culprit = looked.and_then(|node| state.fault_of(node)).map(|(name, _)| state.whole_name(name));
-    if let Some(culprit) = culprit.or_else(|| Some(state.broken()?.0?.to_string())) {
+    // The node that the message is about: others may have errors, too.
+    if let Some(culprit) = state.evaluated.culprit.clone() {
         ui.scope_builder(UiBuilder::new().max_rect(below).id_salt("culprit"), |ui| {
             if ui.button(format!("Show {culprit}")).on_hover_text("Select the node at fault").clicked() {
                 actions.push(Action::Visit(culprit));

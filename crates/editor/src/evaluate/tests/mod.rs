@@ -71,7 +71,7 @@ fn every_kind_of_node_is_seen_and_faults_elsewhere_do_not_matter() {
     }
     assert!(look("eye").unwrap_err().to_string().contains("a Camera is not a picture"));
     let fault = look("broken").unwrap_err().to_string();
-    assert!(fault.starts_with("broken: found") && fault.contains("nothing"), "{fault}");
+    assert!(fault.starts_with("broken, a: found") && fault.contains("nothing"), "{fault}");
 }
 
 #[test]
