@@ -23,6 +23,7 @@ mod curves;
 pub mod document;
 pub mod editor;
 pub mod evaluate;
+mod faults;
 mod field;
 mod follow;
 mod fonts;
@@ -43,6 +44,7 @@ mod recent;
 mod refusal;
 mod render;
 mod report;
+mod shipped;
 pub mod state;
 #[cfg(test)]
 mod testing;

@@ -78,10 +78,7 @@ pub(crate) fn text_panel_ui(panel: &mut TextPanel, ui: &mut Ui, state: &State, a
         }
     });
     for fault in session.meaning().diagnostics.iter().take(5) {
-        let color = match fault.severity {
-            trochoid::Severity::Error => crate::theme::error(ui.visuals()),
-            trochoid::Severity::Warning => ui.visuals().warn_fg_color,
-        };
+        let color = crate::faults::color(ui.visuals(), fault);
         let place = if fault.line > 0 { format!("{}:{}: ", fault.line, fault.column) } else { String::new() };
         let parts: Vec<&str> = [&fault.node, &fault.port].into_iter().flatten().map(String::as_str).collect();
         let parts = if parts.is_empty() { String::new() } else { format!("{}: ", parts.join(", ")) };

@@ -283,7 +283,7 @@ fn converted(
     let (first, between) = edit::added(old, ty, at);
     let below = [at[0], at[1] + super::place::HEAD + super::place::PICTURE + 40.0];
     let (second, name) = edit::added(&state.after(&first).ok()?.1, declaration, below);
-    let edit = first.then(second);
+    let edit = known(state, declaration, first.then(second));
     let sheet = state.after(&edit).ok()?.1;
     let from = (sheet.find(above)?, *output);
     let (between, node) = (sheet.find(&between)?, sheet.find(&name)?);
@@ -293,6 +293,11 @@ fn converted(
         .then(edit::connected(&sheet, from, (between, pin(between, kind(&sheet, from)?)?)))
         .then(edit::connected(&sheet, (between, 0), (node, pin(node, made)?)));
     Some((Edit { label: format!("Add {} and {}", ty.name, declaration.name), ..edit }, name))
+}
+
+/// Brings the group that an edit uses into the document, if the document does not have it.
+fn known(state: &State, declaration: &Declaration, edit: Edit) -> Edit {
+    crate::shipped::with_group(state.sheet(), &state.session.folder(), declaration.name, edit)
 }
 
 /// Adds a node and connects it as requested, as far as it fits; also returns its name.
@@ -306,6 +311,7 @@ pub(super) fn added(
         return converted;
     }
     let (edit, name) = edit::added(state.sheet(), declaration, at);
+    let edit = known(state, declaration, edit);
     let joined = state.after(&edit).ok().and_then(|(_, sheet)| joins(&sheet, &name, wanted));
     match joined {
         Some(joined) => (Edit { label: edit.label.clone(), ..edit.then(joined) }, name),

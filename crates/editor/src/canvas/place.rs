@@ -5,7 +5,7 @@ use crate::document::{Edit, Node, Point, Sheet, edit};
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::hash::{DefaultHasher, Hash, Hasher};
-use trochoid::Kind;
+use trochoid::{Declaration, Item, Kind};
 use trochoid_diagram::{Net, layers};
 
 /// Minimum width of a node.
@@ -26,8 +26,26 @@ pub(super) fn has_picture(node: &Node) -> bool {
 
 /// Returns the size of a node.
 pub(super) fn size(node: &Node) -> Vec2 {
-    let pins = node.pins.len().max(node.makes.len()) as f32;
-    vec2(WIDTH.max(pins * 13.0 + 14.0), if has_picture(node) { HEAD + PICTURE } else { HEAD })
+    vec2(width(node.pins.len().max(node.makes.len())), if has_picture(node) { HEAD + PICTURE } else { HEAD })
+}
+
+/// Returns the size that a new node of a type has at most.
+pub(super) fn most_size(declaration: &Declaration) -> Vec2 {
+    fn pins(items: &[Item]) -> usize {
+        let count = |item: &Item| match item {
+            Item::Port(_) => 1,
+            Item::List(list) => list.min * pins(list.items),
+            Item::Knob(_) => 0,
+        };
+        items.iter().map(count).sum()
+    }
+    let pins = pins(declaration.items).max(declaration.outputs.len());
+    vec2(width(pins), HEAD + PICTURE)
+}
+
+/// Returns the width of a node with some pins at one edge.
+fn width(pins: usize) -> f32 {
+    WIDTH.max(pins as f32 * 13.0 + 14.0)
 }
 
 /// Returns the distance of a pin from the left end of its edge.

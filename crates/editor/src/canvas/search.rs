@@ -8,6 +8,7 @@ use crate::actions::{Action, HelpPage};
 use crate::choice::{matches, moved};
 use crate::document::edit;
 use crate::presets::Presets;
+use crate::shipped;
 use crate::state::State;
 use crate::theme;
 use egui::{Area, Button, Color32, Frame, Id, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui};
@@ -68,7 +69,10 @@ impl Search {
         let groups = groups.filter_map(|name| library.face(name));
         let all = registry().iter().map(|ty| ty.declaration()).chain(groups);
         let all: Vec<&'static Declaration> = match &self.purpose {
-            Purpose::Add(wanted) => all.filter(|known| connect::suits(&plan.sheet, known, wanted)).collect(),
+            Purpose::Add(wanted) => {
+                let all = all.chain(shipped::offered(&plan.sheet));
+                all.filter(|known| connect::suits(&plan.sheet, known, wanted)).collect()
+            }
             Purpose::Replace(name) => {
                 let own = plan.sheet.node(name).map(|node| node.ty.as_str());
                 all.filter(|known| Some(known.name) != own).collect()
@@ -173,7 +177,11 @@ impl Canvas {
                     _ => None,
                 };
                 let at = below.map_or(at, |own| own.center_bottom() + vec2(-place::WIDTH / 2.0, 40.0));
-                let size = vec2(place::WIDTH, place::HEAD + place::PICTURE);
+                let mut size = place::most_size(declaration);
+                if connect::conversion(&plan.sheet, declaration, wanted).is_some() {
+                    // It stands above the new node.
+                    size.y += place::HEAD + place::PICTURE + 40.0;
+                }
                 let at = place::nearest(Rect::from_min_size(at, size), &plan.boxes).min;
                 let (edit, name) = connect::added(state, declaration, at.into(), wanted);
                 actions.push(Action::Edit(plan.freezing(edit)));
@@ -214,6 +222,8 @@ fn list_ui(
             let mut button = Button::selectable(index == search.chosen, format!("    {name}"));
             if let Some(ty) = search.conversion(plan, known) {
                 button = button.shortcut_text(format!("with {}", ty.name));
+            } else if shipped::is_offered(&plan.sheet, known.name) {
+                button = button.shortcut_text("group of the library");
             }
             let row = ui.add(button.min_size(vec2(ui.available_width(), 0.0)));
             ui.painter().circle_filled(row.rect.left_center() + vec2(9.0, 0.0), 3.5, theme::kind(kind));

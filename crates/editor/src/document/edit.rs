@@ -44,9 +44,27 @@ pub fn laid_out(sheet: &Sheet, places: &[(String, Point)]) -> Edit {
 /// Adds a node, with a value for every required item that can be a constant; also returns its name.
 pub fn added(sheet: &Sheet, declaration: &'static Declaration, at: Point) -> (Edit, String) {
     let name = sheet.free_name(&snake(declaration.name));
-    let body = smallest_node(declaration, &|_| None);
+    let mut body = smallest_node(declaration, &|_| None);
+    complete_gradient(declaration.items, &mut body);
     let ops = vec![Op::Set(Path::node(&name), style(&body)), Op::Set(placed(&name), style(&position(at)))];
     (Edit::new(format!("Add {}", declaration.name), ops), name)
+}
+
+/// Gives a new gradient two stops, from black to white: with one stop, it would be a plain color.
+fn complete_gradient(items: &[Item], body: &mut Value) {
+    for item in items {
+        let Item::List(list) = item else { continue };
+        let color = list.items.iter().find(|item| matches!(item, Item::Port(port) if port.accepts.takes_color()));
+        let is_gradient = list.min == 1 && list.items.iter().any(|item| item.name() == "at");
+        if let Some(color) = color.filter(|_| is_gradient) {
+            let stops = ["#000000", "#ffffff"].into_iter().enumerate().map(|(index, ink)| {
+                let mut stop = record(list.items, index);
+                stop[color.name()] = json!(ink);
+                stop
+            });
+            body[list.name] = stops.collect();
+        }
+    }
 }
 
 /// Converts a type name to the style of node names: `NonSpecular` to `non_specular`.

@@ -20,6 +20,8 @@ pub(crate) struct Properties {
     pub(crate) reference: Option<(String, Screen)>,
     pub(super) texture: Option<egui::TextureHandle>,
     pub(super) dialog: Option<egui_file_dialog::FileDialog>,
+    /// The open dialog that chooses the file of a knob.
+    pub(super) choosing: Option<super::file::Choosing>,
     /// Value that is being linked, before it has a link.
     pub(super) linking: Option<Linking>,
     /// Declarations of the document's knobs, at a revision.

@@ -2,7 +2,7 @@
 
 use super::color::NoColor;
 use super::context::{Linking, Properties, WidgetContext, label_ui};
-use super::{color, follow, key, link};
+use super::{color, file, follow, key, link};
 use crate::actions::Action;
 use crate::document::curve::Curve;
 use crate::document::edit::default_value;
@@ -50,6 +50,9 @@ pub(super) fn knob_ui(
             panel.linking = Some(Linking { path: place.path.clone(), typed: Some(typed) });
         }
         key::tell(told, keyed.as_ref(), frame, place, actions);
+        if matches!(knob.takes, KnobType::Path) && !unset {
+            file::button_ui(panel, ui, knob.name, place);
+        }
         if matches!(knob.default, Some(KnobDefault::Unset))
             && place.value.is_some()
             && let Some(gesture) = Gesture::click(&ui.small_button("×").on_hover_text("Remove this value"))

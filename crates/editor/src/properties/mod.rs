@@ -3,6 +3,7 @@
 mod color;
 mod context;
 mod document_knobs;
+mod file;
 mod follow;
 mod group;
 mod key;
@@ -18,6 +19,7 @@ mod surface;
 
 use crate::actions::Action;
 use crate::document::{Edit, Path, edit};
+use crate::faults;
 use crate::field::{self, Gesture, Number};
 use crate::prose::{prose, prose_ui};
 use crate::state::State;
@@ -25,12 +27,13 @@ pub(crate) use context::Properties;
 use context::WidgetContext;
 use egui::{RichText, ScrollArea, Ui};
 use serde_json::Value;
-use trochoid::{Role, Severity};
+use trochoid::Role;
 
 /// Draws the properties of the selected node or output, or of the document if nothing is selected.
 pub(crate) fn properties_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     panel.pass(ui);
     color::reference_ui(panel, ui, state, actions);
+    file::dialog_ui(panel, ui.ctx(), state, actions);
     if !state.session.meaning().readable {
         // Only the text can be edited.
         ui.disable();
@@ -80,21 +83,17 @@ const FAULTS: f32 = 72.0;
 /// Draws the faults of a node, and one above it.
 fn faults_ui(ui: &mut Ui, state: &State, name: &str, actions: &mut Vec<Action>) {
     let sheet = state.sheet();
-    let faults = &state.session.meaning().diagnostics;
-    for fault in faults.iter().filter(|fault| state.is_of(fault, name)) {
-        let color = match fault.severity {
-            Severity::Error => crate::theme::error(ui.visuals()),
-            Severity::Warning => ui.visuals().warn_fg_color,
-        };
-        let port = fault.port.as_ref().map_or(String::new(), |port| format!("{port}: "));
-        ui.label(RichText::new(format!("{port}found {}; expected {}", fault.found, fault.expected)).color(color));
-        if !fault.remedy.is_empty() {
+    for fault in state.session.meaning().diagnostics.iter().filter(|fault| state.is_of(fault, name)) {
+        let told = ui.label(RichText::new(faults::told(fault)).color(faults::color(ui.visuals(), fault)));
+        if faults::is_note(fault) {
+            told.on_hover_text(&fault.remedy);
+        } else if !fault.remedy.is_empty() {
             ui.label(RichText::new(&fault.remedy).italics());
         }
     }
     let above = sheet.find(name).and_then(|node| state.fault_of(node)).filter(|(culprit, _)| *culprit != name);
     if let Some((culprit, fault)) = above {
-        let text = format!("Error above, in {culprit}: found {}; expected {}", fault.found, fault.expected);
+        let text = format!("Error above, in {culprit}: {}", faults::told(fault));
         let link = ui.link(RichText::new(text).color(crate::theme::error(ui.visuals())));
         if link.on_hover_text("Go to that node").clicked() {
             actions.push(Action::Visit(state.whole_name(culprit)));

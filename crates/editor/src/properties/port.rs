@@ -26,6 +26,13 @@ pub(super) fn port_ui(
         return source_ui(panel, ui, port, port.name, place, actions);
     }
     let elements = place.value.and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+    if elements.is_empty() && !port.accepts.takes_color() {
+        // Without a place of its own, nobody would know that there is such a list.
+        ui.horizontal_wrapped(|ui| {
+            label_ui(ui, port.name, &format!("{}\n\nAccepts a {}.", port.help, port.accepts), false);
+            ui.weak(format!("none: draw wires from a {} to this pin in the graph", port.accepts));
+        });
+    }
     for (index, element) in elements.iter().enumerate() {
         let own = WidgetContext::new(place.state, place.path.to(index), Some(element));
         source_ui(panel, ui, port, &format!("{}[{index}]", port.name), &own, actions);

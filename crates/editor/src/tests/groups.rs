@@ -1,5 +1,6 @@
 //! Groups: their uses on the canvas, entering and leaving, and the commands that make and unpack them.
 
+use super::dusk;
 use crate::actions::Action;
 use crate::document::tests::groups::{LINKED, bits};
 use crate::document::{Edit, Path, Session, edit};
@@ -325,4 +326,39 @@ fn a_scope_that_is_gone_is_left() {
     act(&mut window, Action::Enter(vec!["nothing".into(), "there".into()]));
     assert!(editor(&window).state().scope.is_empty());
     assert_eq!(text(&window), LINKED);
+}
+
+#[test]
+fn a_group_of_the_library_comes_with_what_it_uses_by_one_step() {
+    let mut window = unseen(dusk());
+    let before = text(&window).to_string();
+    select(&mut window, &["dusk"]);
+    window.key_press(Key::Tab);
+    window.run_steps(3);
+    window.get_by_label("Node type").type_text("Flock");
+    window.run_steps(3);
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    let sheet = editor(&window).state().session.sheet().clone();
+    assert!(sheet.node("flock").is_some_and(|node| node.is_use), "{}", sheet.text);
+    assert!(sheet.get(&Path::default().to("groups").to("Gull")).is_some(), "the group that it uses came along");
+    let model = sheet.get(&Path::default().to("groups").to("Gull").to("nodes").to("gull").to("file"));
+    let model = editor(&window).state().session.folder().join(model.unwrap().as_str().unwrap());
+    assert!(model.is_file(), "{}", model.display());
+    assert_eq!(editor(&window).state().session.meaning().errors().count(), 0);
+    // The document has them now, and is offered no others.
+    assert!(["Flock", "Gull"].iter().all(|name| !crate::shipped::is_offered(&sheet, name)));
+    act(&mut window, Action::Undo);
+    assert_eq!(text(&window), before);
+}
+
+#[test]
+fn boxes_of_a_group_selected_together_are_no_unknown_nodes() {
+    let mut window = open();
+    act(&mut window, Action::Enter(vec!["pair".into()]));
+    select(&mut window, &["ground", "outputs.color"]);
+    window.get_by_label_contains("Boxes of the group's inputs and outputs");
+    select(&mut window, &["ground", "one", "two"]);
+    window.get_by_label("2 × Dot");
+    assert!(window.query_by_label_contains("unknown type").is_none());
 }

@@ -1,6 +1,7 @@
 mod curves;
 mod document_knobs;
 mod drops;
+mod faults;
 mod files;
 mod find;
 mod formulas;

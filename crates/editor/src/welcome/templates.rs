@@ -76,7 +76,7 @@ fn library(path: &str) -> Option<&'static str> {
 }
 
 /// Returns the folder of the scenes: beside the program or the current folder, or above them.
-fn folder() -> Option<PathBuf> {
+pub(crate) fn folder() -> Option<PathBuf> {
     let places = [std::env::current_dir().ok(), std::env::current_exe().ok()];
     let above = places.iter().flatten().flat_map(|place| place.ancestors());
     above.map(|place| place.join("graphs")).find(|folder| ALL.iter().all(|scene| scene.within(folder).is_file()))

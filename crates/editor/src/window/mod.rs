@@ -228,7 +228,10 @@ fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
         let broken = state.broken();
         let told = meaning.errors().count();
         let errors = told + usize::from(broken.is_some());
-        let warnings = meaning.diagnostics.len() - told;
+        let is_warning = |fault: &&trochoid::Diagnostic| {
+            fault.severity == trochoid::Severity::Warning && !crate::faults::is_note(fault)
+        };
+        let warnings: Vec<String> = meaning.diagnostics.iter().filter(is_warning).map(ToString::to_string).collect();
         if errors > 0 {
             let text = crate::document::edit::count(errors, "error");
             let mut label = ui.button(RichText::new(text).color(crate::theme::error(ui.visuals())));
@@ -251,16 +254,9 @@ fn status_ui(state: &State, ui: &mut Ui, actions: &mut Vec<Action>) {
         } else {
             ui.weak("No errors");
         }
-        if warnings > 0 {
-            let label = ui.weak(crate::document::edit::count(warnings, "warning"));
-            let texts: Vec<String> = meaning
-                .diagnostics
-                .iter()
-                .filter(|fault| fault.severity == trochoid::Severity::Warning)
-                .take(6)
-                .map(ToString::to_string)
-                .collect();
-            label.on_hover_text(texts.join("\n\n"));
+        if !warnings.is_empty() {
+            let label = ui.weak(crate::document::edit::count(warnings.len(), "warning"));
+            label.on_hover_text(warnings[..warnings.len().min(6)].join("\n\n"));
         }
         if !state.selection.is_empty() {
             ui.weak(format!("{} selected", crate::document::edit::count(state.selection.len(), "node")));

@@ -144,6 +144,10 @@ fn a_field_goes_to_what_takes_a_mask_by_the_standard_conversion() {
         assert!(driver.state.session.meaning().graph.is_some());
         let [between, below] = ["clamp", "ramp"].map(|name| driver.at(name));
         assert!(between[1] + 60.0 < below[1], "{between:?} {below:?}");
+        let boxes = &driver.canvas.plan.as_ref().unwrap().boxes;
+        for (index, own) in boxes.iter().enumerate() {
+            assert!(boxes[..index].iter().all(|other| !own.intersects(*other)), "{index} stands on another node");
+        }
     };
     // By a wire that is let go in space: what takes the Field itself comes first.
     let mut harness = open(&text);

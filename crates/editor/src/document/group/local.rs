@@ -20,7 +20,18 @@ pub fn made_local(root: &Sheet, name: &str) -> Result<(Edit, String), NoGroup> {
     let group = library.group(name).ok_or_else(|| NoGroup::NoUse(name.into()))?;
     let Some(file) = &group.file else { return Err(NoGroup::Local(name.into())) };
     let folder = file.rsplit_once('/').map_or("", |(folder, _)| folder);
-    let mut body = group.body.clone();
+    let text = copied(library, name, folder).ok_or_else(|| NoGroup::NoUse(name.into()))?;
+    let copy = library.free_name(name);
+    let mut ops = vec![Op::Set(Path::default().to("groups").to(&copy), text)];
+    for place in uses(root, name) {
+        ops.push(Op::Set(place.to("type"), quoted(&copy)));
+    }
+    Ok((Edit::new(format!("Make {name} local"), ops), copy))
+}
+
+/// Returns the text of a group of another document, in whose folder its files are, for one that names that folder so.
+pub fn copied(library: &Library, name: &str, folder: &str) -> Option<String> {
+    let mut body = library.group(name)?.body.clone();
     if let Some(Value::Object(nodes)) = body.get_mut("nodes") {
         for node in nodes.values_mut() {
             let items = library.declaration(node).map_or(&[][..], |known| known.items);
@@ -37,12 +48,7 @@ pub fn made_local(root: &Sheet, name: &str) -> Result<(Edit, String), NoGroup> {
             *path = joined(folder, path);
         }
     }
-    let copy = library.free_name(name);
-    let mut ops = vec![Op::Set(Path::default().to("groups").to(&copy), written(&body))];
-    for place in uses(root, name) {
-        ops.push(Op::Set(place.to("type"), quoted(&copy)));
-    }
-    Ok((Edit::new(format!("Make {name} local"), ops), copy))
+    Some(written(&body))
 }
 
 /// Returns the knobs of a group that are names of files.

@@ -20,7 +20,7 @@ pub use knobs::{
     declared_at, groups_using, promoted, relinked_to, renamed_group, renamed_input, renamed_knob, renamed_output,
 };
 pub use library::{Group, Library};
-pub use local::made_local;
+pub use local::{copied, made_local};
 pub use make::grouped;
 pub use unpack::unpacked;
 pub use within::{OUTPUT, Within, definition_path, enter, is_node, known_kind, needed};
