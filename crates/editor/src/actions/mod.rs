@@ -274,7 +274,7 @@ pub enum Switch {
     /// Toggle the overlay that marks pixels near the hull's faces.
     Near,
     /// Let the mouse move the camera of the picture, or the picture.
-    Camera,
+    Orbit,
     /// Toggle histogram, waveform and vectorscope.
     Scopes,
 }

@@ -7,10 +7,10 @@ use egui::Key;
 /// These commands, in menu order.
 pub(super) static SCENE: &[Command] = &[command(
     "Viewer",
-    "Move the camera",
+    "Orbit",
     None,
     "Orbit, pan and dolly the camera of the picture by dragging in it.",
-    |_| Action::Viewer(Switch::Camera),
+    |_| Action::Viewer(Switch::Orbit),
     seen,
 )
 .over_viewer(Key::C)];

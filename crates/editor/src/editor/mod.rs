@@ -278,6 +278,8 @@ impl Editor {
             self.space = Space::default();
         } else {
             self.panels.curves.take_keys(context);
+            self.panels.viewer.take_escape(context, &self.state);
+            self.panels.second.viewer.take_escape(context, &self.state);
             crate::commands::pressed(context, &self.state, &mut actions);
             if self.space.plays(context) {
                 actions.push(Action::Play(!self.state.playing));

@@ -224,7 +224,7 @@ fn keys(viewer: &mut Viewer, ui: &Ui, state: &State, actions: &mut Vec<Action>) 
         choose(Channel::Luminance);
     }
     if pressed(Key::H) {
-        viewer.space.shown = !viewer.space.shown;
+        viewer.show_space(!viewer.space.shown);
     }
     if pressed(Key::N) {
         viewer.near.toggle();
@@ -235,8 +235,8 @@ fn keys(viewer: &mut Viewer, ui: &Ui, state: &State, actions: &mut Vec<Action>) 
     if pressed(Key::Q) {
         viewer.no_handles = !viewer.no_handles;
     }
-    if pressed(Key::C) || (viewer.scene.steers() && state.dropper.is_none() && pressed(Key::Escape)) {
-        viewer.scene.switch();
+    if pressed(Key::C) {
+        viewer.orbit(!viewer.scene.steers());
     }
     if (state.dropper.is_some() || state.look.pick.is_some() || viewer.frames_region) && pressed(Key::Escape) {
         if viewer.frames_region {
@@ -459,7 +459,7 @@ fn bar_ui(viewer: &mut Viewer, ui: &mut Ui, stage: &Stage, state: &State, hover:
             } else if viewer.space.shown {
                 ui.add(egui::Label::new(RichText::new("Drag to rotate, scroll to zoom").weak()).truncate());
             } else if viewer.scene.steers() {
-                ui.add(egui::Label::new(RichText::new(scene::HELP).strong()).truncate());
+                ui.add(egui::Label::new(RichText::new(scene::HELP).strong()).truncate()).on_hover_text(scene::HELP);
             } else if let (Some(at), Some(result)) = (hover, result)
                 && let Some(pixel) = inspector::pixel(result, at)
             {

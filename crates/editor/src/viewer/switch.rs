@@ -4,6 +4,7 @@ use super::Viewer;
 use super::compare::Mode;
 use crate::actions::Switch;
 use crate::state::State;
+use egui::{Context, Key, Modifiers};
 
 impl Viewer {
     /// Performs a viewer command.
@@ -14,9 +15,9 @@ impl Viewer {
             Switch::Wipe => self.compare_by(Mode::Wipe, state),
             Switch::Difference => self.compare_by(Mode::Difference, state),
             Switch::Region => self.frames_region = true,
-            Switch::Hull => self.space.shown = !self.space.shown,
+            Switch::Hull => self.show_space(!self.space.shown),
             Switch::Near => self.near.toggle(),
-            Switch::Camera => self.scene.switch(),
+            Switch::Orbit => self.orbit(!self.scene.steers()),
             Switch::Scopes => self.scopes.shown = !self.scopes.shown,
         }
     }
@@ -31,8 +32,39 @@ impl Viewer {
             Switch::Region => Some(self.frames_region || state.look.region.is_some()),
             Switch::Hull => Some(self.space.shown),
             Switch::Near => Some(self.near.shown),
-            Switch::Camera => Some(self.scene.steers()),
+            Switch::Orbit => Some(self.scene.steers()),
             Switch::Scopes => Some(self.scopes.shown),
+        }
+    }
+
+    /// Shows the picture's colors within their hull, or the picture.
+    pub(super) fn show_space(&mut self, shown: bool) {
+        self.space.shown = shown;
+        if shown {
+            self.scene.steer_by(false);
+        }
+    }
+
+    /// Lets drags in the picture move the camera, or no longer.
+    pub(super) fn orbit(&mut self, on: bool) {
+        self.scene.steer_by(on);
+        if on {
+            self.space.shown = false;
+        }
+    }
+
+    /// Takes Esc, wherever the pointer is, to leave the mode in which drags move the camera. Whatever is being done ends
+    /// first.
+    pub(crate) fn take_escape(&mut self, context: &Context, state: &State) {
+        let is_covered =
+            egui::Popup::is_any_open(context) || context.memory(|memory| memory.top_modal_layer().is_some());
+        let is_idle = state.dropper.is_none() && !is_covered && !context.text_edit_focused();
+        if is_idle
+            && self.scene.steers()
+            && !context.input(|input| input.pointer.any_down())
+            && context.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
+        {
+            self.orbit(false);
         }
     }
 

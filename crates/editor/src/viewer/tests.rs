@@ -468,10 +468,10 @@ fn every_switch_of_the_viewer_is_a_command() {
                 assert!(shows(&window, "The palette is flat: every color lies on its face."));
                 run(&mut window, switch);
                 assert!(!shows(&window, "The palette is flat: every color lies on its face."));
-                Some(Switch::Camera)
+                Some(Switch::Orbit)
             }
-            Switch::Camera => {
-                let notice = "What is viewed has no camera: view a picture of a scene, then move its camera";
+            Switch::Orbit => {
+                let notice = "What is viewed has no camera: view a picture of a scene, then choose Orbit";
                 assert!(shows(&window, notice));
                 Some(Switch::Scopes)
             }

@@ -139,12 +139,17 @@ fn region_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<
 
 fn space_ui(viewer: &mut Viewer, ui: &mut Ui) {
     let mut steers = viewer.scene.steers();
-    let camera = ui.toggle_value(&mut steers, "Orbit").on_hover_text("Move the camera by dragging in the picture (C)");
+    let camera = ui
+        .toggle_value(&mut steers, "Orbit")
+        .on_hover_text("Orbit, pan and dolly the camera by dragging in the picture (C)");
     if camera.clicked() {
-        viewer.scene.switch();
+        viewer.orbit(steers);
     }
-    ui.toggle_value(&mut viewer.space.shown, "Hull")
-        .on_hover_text("Show the picture's colors inside the convex hull of the controls (H)");
+    let mut shown = viewer.space.shown;
+    let hull = ui.toggle_value(&mut shown, "Hull");
+    if hull.on_hover_text("Show the picture's colors inside the convex hull of the controls (H)").clicked() {
+        viewer.show_space(shown);
+    }
     let mut shown = viewer.near.shown;
     let near = ui.toggle_value(&mut shown, "Near").on_hover_text("Mark pixels near the hull's faces (N)");
     if near.clicked() {

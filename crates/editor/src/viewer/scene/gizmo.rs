@@ -119,7 +119,7 @@ pub(super) fn level(graph: &CheckedGraph, node: NodeId, frame: i64) -> Option<f6
     })
 }
 
-fn knobs(items: &'static [Item]) -> impl Iterator<Item = &'static Knob> {
+pub(super) fn knobs(items: &'static [Item]) -> impl Iterator<Item = &'static Knob> {
     items.iter().filter_map(|item| if let Item::Knob(knob) = item { Some(knob) } else { None })
 }
 

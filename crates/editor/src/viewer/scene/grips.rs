@@ -178,6 +178,8 @@ pub(super) struct Drag {
     window: Window,
     /// Where the handle was, and where it is dragged to.
     spots: [Pos2; 2],
+    /// Where the pointer was last.
+    pointer: Pos2,
     /// The angle by which it was turned last, in degrees.
     turned: f64,
     /// The frame whose keys change.
@@ -343,6 +345,7 @@ pub(super) fn grips_ui(
                     gizmo: gizmo.clone(),
                     window,
                     spots: [spot; 2],
+                    pointer: ui.input(|input| input.pointer.press_origin()).unwrap_or(spot),
                     turned: 0.0,
                     frame: state.frame,
                     writes: false,
@@ -370,10 +373,14 @@ fn held(drag: &mut Option<Drag>, ui: &Ui, (grip, gizmo): (&Response, &Gizmo), fr
         return;
     }
     // A drag changes the keys of one frame.
-    let ends = grip.drag_stopped() || frame != now.frame;
-    if let Some(gesture) = Gesture::drag(grip).filter(|_| !ends) {
+    let is_another = frame != now.frame;
+    let ends = grip.drag_stopped() || is_another;
+    // The pointer may have moved in the frame in which it was pressed or let go.
+    let at = grip.interact_pointer_pos().filter(|at| *at != now.pointer && !is_another);
+    if let Some((gesture, at)) = Gesture::dragged(grip).zip(at) {
         let fine = ui.input(|input| input.modifiers.shift);
-        now.spots[1] += grip.drag_delta() * if fine { 0.1 } else { 1.0 };
+        now.spots[1] += (at - now.pointer) * if fine { 0.1 } else { 1.0 };
+        now.pointer = at;
         if !now.write(gesture, gizmo, actions) {
             *drag = None;
             return;
@@ -417,8 +424,17 @@ mod tests {
     fn dragged(gizmo: &Gizmo, window: &Window, part: Part, to: Pos2) -> Option<Gizmo> {
         let spots = [gizmo.spot(part, window)?, to];
         let id = Id::new("handle");
-        let mut drag =
-            Drag { id, part, gizmo: gizmo.clone(), window: *window, spots, turned: 0.0, frame: 1, writes: false };
+        let mut drag = Drag {
+            id,
+            part,
+            gizmo: gizmo.clone(),
+            window: *window,
+            spots,
+            pointer: to,
+            turned: 0.0,
+            frame: 1,
+            writes: false,
+        };
         let values = drag.values()?;
         let mut new = gizmo.clone();
         match part {

@@ -4,6 +4,7 @@ mod draw;
 mod eye;
 mod gizmo;
 mod grips;
+mod pivot;
 mod rig;
 #[cfg(test)]
 mod tests;
@@ -21,8 +22,7 @@ use trochoid::{CheckedGraph, NodeId, Role, Source};
 const FRAME: Color32 = Color32::from_rgb(0xe8, 0xb0, 0x4a);
 
 /// What the mouse does in this mode, for the bar below the picture.
-pub(super) const HELP: &str =
-    "Camera: drag to orbit, Shift or middle button to pan, wheel or Ctrl to dolly, Esc to leave";
+pub(super) const HELP: &str = "Drag to orbit, with Shift to pan, with Ctrl or by the wheel to dolly. Esc leaves.";
 
 /// The camera through which a picture is seen.
 #[derive(Clone, Debug)]
@@ -35,6 +35,8 @@ pub(super) struct Seen {
     aspect: f64,
     /// Height of the sea at rest, if there is one.
     level: Option<f64>,
+    /// Where surfaces stand, as far as knobs place them.
+    things: Vec<DVec3>,
 }
 
 impl Seen {
@@ -62,6 +64,7 @@ impl Seen {
             eye: Eye::new(&pose, aspect),
             aspect,
             level: gizmo::level(graph, view, frame),
+            things: pivot::things(graph, view, frame),
         })
     }
 
@@ -95,9 +98,9 @@ impl Scene {
         self.rig.on
     }
 
-    /// Switches the camera by mouse on or off.
-    pub(super) fn switch(&mut self) {
-        self.rig.on = !self.rig.on;
+    /// Lets drags in the picture move the camera, or no longer.
+    pub(super) fn steer_by(&mut self, on: bool) {
+        self.rig.on = on;
         self.rig.forget();
     }
 
@@ -124,7 +127,7 @@ impl Scene {
     ) {
         let Some(seen) = self.seen(result).cloned() else {
             self.rig.on = false;
-            let why = "What is viewed has no camera: view a picture of a scene, then move its camera";
+            let why = "What is viewed has no camera: view a picture of a scene, then choose Orbit";
             actions.push(Action::Notice(why.into()));
             return;
         };

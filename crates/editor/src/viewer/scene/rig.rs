@@ -3,13 +3,14 @@
 use super::Seen;
 use super::eye::{Eye, Lens, Pose};
 use super::grips::neat;
+use super::{gizmo, pivot};
 use crate::actions::Action;
 use crate::document::Edit;
 use crate::document::group::{NotWritten, Written, rewritten};
 use crate::field::Gesture;
 use crate::state::State;
 use crate::viewer::picture::share;
-use egui::{CursorIcon, Key, PointerButton, Pos2, Rect, Response, Ui};
+use egui::{CursorIcon, Key, PointerButton, Pos2, Rect, Response, Ui, pos2};
 use glam::DVec3;
 use trochoid::{CheckedGraph, Item, Knob, NodeId};
 
@@ -33,8 +34,8 @@ impl How {
 
 /// Seconds without the wheel after which the next turn of it is a step of undo of its own.
 const PAUSE: f64 = 0.6;
-/// Farthest point about which the camera turns, in distances to its target: beyond, near the horizon, it would fly.
-const FAR: f64 = 4.0;
+/// Share of the distance by which a notch of the wheel comes nearer.
+const NOTCH: f32 = 0.1;
 
 /// The knobs of a camera, and the numbers that they have.
 struct Held {
@@ -100,8 +101,9 @@ struct Move {
     seen: Seen,
     /// The point about which it moves.
     pivot: DVec3,
-    /// Where the drag began, on the screen.
+    /// Where the drag began on the screen, and where it has come to.
     from: Pos2,
+    to: Pos2,
     frame: i64,
     writes: bool,
 }
@@ -169,9 +171,12 @@ impl Rig {
         if let Some((how, from)) = started(ui, response) {
             match held(state, seen) {
                 Ok(held) => {
-                    let pivot = pivot(seen, &held.pose, share(rect, from));
+                    let pivot = match how {
+                        How::Orbit => chosen(state, seen).unwrap_or_else(|| pivot::at(seen, &held.pose, MIDDLE)),
+                        How::Pan | How::Dolly => pivot::at(seen, &held.pose, share(rect, from)),
+                    };
                     let (pose, frame, seen) = (held.pose, state.frame, seen.clone());
-                    self.drag = Some(Move { how, pose, seen, pivot, from, frame, writes: false });
+                    self.drag = Some(Move { how, pose, seen, pivot, from, to: from, frame, writes: false });
                 }
                 Err(why) => actions.push(Action::Notice(why.to_string())),
             }
@@ -188,9 +193,12 @@ impl Rig {
             return;
         }
         // A drag changes the keys of one frame.
-        let ends = response.drag_stopped() || !response.dragged() || state.frame != now.frame;
-        let moved = Gesture::drag(response).filter(|_| !ends).zip(response.interact_pointer_pos());
-        if let Some((gesture, at)) = moved {
+        let is_another = state.frame != now.frame;
+        let ends = response.drag_stopped() || !response.dragged() || is_another;
+        // The pointer may have moved in the frame in which it was pressed or let go.
+        let at = response.interact_pointer_pos().filter(|at| *at != now.to && !is_another);
+        if let Some((gesture, at)) = Gesture::dragged(response).zip(at) {
+            now.to = at;
             match held(state, &now.seen) {
                 Ok(_) if at == now.from => now.take_back(actions),
                 Ok(held) => {
@@ -223,14 +231,15 @@ impl Rig {
         actions: &mut Vec<Action>,
     ) {
         let (scroll, pinch, now) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta(), input.time));
-        let factor = f64::from((-scroll * 0.005).exp() / pinch);
+        let notches = scroll / ui.ctx().options(|options| options.input_options.line_scroll_speed);
+        let factor = f64::from((1.0 - NOTCH).powf(notches) / pinch);
         let turned = Gesture::wheel(response, factor != 1.0).filter(|_| self.drag.is_none());
         if let (Some(gesture), Some(at)) = (turned, response.hover_pos()) {
             match held(state, seen) {
                 Ok(held) => {
                     let sweep = self.sweep.get_or_insert_with(|| {
                         actions.push(Action::Seal);
-                        Sweep { pivot: pivot(seen, &held.pose, share(rect, at)), last: now }
+                        Sweep { pivot: pivot::at(seen, &held.pose, share(rect, at)), last: now }
                     });
                     sweep.last = now;
                     let pose = held.pose.dollied(sweep.pivot, factor);
@@ -283,11 +292,16 @@ fn held(state: &State, seen: &Seen) -> Result<Held, NotWritten> {
     Held::find(state, graph, id)
 }
 
-/// Returns the point about which the camera moves: what the pointer is at on the sea, or else as far away as its target.
-fn pivot(seen: &Seen, pose: &Pose, at: Pos2) -> DVec3 {
-    let eye = Eye::new(pose, seen.aspect);
-    let far = FAR * pose.position.distance(pose.target).max(1e-3);
-    let on_sea = seen.level.and_then(|level| eye.on_level(at, level));
-    let near = on_sea.filter(|point| eye.orthographic || point.distance(pose.position) <= far);
-    near.or_else(|| eye.beside(at, pose.target)).unwrap_or(pose.target)
+/// The middle of the picture, about which the camera turns.
+const MIDDLE: Pos2 = pos2(0.5, 0.5);
+
+/// Returns the middle of the selected things, if it is in front of the camera.
+fn chosen(state: &State, seen: &Seen) -> Option<DVec3> {
+    let graph = state.session.meaning().graph.as_deref()?;
+    let all = gizmo::gizmos(state, graph);
+    // The camera cannot turn about itself.
+    let things = all.iter().filter(|thing| thing.toward().is_none() && thing.at.distance(seen.eye.position) > 1e-6);
+    let places: Vec<DVec3> = things.map(|thing| thing.at).collect();
+    let middle = places.iter().sum::<DVec3>() / places.len() as f64;
+    (!places.is_empty()).then_some(middle).filter(|middle| seen.eye.project(*middle).is_some())
 }
