@@ -104,7 +104,7 @@ impl Key {
         })
     }
 
-    fn write(&self) -> Value {
+    pub(super) fn write(&self) -> Value {
         let mut more = Map::new();
         for (side, handle) in ["in", "out"].into_iter().zip(&self.handles) {
             let Some(CurveHandle { frames, change }) = handle else { continue };
@@ -237,6 +237,40 @@ impl Curve {
             }
         }
         curve.tidied()
+    }
+
+    /// Returns the curve with a key of a value at a frame, where handles bend the curve without a corner.
+    #[must_use]
+    pub fn keyed(&self, frame: f64, value: &Value) -> Self {
+        // Handles of colors are in the working space, which is not known here.
+        let mut curve = if value.is_string() { self.with(frame, value) } else { self.inserted(frame) };
+        let Some(at) = curve.find(frame) else { return curve };
+        curve.keys[at].value = value.clone();
+        if self.find(frame).is_none() && self.keys.len() > 1 && !value.is_string() {
+            match at {
+                0 => curve.continue_from(1, 0),
+                at if at == self.keys.len() => curve.continue_from(at - 1, 1),
+                _ => {}
+            }
+        }
+        curve.tidied()
+    }
+
+    /// Lets the curve go on from the handle of a key that was an end to the next key at a side: 0 before it, 1 after it.
+    fn continue_from(&mut self, key: usize, side: usize) {
+        let next = if side == 0 { key - 1 } else { key + 1 };
+        let Some(back) = self.keys[key].handles[1 - side].clone().filter(|back| back.frames > 0.0) else { return };
+        let frames = (self.keys[next].frame - self.keys[key].frame).abs() / 3.0;
+        let numbers = [key, next].map(|index| self.keys[index].numbers());
+        if numbers.iter().any(|numbers| numbers.len() != back.change.len()) {
+            return;
+        }
+        // The handle goes on in its line, and the next key's points to its end.
+        let on: Vec<f64> = back.change.iter().map(|change| -change * frames / back.frames).collect();
+        let toward =
+            numbers[0].iter().zip(&on).zip(&numbers[1]).map(|((from, on), to)| 0.5 * (from + on - to)).collect();
+        self.keys[key].handles[side] = Some(neat_handle(CurveHandle { frames, change: on }));
+        self.keys[next].handles[1 - side] = Some(neat_handle(CurveHandle { frames, change: toward }));
     }
 
     /// Returns the curve without the keys at some frames; `None` if none is left.

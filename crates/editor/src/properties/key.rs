@@ -40,7 +40,7 @@ pub(super) fn tell(
     actions: &mut Vec<Action>,
 ) {
     told.edit(actions, |value| match keyed {
-        Some(keyed) => place.set(&keyed.with(frame, &value).write()),
+        Some(keyed) => place.set(&keyed.keyed(frame, &value).write()),
         None => place.set(&value),
     });
 }
@@ -103,7 +103,7 @@ fn switch(
         Some(keyed) if keyed.find(frame).is_some() => {
             keyed.without(&[frame]).map_or_else(|| shown.clone(), |keyed| keyed.write())
         }
-        Some(keyed) => keyed.with(frame, shown).write(),
+        Some(keyed) => keyed.keyed(frame, shown).write(),
         None => Curve { keys: Vec::new(), interpolation: Interpolation::Linear }.with(frame, shown).write(),
     };
     gesture.edit(place.set(&value), actions);

@@ -4,6 +4,7 @@ use super::color;
 use super::context::{Linking, Properties, WidgetContext};
 use crate::actions::Action;
 use crate::document::change::style;
+use crate::document::group::follower;
 use crate::document::link::{is_link, written};
 use crate::document::{Path, Step, spoken};
 use crate::field::{self, FieldResponse, Gesture, Number};
@@ -12,7 +13,7 @@ use crate::state::State;
 use egui::{Button, Color32, Key, Label, RichText, Sense, TextEdit, TextStyle, Ui, WidgetInfo, WidgetType, vec2};
 use serde_json::{Value, json};
 use std::fmt::Display;
-use trochoid::{Item, KnobType};
+use trochoid::{CheckedGraph, Item, KnobType, NodeId};
 
 /// Returns the link that a value is.
 pub(super) fn of(value: Option<&Value>) -> Option<&str> {
@@ -119,18 +120,38 @@ impl Present {
 }
 
 /// Returns what a linked knob or port is at the current frame; `None` if the document has errors.
-pub(super) fn present(state: &State, path: &Path, item: &Item) -> Option<Present> {
+pub(super) fn present(state: &State, path: &Path) -> Option<Present> {
     let graph = state.session.meaning().graph.as_ref()?;
     let [Step::Key(nodes), Step::Key(name), steps @ ..] = path.0.as_slice() else { return None };
-    let node = graph.find(&state.whole_name(name)).filter(|_| nodes == "nodes")?;
+    let whole = state.whole_name(name);
+    if nodes != "nodes" {
+        return None;
+    }
+    if let Some(node) = graph.find(&whole) {
+        return value(state, graph, node, steps);
+    }
+    // A use of a group is no node of the expanded document: what follows its knob inside has the value.
+    let [Step::Key(knob)] = steps else { return None };
+    let (inner, place) = follower(state.session.sheet(), &whole, knob)?;
+    value(state, graph, graph.find(&inner)?, &place.0)
+}
+
+/// Returns the value at a place in a node of the expanded document.
+fn value(state: &State, graph: &CheckedGraph, node: NodeId, mut steps: &[Step]) -> Option<Present> {
     let values = graph.node(node).record.settle(state.frame as f64);
-    let (mut record, mut steps) = (&values, steps);
-    // Lists come before the item, and the index of a connection may follow it.
-    while let [Step::Key(list), Step::Index(index), rest @ ..] = steps
+    let (mut record, mut items) = (&values, graph.node(node).ty.declaration().items);
+    // Lists come before the item, and the index of a connection or component may follow it.
+    while let [Step::Key(name), Step::Index(index), rest @ ..] = steps
         && !rest.is_empty()
     {
-        (record, steps) = (record.list(list).get(*index)?, rest);
+        let list = items.iter().find_map(|item| match item {
+            Item::List(list) if list.name == name => Some(list),
+            _ => None,
+        })?;
+        (record, items, steps) = (record.list(list.name).get(*index)?, list.items, rest);
     }
+    let [Step::Key(name), ..] = steps else { return None };
+    let item = items.iter().find(|item| item.name() == name)?;
     let name = item.name();
     let value = match item {
         Item::Knob(knob) => match knob.takes {
@@ -139,7 +160,10 @@ pub(super) fn present(state: &State, path: &Path, item: &Item) -> Option<Present
             KnobType::Bool => json!(record.bool(name)),
             KnobType::Choice(_) | KnobType::Text | KnobType::Path => json!(record.text(name)),
             KnobType::Color => return Some(Present::color(record.vector3(name), state)),
-            KnobType::Vector(count) => json!(record.vector3(name).get(..count)?),
+            KnobType::Vector(count) => match steps {
+                [_, Step::Index(component)] => json!(record.vector3(name).get(*component)?),
+                _ => json!(record.vector3(name).get(..count)?),
+            },
             KnobType::Numbers { .. } => json!(record.numbers(name)),
             KnobType::Texts { .. } => json!(record.texts(name)),
         },

@@ -80,7 +80,7 @@ fn source_ui(
             crate::follow::source_ui(&label, &place.path, &item);
         }
         if link::of(place.value).is_some() || panel.links(&place.path) {
-            let present = link::present(place.state, &place.path, &item);
+            let present = link::present(place.state, &place.path);
             link::link_ui(panel, ui, place, present, |typed| constant(typed, port), actions);
             return label;
         }

@@ -190,7 +190,7 @@ fn tell(told: FieldResponse<Value>, name: &str, place: &WidgetContext<'_>, actio
     let (sheet, frame) = (place.state.sheet(), place.state.frame as f64);
     told.edit(actions, |value| {
         place.set_each(|path| match sheet.get(path).and_then(Curve::read) {
-            Some(keyed) => keyed.with(frame, &value).write(),
+            Some(keyed) => keyed.keyed(frame, &value).write(),
             None => value.clone(),
         })
     });

@@ -31,6 +31,37 @@ fn open(node: &str) -> Window {
     window
 }
 
+/// A use of a group whose knobs follow others; a group inside hands one of them on.
+const BOATS: &str = r##"{
+  "trochoid": 1, "format": { "width": 64, "height": 36 },
+  "groups": {
+    "Eye": { "knobs": { "at": 0, "fov": 30, "from": [0, 1, 2] },
+             "nodes": { "eye": { "type": "Camera", "position": [0, "= knobs.at", 20], "fov": "= 2 * knobs.fov", "target": "= knobs.from" } },
+             "outputs": { "eye": "eye" } },
+    "Pair": { "knobs": { "high": 1 },
+              "nodes": { "left": { "type": "Eye", "at": "= knobs.high" } }, "outputs": { "eye": "left" } }
+  },
+  "nodes": {
+    "lead": { "type": "Camera", "position": [1.25, 4, 20] },
+    "one": { "type": "Eye", "at": "= lead.position.x + 0.5", "fov": "= lead.fov", "from": "= lead.position" },
+    "two": { "type": "Pair", "high": "= 2 * one.at" },
+    "sky": { "type": "Mix", "a": "#2d3f52", "b": "#102030", "weight": 0.5 }
+  },
+  "outputs": { "beauty": { "color": "sky" } }
+}"##;
+
+#[test]
+fn a_linked_knob_of_a_use_shows_what_it_is_now() {
+    let mut window = unseen_in(Session::new(BOATS.into(), None), [1600.0, 1400.0]);
+    let faults = &editor(&window).state().session.meaning().diagnostics;
+    assert!(editor(&window).state().session.meaning().graph.is_some(), "{faults:?}");
+    choose(&mut window, "one");
+    assert!(window.query_by_label("1.75").is_some(), "one component inside follows it");
+    assert!(window.query_by_label("1.25, 4, 20").is_some());
+    choose(&mut window, "two");
+    assert!(window.query_by_label("3.5").is_some(), "the group inside hands it on");
+}
+
 fn choose(window: &mut Window, node: &str) {
     act(window, Action::Select([node.to_string()].into()));
 }

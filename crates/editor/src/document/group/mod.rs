@@ -3,6 +3,7 @@
 mod body;
 mod document_knobs;
 mod face;
+mod follower;
 mod knobs;
 mod library;
 mod link;
@@ -16,6 +17,7 @@ pub use document_knobs::{
     added_knob, deleted_knob, described, document_knob, document_value, promoted_to_document, renamed_document_knob,
 };
 pub use face::{document_knobs, kept_items, whole_default};
+pub use follower::follower;
 pub use knobs::{
     declared_at, groups_using, promoted, relinked_to, renamed_group, renamed_input, renamed_knob, renamed_output,
 };

@@ -5,6 +5,7 @@ use super::face::whole_default;
 use super::library::object;
 use super::link;
 use crate::document::change::style;
+use crate::document::curve::Curve;
 use crate::document::json::{Op, Path, Step};
 use crate::document::link::links;
 use crate::document::sheet::Sheet;
@@ -21,6 +22,8 @@ pub enum NotWritten {
         knob: String,
         /// The formula.
         link: String,
+        /// Where that is written, if in the document itself.
+        at: Option<Path>,
     },
     /// The definition of its group is in another file.
     #[error("{knob} cannot be changed here: {why}")]
@@ -122,7 +125,8 @@ impl Written {
         let is_here = value.is_some();
         let mut found = Self { path: Path::default(), component, value, is_here, present: present.to_vec(), range };
         while let Some(Followed { text, is_component, is_whole }) = found.link() {
-            let linked = || NotWritten::Linked { knob: spoken.clone(), link: text.clone() };
+            let at = place.as_ref().ok().cloned();
+            let linked = || NotWritten::Linked { knob: spoken.clone(), link: text.clone(), at: at.clone() };
             let Some(("knobs", name)) = link::sole(&text).filter(|_| is_whole) else { return Err(linked()) };
             let level = levels.pop().ok_or_else(linked)?;
             let definition = level.group.get("knobs").and_then(|knobs| knobs.get(name)).ok_or_else(linked)?;
@@ -201,33 +205,32 @@ pub fn rewritten(numbers: &[(&Written, f64)], frame: i64) -> Vec<Op> {
             (Some(Value::Array(_)), true) => {
                 ops.extend(changed.iter().map(|(index, number)| Op::Set(first.path.to(*index), style(&json!(number)))));
             }
-            (Some(value @ Value::Object(_)), is_here) => ops.push(keyed(&first.path, value, is_here, frame, &whole)),
+            (Some(value @ Value::Object(_)), is_here) => ops.extend(keyed(&first.path, value, is_here, frame, &whole)),
             _ => ops.push(Op::Set(first.path.clone(), style(&whole))),
         }
     }
     ops
 }
 
-/// Returns the operation that sets the key of a value at a frame.
-fn keyed(path: &Path, value: &Value, is_here: bool, frame: i64, whole: &Value) -> Op {
-    let keys = value.get("keys").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-    let frame_of = |key: &Value| key.get(0).and_then(Value::as_f64).unwrap_or(f64::NAN);
-    let at = keys.iter().position(|key| frame_of(key) >= frame as f64).unwrap_or(keys.len());
-    let has_key = keys.get(at).is_some_and(|key| frame_of(key) == frame as f64);
-    let key = json!([frame, whole]);
+/// Returns the operations that set the key of a value at a frame.
+fn keyed(path: &Path, value: &Value, is_here: bool, frame: i64, whole: &Value) -> Vec<Op> {
+    let Some(old) = Curve::read(value) else { return Vec::new() };
+    let new = old.keyed(frame as f64, whole);
     if !is_here {
         // The keys are the default of a group: the use gets them all, with the changed one.
-        let mut own = value.clone();
-        if let Some(keys) = own.get_mut("keys").and_then(Value::as_array_mut) {
-            match keys.get_mut(at).filter(|_| has_key) {
-                Some(old) => *old = key,
-                None => keys.insert(at, key),
-            }
-        }
-        return Op::Set(path.clone(), style(&own));
+        return vec![Op::Set(path.clone(), style(&new.write()))];
     }
-    let place = path.to("keys").to(at);
-    if has_key { Op::Set(place.to(1), style(whole)) } else { Op::Insert(place, style(&key)) }
+    let keys = path.to("keys");
+    let Some(at) = new.find(frame as f64) else { return Vec::new() };
+    if old.find(frame as f64).is_some() {
+        return vec![Op::Set(keys.to(at).to(1), style(whole))];
+    }
+    // The handles of its neighbors may have changed, too.
+    let others = new.keys.iter().enumerate().filter(|(index, _)| *index != at).map(|(_, key)| key);
+    let changed = old.keys.iter().zip(others).enumerate().filter(|(_, (old, new))| old != new);
+    let mut ops: Vec<Op> = changed.map(|(index, (_, new))| Op::Set(keys.to(index), style(&new.write()))).collect();
+    ops.push(Op::Insert(keys.to(at), style(&new.keys[at].write())));
+    ops
 }
 
 #[cfg(test)]
@@ -361,5 +364,22 @@ mod tests {
         own.is_here = true;
         assert_eq!(ops(&[(&own, 5.0)], 9), [set("groups.Pair.nodes.front.way.keys[1][1]", "5")]);
         assert_eq!(ops(&[(&own, 5.0)], 12), [set("before groups.Pair.nodes.front.way.keys[2]", "[12, 5]")]);
+    }
+
+    #[test]
+    fn a_new_key_in_a_smooth_curve_changes_the_handles_beside_it() {
+        let mut z = body("pair/front/boat", "z", 0.0).unwrap();
+        z.is_here = true;
+        z.value = Some(json!({ "keys": [[1, 0, { "out": [4, 0] }], [9, 8, { "in": [-4, 0] }]] }));
+        let keys = "groups.Pair.nodes.front.way.keys";
+        let found = ops(&[(&z, 5.0)], 5);
+        assert_eq!(
+            found,
+            [
+                set(&format!("{keys}[0]"), r#"[1, 0, { "out": [2, 0] }]"#),
+                set(&format!("{keys}[1]"), r#"[9, 8, { "in": [-2, 0] }]"#),
+                set(&format!("before {keys}[1]"), r#"[5, 5, { "in": [-1, -2], "out": [1, 2] }]"#),
+            ]
+        );
     }
 }

@@ -36,7 +36,7 @@ fn no_key_is_lost_or_out_of_order_whatever_is_done() {
             let frames: Vec<i64> = model.keys().copied().collect();
             let picked: Vec<i64> = frames.iter().copied().filter(|_| random.random_bool(0.4)).collect();
             let as_frames: Vec<f64> = picked.iter().map(|frame| *frame as f64).collect();
-            match random.random_range(0..7) {
+            match random.random_range(0..8) {
                 0 | 1 => {
                     let (by, lift) = (random.random_range(-6..=6_i64), random.random_range(-2..=2) as f64);
                     let picks: Vec<Pick> = as_frames.iter().map(|frame| Pick { frame: *frame, component: 0 }).collect();
@@ -76,6 +76,11 @@ fn no_key_is_lost_or_out_of_order_whatever_is_done() {
                     curve = curve.interpolated(&as_frames, word);
                 }
                 5 => curve = curve.smoothed(&as_frames, random.random()),
+                6 => {
+                    let (frame, value) = (random.random_range(-5..20), random.random_range(-4..=4) as f64);
+                    curve = curve.keyed(frame as f64, &json!(value));
+                    model.insert(frame, value);
+                }
                 _ => {
                     let Some(frame) = as_frames.first() else { continue };
                     let end = [random.random_range(-9.0..9.0), random.random_range(-1.0..1.0)];
@@ -100,9 +105,20 @@ fn no_key_is_lost_or_out_of_order_whatever_is_done() {
 
 #[track_caller]
 fn accepted(curve: &Curve) {
+    accepted_in(curve, &json!({ "type": "FieldMath", "expression": "a + b", "a": "x", "b": curve.write() }));
+}
+
+#[track_caller]
+fn accepted_vector(curve: &Curve) {
+    let shapes = json!([{ "form": "disc", "center": curve.write(), "radius": 1 }]);
+    accepted_in(curve, &json!({ "type": "Shape", "shapes": shapes }));
+}
+
+#[track_caller]
+fn accepted_in(curve: &Curve, node: &Value) {
     let text = json!({
         "trochoid": 1, "format": { "width": 4, "height": 4 },
-        "nodes": { "x": { "type": "ScreenX" }, "f": { "type": "FieldMath", "expression": "a + b", "a": "x", "b": curve.write() } },
+        "nodes": { "x": { "type": "ScreenX" }, "f": node },
         "outputs": { "out": { "field": "f" } }
     });
     let checked = trochoid::parse("a.json", &text.to_string(), std::path::Path::new("."), &[]);
@@ -118,6 +134,30 @@ fn a_key_between_others_changes_no_shape() {
         assert!((a - b).abs() < 1e-4, "{a} and {b} at {frame}");
     }
     assert_eq!(bent.inserted(21.0), bent, "there is a key already");
+}
+
+#[test]
+fn a_key_that_is_set_makes_no_corner_in_a_smooth_curve() {
+    let smooth = json!({ "keys": [[1, [0, 2], { "out": [4, [0, 1]] }], [21, [1, 2], { "in": [-5, [0.5, -1]] }]] });
+    for frame in [-9.0, 5.0, 14.0, 30.0] {
+        let (old, value) = (curve(smooth.clone()), json!([3, -2]));
+        let new = old.keyed(frame, &value);
+        assert_eq!(new.at(frame), value);
+        accepted_vector(&new);
+        // On both sides of each key, the curve has one slope.
+        let animated = new.animated().unwrap();
+        for key in &new.keys[1..new.keys.len() - 1] {
+            let [before, at, after] = [-1e-3, 0.0, 1e-3].map(|by| animated.at(key.frame + by));
+            for component in 0..2 {
+                let [back, on] = [at[component] - before[component], after[component] - at[component]];
+                assert!((back - on).abs() < 1e-5, "key {} of {}: {back} and {on}", key.frame, new.write());
+            }
+        }
+    }
+    // Without handles, keys stay plain; one that is there only changes its value.
+    let plain = curve(json!({ "keys": [[1, 0], [9, 8]] }));
+    assert_eq!(plain.keyed(12.0, &json!(5)).write(), json!({ "keys": [[1.0, 0], [9.0, 8], [12.0, 5]] }));
+    assert_eq!(plain.keyed(9.0, &json!(5)).write(), json!({ "keys": [[1.0, 0], [9.0, 5]] }));
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! What of the selected nodes stands somewhere in the world, found by what their knobs declare to place.
 
+use super::water::{Water, level};
 use crate::document::Step;
 use crate::document::group::{NotWritten, Written};
 use crate::state::State;
 use glam::DVec3;
-use std::cell::OnceCell;
+use std::sync::Arc;
 use trochoid::{CheckedGraph, Item, Knob, KnobType, NodeId, Placing, Role, Settled, Values};
 
 /// Maximum number of things that are shown at once.
@@ -17,6 +18,13 @@ pub(super) struct Slot {
     pub(super) value: f64,
     /// Where it is written.
     pub(super) place: Result<Written, NotWritten>,
+}
+
+impl Slot {
+    /// Whether the number follows a formula.
+    pub(super) fn is_linked(&self) -> bool {
+        matches!(self.place, Err(NotWritten::Linked { .. }))
+    }
 }
 
 /// Something in the world.
@@ -55,9 +63,14 @@ impl Gizmo {
     fn within(mut self, state: &State, name: &str) -> Option<Self> {
         let root = state.session.sheet();
         let own = crate::document::group::definition_path(root, &state.whole_name(name));
-        let is_own = |slot: &Slot| match (&slot.place, &own) {
-            (Ok(written), Some(own)) => written.path.0.starts_with(&own.0),
-            _ => false,
+        let is_own = |slot: &Slot| {
+            let path = match &slot.place {
+                Ok(written) => Some(&written.path),
+                // What the use links to something else has a handle that says so.
+                Err(NotWritten::Linked { at, .. }) => at.as_ref(),
+                Err(_) => None,
+            };
+            path.zip(own.as_ref()).is_some_and(|(path, own)| path.0.starts_with(&own.0))
         };
         for axis in &mut self.axes {
             axis.take_if(|slot| !is_own(slot));
@@ -74,27 +87,32 @@ impl Gizmo {
 
     /// Whether two handles would change the same numbers.
     fn is_like(&self, other: &Self) -> bool {
-        let same = |(a, b): (&Slot, &Slot)| matches!((&a.place, &b.place), (Ok(a), Ok(b)) if a.is_at(b));
+        let same = |(a, b): (&Slot, &Slot)| match (&a.place, &b.place) {
+            (Ok(a), Ok(b)) => a.is_at(b),
+            (Err(NotWritten::Linked { at: a, .. }), Err(NotWritten::Linked { at: b, .. })) => a == b,
+            _ => false,
+        };
         self.slots().count() == other.slots().count() && self.slots().zip(other.slots()).all(same)
     }
 }
 
 /// Returns what the selected nodes have in the world, at the present frame.
-pub(super) fn gizmos(state: &State, graph: &CheckedGraph) -> Vec<Gizmo> {
+pub(super) fn gizmos(state: &State, graph: &Arc<CheckedGraph>, water: &mut Water) -> Vec<Gizmo> {
     let mut all: Vec<Gizmo> = Vec::new();
     for name in &state.selection {
         let Some(node) = state.sheet().node(name) else { continue };
         let whole = state.whole_name(name);
         if !node.is_use {
             let Some(id) = graph.find(&whole) else { continue };
-            all.extend(Finder::new(state, graph, id).all(name));
+            all.extend(Finder { state, graph, id, water }.all(name));
             continue;
         }
         let inside = format!("{whole}/");
         let mut own: Vec<Gizmo> = Vec::new();
         for (index, node) in graph.nodes().iter().enumerate() {
             let Some(inner) = node.name.strip_prefix(&inside) else { continue };
-            for gizmo in Finder::new(state, graph, NodeId(index)).all(&format!("{name}: {}", inner.replace('/', "."))) {
+            let (title, id) = (format!("{name}: {}", inner.replace('/', ".")), NodeId(index));
+            for gizmo in (Finder { state, graph, id, water }).all(&title) {
                 let Some(gizmo) = gizmo.within(state, name) else { continue };
                 if !own.iter().any(|known| known.is_like(&gizmo)) {
                     own.push(gizmo);
@@ -110,15 +128,6 @@ pub(super) fn gizmos(state: &State, graph: &CheckedGraph) -> Vec<Gizmo> {
     all
 }
 
-/// Returns the height at which the sea lies at rest that a node depends on.
-pub(super) fn level(graph: &CheckedGraph, node: NodeId, frame: i64) -> Option<f64> {
-    let reached = graph.upstream([node]);
-    graph.nodes().iter().enumerate().filter(|(index, _)| reached[*index]).find_map(|(index, node)| {
-        let knob = knobs(node.ty.declaration().items).find(|knob| knob.places == Some(Placing::Level))?;
-        Some(graph.settle(NodeId(index), frame).number(knob.name))
-    })
-}
-
 pub(super) fn knobs(items: &'static [Item]) -> impl Iterator<Item = &'static Knob> {
     items.iter().filter_map(|item| if let Item::Knob(knob) = item { Some(knob) } else { None })
 }
@@ -126,18 +135,13 @@ pub(super) fn knobs(items: &'static [Item]) -> impl Iterator<Item = &'static Kno
 /// Finds what a node has in the world.
 struct Finder<'s> {
     state: &'s State,
-    graph: &'s CheckedGraph,
+    graph: &'s Arc<CheckedGraph>,
     id: NodeId,
-    /// Height of the sea at rest, once it is needed.
-    rest: OnceCell<f64>,
+    water: &'s mut Water,
 }
 
-impl<'s> Finder<'s> {
-    fn new(state: &'s State, graph: &'s CheckedGraph, id: NodeId) -> Self {
-        Self { state, graph, id, rest: OnceCell::new() }
-    }
-
-    fn all(&self, title: &str) -> Vec<Gizmo> {
+impl Finder<'_> {
+    fn all(&mut self, title: &str) -> Vec<Gizmo> {
         let node = self.graph.node(self.id);
         let items = node.ty.declaration().items;
         let places = |items: &'static [Item]| knobs(items).any(|knob| knob.places.is_some());
@@ -161,7 +165,7 @@ impl<'s> Finder<'s> {
 
     /// Returns what the knobs of one record place.
     fn record(
-        &self,
+        &mut self,
         title: &str,
         items: &'static [Item],
         values: &Values,
@@ -213,15 +217,19 @@ impl<'s> Finder<'s> {
             others.insert(0, body);
         }
         for gizmo in &mut others {
-            if gizmo.axes[1].is_none() && gizmo.direction.is_empty() {
-                let rest = self.rest.get_or_init(|| level(self.graph, self.id, self.state.frame).unwrap_or(0.0));
-                gizmo.at.y = rest + lift.as_ref().map_or(0.0, |lift| lift.value);
-                gizmo.axes[1] = lift.take();
-            } else if let Some(height) = &gizmo.axes[1] {
-                gizmo.at.y = height.value;
+            gizmo.at =
+                DVec3::from_array(gizmo.axes.each_ref().map(|slot| slot.as_ref().map_or(0.0, |slot| slot.value)));
+            if gizmo.axes[1].is_some() || !gizmo.direction.is_empty() {
+                continue;
             }
-            gizmo.at.x = gizmo.axes[0].as_ref().map_or(0.0, |slot| slot.value);
-            gizmo.at.z = gizmo.axes[2].as_ref().map_or(0.0, |slot| slot.value);
+            let (graph, frame) = (self.graph, self.state.frame);
+            match lift.take() {
+                Some(lift) => {
+                    gizmo.at.y = self.water.height(graph, self.id, frame, [gizmo.at.x, gizmo.at.z]) + lift.value;
+                    gizmo.axes[1] = Some(lift);
+                }
+                None => gizmo.at.y = level(graph, self.id, frame).unwrap_or(0.0),
+            }
         }
         if let [body, others @ ..] = others.as_mut_slice() {
             others.iter_mut().filter(|other| other.direction.is_empty()).for_each(|other| other.of = Some(body.at));

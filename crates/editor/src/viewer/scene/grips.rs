@@ -308,18 +308,17 @@ pub(super) fn grips_ui(
     ui: &mut Ui,
     (area, rect): (Rect, Rect),
     state: &State,
-    (seen, graph): (&Seen, &CheckedGraph),
+    (seen, graph, all): (&Seen, &CheckedGraph, &[Gizmo]),
     actions: &mut Vec<Action>,
 ) {
     let window = Window { eye: seen.eye, rect, focus: seen.focus() };
     let painter = ui.painter().with_clip_rect(area);
-    let all = super::gizmo::gizmos(state, graph);
     draw::cameras(&painter, state, graph, seen, &window);
-    for gizmo in &all {
+    for gizmo in all {
         draw::gizmo(&painter, gizmo, &window);
     }
     let mut is_there = false;
-    for gizmo in &all {
+    for gizmo in all {
         // The camera itself is in the middle of its picture at most.
         if gizmo.toward().is_none() && gizmo.at.distance(seen.eye.position) < 1e-6 {
             continue;
@@ -355,7 +354,8 @@ pub(super) fn grips_ui(
             let strong = grip.hovered() || grip.dragged();
             draw::grip(&painter, part, spot, strong);
             if strong {
-                draw::told(&painter, spot, &format!("{}: {}", gizmo.title, part.told(gizmo)));
+                let linked = if part.slots(gizmo).iter().any(|slot| slot.is_linked()) { " (linked)" } else { "" };
+                draw::told(&painter, spot, &format!("{}: {}{linked}", gizmo.title, part.told(gizmo)));
             }
         }
     }

@@ -8,6 +8,7 @@ mod pivot;
 mod rig;
 #[cfg(test)]
 mod tests;
+mod water;
 
 use crate::actions::Action;
 use crate::evaluate::{Lens, Result};
@@ -63,7 +64,7 @@ impl Seen {
             pose,
             eye: Eye::new(&pose, aspect),
             aspect,
-            level: gizmo::level(graph, view, frame),
+            level: water::level(graph, view, frame),
             things: pivot::things(graph, view, frame),
         })
     }
@@ -83,6 +84,7 @@ fn has_role(graph: &CheckedGraph, node: NodeId, role: Role) -> bool {
 pub(super) struct Scene {
     rig: rig::Rig,
     drag: Option<grips::Drag>,
+    water: water::Water,
     /// The camera of the last picture, with the graph and the frame that it is of.
     seen: Option<(Arc<Lens>, i64, Option<Seen>)>,
 }
@@ -150,6 +152,7 @@ impl Scene {
             return;
         };
         let Some(seen) = self.seen(result).cloned() else { return };
-        grips::grips_ui((&mut self.drag, self.rig.on), ui, areas, state, (&seen, &graph), actions);
+        let all = gizmo::gizmos(state, &graph, &mut self.water);
+        grips::grips_ui((&mut self.drag, self.rig.on), ui, areas, state, (&seen, &graph, &all), actions);
     }
 }

@@ -2,7 +2,8 @@
 
 use super::Seen;
 use super::eye::{Eye, Pose};
-use super::gizmo::{knobs, level};
+use super::gizmo::knobs;
+use super::water::level;
 use egui::{Pos2, vec2};
 use glam::DVec3;
 use trochoid::{CheckedGraph, Item, NodeId, Placing, Role, Settled, Source, Values};

@@ -3,6 +3,7 @@
 use super::Seen;
 use super::eye::{Eye, Lens, Pose};
 use super::grips::neat;
+use super::water::Water;
 use super::{gizmo, pivot};
 use crate::actions::Action;
 use crate::document::Edit;
@@ -297,8 +298,8 @@ const MIDDLE: Pos2 = pos2(0.5, 0.5);
 
 /// Returns the middle of the selected things, if it is in front of the camera.
 fn chosen(state: &State, seen: &Seen) -> Option<DVec3> {
-    let graph = state.session.meaning().graph.as_deref()?;
-    let all = gizmo::gizmos(state, graph);
+    let graph = state.session.meaning().graph.as_ref()?;
+    let all = gizmo::gizmos(state, graph, &mut Water::default());
     // The camera cannot turn about itself.
     let things = all.iter().filter(|thing| thing.toward().is_none() && thing.at.distance(seen.eye.position) > 1e-6);
     let places: Vec<DVec3> = things.map(|thing| thing.at).collect();

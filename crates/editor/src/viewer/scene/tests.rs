@@ -240,6 +240,55 @@ fn what_follows_a_formula_says_so() {
 }
 
 #[test]
+fn a_use_whose_knobs_are_all_linked_says_so() {
+    let all = r#""x": "= knobs.far", "z": "= model.translate.x", "heading": "= 10 * knobs.far""#;
+    let linked = SCENE.replacen(r#""x": 1.5"#, all, 1);
+    let mut window = selected(&linked, "front");
+    for part in ["move", "turn"] {
+        let grip = spot(&window, &format!("front: {part}"));
+        drag(&mut window, grip, grip + vec2(30.0, 5.0), Modifiers::NONE);
+        assert_eq!(text(&window), linked);
+    }
+    assert!(told(&window, "x follows \"= knobs.far\""));
+    assert!(told(&window, "heading follows \"= 10 * knobs.far\""));
+    // What the group itself computes is none of the use's handles.
+    let inner =
+        SCENE.replacen(r#""x": "= knobs.x", "z": "= knobs.z""#, r#""x": "= knobs.x + 1", "z": "= knobs.z + 1""#, 1);
+    let window = selected(&inner, "front");
+    assert!(window.query_by_label("front: move").is_none() && window.query_by_label("front: turn").is_some());
+}
+
+#[test]
+fn a_boat_has_its_handles_where_it_floats() {
+    // Long and high waves, of which only the boat is seen.
+    let high = SCENE
+        .replacen(r#""height": 0.05"#, r#""height": 2.5, "along": 40, "across": 1e5, "phase": 60"#, 1)
+        .replacen(r#""surfaces": ["sea", "front", "model"]"#, r#""surfaces": ["front"]"#, 1);
+    let mut window = selected(&high, "front");
+    let at_rest = spot(&selected(SCENE, "front"), "front: move");
+    for frame in [1, 9] {
+        act(&mut window, Action::Frame(frame));
+        let handle = spot(&window, "front: move");
+        let result = editor(&window).state().evaluated.result.clone().unwrap();
+        let red = &result.picture.planes[0];
+        let [mut sum, mut count] = [Vec2::ZERO, Vec2::ZERO];
+        for (x, y) in (0..64).flat_map(|x| (0..36).map(move |y| (x, y))) {
+            if red.nearest(x, y) > 0.3 {
+                sum += vec2(x as f32 + 0.5, y as f32 + 0.5);
+                count += Vec2::splat(1.0);
+            }
+        }
+        let middle = sum / count / vec2(64.0, 36.0);
+        // The picture is fitted into its panel.
+        let panel = picture(&window);
+        let pixel = (panel.width() / 64.0).min(panel.height() / 36.0);
+        let seen = panel.center() + (middle - Vec2::splat(0.5)) * vec2(64.0, 36.0) * pixel;
+        assert!((handle - seen).length() < 1.5 * pixel, "{handle:?} {seen:?} at {frame}, a pixel is {pixel}");
+        assert!((handle - at_rest).length() > 3.0 * pixel, "{handle:?} {at_rest:?} at {frame}");
+    }
+}
+
+#[test]
 fn escape_puts_a_dragged_handle_back() {
     let mut window = selected(SCENE, "model");
     let grip = spot(&window, "model: move");
