@@ -19,7 +19,7 @@ pub(crate) fn kind(kind: Option<Kind>) -> Color32 {
 
 /// Makes a color legible as text: darker in the light theme.
 pub(crate) fn ink(color: Color32, visuals: &Visuals) -> Color32 {
-    if visuals.dark_mode { color } else { color.lerp_to_gamma(Color32::BLACK, 0.5) }
+    if visuals.dark_mode { color } else { color.lerp_to_gamma(Color32::BLACK, 0.3) }
 }
 
 /// Returns the color of a pin by the kinds it accepts.

@@ -1,10 +1,11 @@
 //! Keyed values as curves: lines, keys, and the handles of those that are picked.
 
 use super::view::Screen;
-use super::{COLORS, Curves, KEY, Picked, Spot, is_drawn};
+use super::{Curves, KEY, Picked, Spot, animated, components, is_color, is_drawn, list};
 use crate::document::curve::Pick;
 use crate::document::keyed::Channel;
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Ui, pos2, vec2};
+use trochoid::WorkingSpace;
 
 /// Distance between points of drawn curves, in points of the screen.
 const STEP: f32 = 3.0;
@@ -28,7 +29,7 @@ pub(super) struct Grip {
 /// Returns the ends of the handles of picked keys.
 pub(super) fn grips(panel: &Curves, channels: &[Channel]) -> Vec<Grip> {
     let mut grips = Vec::new();
-    for (channel, picks) in panel.picked(channels).into_iter().filter(|(channel, _)| is_drawn(channel)) {
+    for (channel, picks) in panel.picked(channels).into_iter().filter(|(channel, _)| !is_color(channel)) {
         for pick in picks.into_iter().take(MOST) {
             let Some(index) = channel.curve.find(pick.frame) else { continue };
             let Some(value) = channel.curve.keys[index].numbers().get(pick.component).copied() else { continue };
@@ -46,14 +47,21 @@ pub(super) fn grips(panel: &Curves, channels: &[Channel]) -> Vec<Grip> {
 }
 
 /// Draws curves with their keys, and returns the marks of keys.
-pub(super) fn graph_ui(panel: &Curves, ui: &Ui, painter: &Painter, screen: &Screen, channels: &[Channel]) -> Vec<Spot> {
+pub(super) fn graph_ui(
+    panel: &Curves,
+    ui: &Ui,
+    painter: &Painter,
+    screen: &Screen,
+    channels: &[Channel],
+    space: WorkingSpace,
+) -> Vec<Spot> {
     screen.values_ui(ui, painter);
     let (mut spots, mut color) = (Vec::new(), 0);
     let plot = painter.with_clip_rect(screen.rect);
     for channel in channels.iter().filter(|channel| is_drawn(channel)) {
-        let count = channel.curve.keys.first().map_or(0, |key| key.numbers().len());
-        if !panel.hidden.contains(&channel.path)
-            && let Some(animated) = channel.curve.animated()
+        let count = components(channel);
+        if panel.is_ticked(channel)
+            && let Some(animated) = animated(channel, space)
         {
             let columns = (screen.rect.width() / STEP).ceil() as usize;
             // Keys are corners: between columns, they would be cut off.
@@ -64,19 +72,20 @@ pub(super) fn graph_ui(panel: &Curves, ui: &Ui, painter: &Painter, screen: &Scre
             frames.sort_by(f64::total_cmp);
             let values: Vec<Vec<f64>> = frames.iter().map(|frame| animated.at(*frame)).collect();
             for component in 0..count {
-                let ink = crate::theme::ink(COLORS[(color + component) % COLORS.len()], ui.visuals());
+                let ink = list::ink(ui, channel, color, component);
                 let points = frames.iter().zip(&values).map(|(frame, value)| screen.place(*frame, value[component]));
                 plot.add(Shape::line(points.collect(), Stroke::new(1.6, ink)));
                 for key in &channel.curve.keys {
-                    let place = screen.place(key.frame, key.numbers()[component]);
+                    let place = screen.place(key.frame, animated.at(key.frame)[component]);
                     let pick = Pick { frame: key.frame, component };
                     let picks = vec![Picked { path: channel.path.clone(), pick }];
                     spots.push(Spot { picks, place, is_sum: false });
                 }
             }
         }
-        color += count;
+        color += if is_color(channel) { 0 } else { count };
     }
+    screen.labels_ui(ui, painter);
     for grip in grips(panel, channels) {
         let [from, to] = [grip.from, grip.to].map(|[frame, value]| screen.place(frame, value));
         let ink = ui.visuals().strong_text_color();
@@ -87,9 +96,6 @@ pub(super) fn graph_ui(panel: &Curves, ui: &Ui, painter: &Painter, screen: &Scre
             true => plot.rect(Rect::from_center_size(to, vec2(6.5, 6.5)), 0.0, fill, rim, StrokeKind::Middle),
             false => plot.circle(to, 3.5, fill, rim),
         };
-    }
-    for spot in &spots {
-        key_ui(ui, &plot, spot.place, panel.is_picked(&spot.picks[0]));
     }
     spots
 }
@@ -108,10 +114,16 @@ pub(super) fn key_ui(ui: &Ui, painter: &Painter, at: Pos2, is_picked: bool) {
 
 impl Curves {
     /// Returns the shown curve that is nearest to a place, above or below it.
-    pub(super) fn nearest<'c>(&self, channels: &'c [Channel], screen: &Screen, at: Pos2) -> Option<&'c Channel> {
+    pub(super) fn nearest<'c>(
+        &self,
+        channels: &'c [Channel],
+        screen: &Screen,
+        at: Pos2,
+        space: WorkingSpace,
+    ) -> Option<&'c Channel> {
         let frame = screen.at(at)[0];
         let away = |channel: &Channel| {
-            let values = channel.curve.animated().map_or(Vec::new(), |animated| animated.at(frame));
+            let values = animated(channel, space).map_or(Vec::new(), |animated| animated.at(frame));
             let all = values.iter().map(|value| (screen.place(frame, *value).y - at.y).abs());
             all.fold(f32::INFINITY, f32::min)
         };

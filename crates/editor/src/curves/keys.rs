@@ -155,7 +155,7 @@ impl Curves {
         let frame = screen.at(at)[0].round();
         let channels: Vec<&Channel> = match self.is_sheet {
             true => self.row_at(change.channels, screen, at.y).iter().collect(),
-            false => self.nearest(change.channels, screen, at).into_iter().collect(),
+            false => self.nearest(change.channels, screen, at, change.space).into_iter().collect(),
         };
         self.insert_into(&channels, frame, change);
     }

@@ -4,6 +4,7 @@ mod change;
 mod drag;
 mod graph;
 mod keys;
+mod list;
 mod sheet;
 mod tools;
 mod view;
@@ -16,16 +17,19 @@ use crate::refusal::refusal_ui;
 use crate::state::State;
 use change::Change;
 use drag::Drag;
-use egui::{Color32, Pos2, Rect, ScrollArea, Sense, Ui, pos2, vec2};
+use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Ui, pos2, vec2};
 use keys::Order;
 use std::collections::HashSet;
+use trochoid::{Animated, WorkingSpace};
 use view::{RULER, Screen, View};
 
 /// State of the panel that no other panel shares.
 #[derive(Default)]
 pub(crate) struct Curves {
-    /// Keyed values that are not shown.
+    /// Keyed values that are not shown, and, where there are too many to show all at first, those that are.
     hidden: HashSet<Path>,
+    chosen: HashSet<Path>,
+    is_crowded: bool,
     /// Whether the dope sheet is shown, and how far its rows are scrolled.
     is_sheet: bool,
     scrolled: f32,
@@ -74,13 +78,33 @@ const COLORS: [Color32; 8] = [
 /// Color of keys.
 const KEY: Color32 = Color32::from_rgb(0xe8, 0xb0, 0x4a);
 /// Width of the list of keyed values, in points.
-const LIST: f32 = 170.0;
+const LIST: f32 = 210.0;
+/// Most curves that are shown without being chosen, if no node is selected.
+const MOST: usize = 24;
 /// Height of the line of typed values, in points.
 const TYPED: f32 = 26.0;
 
-/// Returns whether a keyed value is drawn as curves: its values are numbers.
+/// Returns whether a keyed value is drawn as curves: its values are numbers, or colors without names.
 fn is_drawn(channel: &Channel) -> bool {
-    channel.curve.keys.iter().all(|key| !key.value.is_string() && !key.numbers().is_empty())
+    channel.curve.keys.iter().all(|key| !key.numbers().is_empty())
+}
+
+/// Returns whether a keyed value is a color that is written as text. Its keys move in time only.
+fn is_color(channel: &Channel) -> bool {
+    channel.curve.keys.iter().any(|key| key.value.is_string())
+}
+
+/// Returns the number of curves of a keyed value.
+fn components(channel: &Channel) -> usize {
+    channel.curve.keys.first().filter(|_| is_drawn(channel)).map_or(0, |key| key.numbers().len())
+}
+
+/// Returns the curves of a keyed value; those of a color are red, green and blue in the working space.
+fn animated(channel: &Channel, space: WorkingSpace) -> Option<Animated> {
+    match is_color(channel) {
+        true => channel.curve.animated_by(|key| Some(swatches::working(&key.value, space, key.frame)?.to_vec())),
+        false => channel.curve.animated(),
+    }
 }
 
 /// Returns all components of the keys of a channel at a frame.
@@ -93,8 +117,30 @@ fn whole(channel: &Channel, frame: f64) -> Vec<Picked> {
 impl Curves {
     /// Returns the shown ones of some channels: all in the dope sheet, else those that are ticked and drawn.
     fn shown<'c>(&self, channels: &'c [Channel]) -> Vec<&'c Channel> {
-        let is_ticked = |channel: &Channel| !self.hidden.contains(&channel.path) && is_drawn(channel);
-        channels.iter().filter(|channel| self.is_sheet || is_ticked(channel)).collect()
+        let is_seen = |channel: &Channel| self.is_ticked(channel) && is_drawn(channel);
+        channels.iter().filter(|channel| self.is_sheet || is_seen(channel)).collect()
+    }
+
+    /// Returns whether a channel is ticked in the list.
+    fn is_ticked(&self, channel: &Channel) -> bool {
+        if self.is_crowded { self.chosen.contains(&channel.path) } else { !self.hidden.contains(&channel.path) }
+    }
+
+    /// Ticks a channel, or no longer.
+    fn tick(&mut self, channel: &Channel, on: bool) {
+        let listed = if self.is_crowded { &mut self.chosen } else { &mut self.hidden };
+        if on == self.is_crowded {
+            listed.insert(channel.path.clone());
+        } else {
+            listed.remove(&channel.path);
+        }
+        if !on {
+            self.picks.retain(|picked| picked.path != channel.path);
+        }
+        if self.is_crowded {
+            // What is chosen comes into view.
+            self.view = None;
+        }
     }
 
     /// Returns whether a key of a channel is picked.
@@ -118,7 +164,8 @@ impl Curves {
     }
 
     /// Forgets picked keys that are gone. While they are dragged, a refused place is no loss.
-    fn refresh(&mut self, channels: &[Channel]) {
+    fn refresh(&mut self, channels: &[Channel], is_whole: bool) {
+        self.is_crowded = is_whole && channels.iter().map(components).sum::<usize>() > MOST;
         let is_there = |picked: &Picked| {
             let mut all = channels.iter().filter(|channel| channel.path == picked.path);
             all.any(|channel| channel.curve.find(picked.pick.frame).is_some())
@@ -141,7 +188,7 @@ pub(crate) fn curves_ui(panel: &mut Curves, ui: &mut Ui, state: &State, actions:
     let area = ui.available_rect_before_wrap();
     panel.area = Some((area, ui.ctx().cumulative_pass_nr()));
     let channels = channels(state.sheet(), &state.selection);
-    panel.refresh(&channels);
+    panel.refresh(&channels, state.selection.is_empty());
     let field = ui.id().with("curves plot");
     let space = swatches::space(state.sheet());
     let mut change = Change { channels: &channels, space, frame: state.frame, field, actions };
@@ -158,7 +205,7 @@ pub(crate) fn curves_ui(panel: &mut Curves, ui: &mut Ui, state: &State, actions:
     let plot = Rect::from_min_max(pos2(body.left() + list, body.top() + RULER), body.max);
     if !panel.is_sheet {
         let left = Rect::from_min_max(body.min, pos2(plot.left() - 6.0, body.bottom()));
-        ui.scope_builder(egui::UiBuilder::new().max_rect(left), |ui| list_ui(panel, ui, &channels));
+        ui.scope_builder(egui::UiBuilder::new().max_rect(left), |ui| list::list_ui(panel, ui, &channels));
     }
     plot_ui(panel, ui, state, (body, plot), &mut change);
     let typed = Rect::from_min_max(pos2(body.left(), body.bottom() + 4.0), rest.max);
@@ -169,9 +216,10 @@ pub(crate) fn curves_ui(panel: &mut Curves, ui: &mut Ui, state: &State, actions:
 }
 
 /// Returns the name of a keyed value, or of its component.
-fn named(channels: &[Channel], picked: &Picked) -> String {
+fn named(panel: &Curves, channels: &[Channel], picked: &Picked) -> String {
     let Some(channel) = channels.iter().find(|channel| channel.path == picked.path) else { return String::new() };
     let is_list = channel.curve.keys.first().is_some_and(|key| key.value.is_array());
+    let is_list = is_list || (is_color(channel) && !panel.is_sheet);
     let component = if is_list { format!("[{}]", picked.pick.component) } else { String::new() };
     format!("{}.{}{component}", channel.owner, channel.name)
 }
@@ -182,44 +230,6 @@ fn mark_ui(ui: &Ui, at: Pos2, name: &str, is_picked: bool) {
     mark.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Other, true, is_picked, name));
 }
 
-/// Draws the list of keyed values, with a tick for each.
-fn list_ui(panel: &mut Curves, ui: &mut Ui, channels: &[Channel]) {
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        let mut color = 0;
-        for channel in channels {
-            let count = channel.curve.keys.first().map_or(0, |key| key.numbers().len());
-            let is_drawn = is_drawn(channel);
-            let mut is_shown = !panel.hidden.contains(&channel.path);
-            ui.horizontal(|ui| {
-                let name = format!("{}.{}", channel.owner, channel.name);
-                let tick = ui.add_enabled(is_drawn, egui::Checkbox::new(&mut is_shown, ""));
-                tick.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::Checkbox, is_drawn, is_shown, &name));
-                if tick.changed() {
-                    if is_shown {
-                        panel.hidden.remove(&channel.path);
-                    } else {
-                        panel.hidden.insert(channel.path.clone());
-                        panel.picks.retain(|picked| picked.path != channel.path);
-                    }
-                }
-                for component in (0..count).filter(|_| is_drawn) {
-                    let (dot, _) = ui.allocate_exact_size(vec2(6.0, 6.0), Sense::hover());
-                    let ink = crate::theme::ink(COLORS[(color + component) % COLORS.len()], ui.visuals());
-                    ui.painter().circle_filled(dot.center(), 3.0, ink);
-                }
-                let label = ui.add(egui::Label::new(&name).truncate().sense(Sense::click()));
-                let help =
-                    if is_drawn { "Click to pick all its keys." } else { "The keys of colors are in the dope sheet." };
-                if label.on_hover_text(format!("{name}\n{help}")).clicked() && is_drawn {
-                    let keys = channel.curve.keys.iter();
-                    panel.picks = keys.flat_map(|key| whole(channel, key.frame)).collect();
-                }
-            });
-            color += if is_drawn { count } else { 0 };
-        }
-    });
-}
-
 /// Draws the plot or the dope sheet, and handles its input.
 fn plot_ui(panel: &mut Curves, ui: &mut Ui, state: &State, (body, rect): (Rect, Rect), change: &mut Change<'_>) {
     let channels = change.channels;
@@ -228,32 +238,44 @@ fn plot_ui(panel: &mut Curves, ui: &mut Ui, state: &State, (body, rect): (Rect, 
     let name = if panel.is_sheet { "Dope sheet of keys" } else { "Curves of keys" };
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Other, true, name));
     let shown = panel.shown(channels);
-    let view = *panel.view.get_or_insert_with(|| View::around(&shown, state.range));
+    let (frames, space) = (state.range, change.space);
+    let view = *panel.view.get_or_insert_with(|| View::around(&shown, frames, space));
     let screen = Screen { view, rect };
     let painter = ui.painter_at(body);
     painter.rect_filled(whole, 2.0, ui.visuals().extreme_bg_color);
     let plot = painter.with_clip_rect(whole);
+    let is_empty = shown.is_empty();
+    screen.ruler_ui(ui, &plot);
+    screen.playhead_ui(ui, &plot, state.frame);
     let spots = if panel.is_sheet {
-        screen.ruler_ui(ui, &plot);
         sheet::sheet_ui(panel, ui, &painter, &screen, body, channels)
     } else {
-        screen.ruler_ui(ui, &plot);
-        graph::graph_ui(panel, ui, &plot, &screen, channels)
+        graph::graph_ui(panel, ui, &plot, &screen, channels, space)
     };
-    screen.playhead_ui(ui, &plot, state.frame);
+    if is_empty {
+        let hint = "Tick curves in the list to see them.";
+        let (font, ink) = (FontId::proportional(13.0), ui.visuals().weak_text_color());
+        plot.text(rect.center(), Align2::CENTER_CENTER, hint, font, ink);
+    }
     panel.keys_ui(ui, change);
     panel.menu_ui(&response, change);
     panel.gestures_ui(ui, &response, &screen, &spots, change);
+    // Keys lie over all else.
+    let keys = painter.with_clip_rect(rect);
+    for spot in &spots {
+        graph::key_ui(ui, &keys, spot.place, spot.picks.iter().all(|picked| panel.is_picked(picked)));
+    }
     if !panel.is_sheet {
         for grip in graph::grips(panel, channels) {
             let side = if grip.side == 0 { "before" } else { "after" };
-            let name = format!("Handle {side} key {} of {}", grip.picked.pick.frame, named(channels, &grip.picked));
+            let name =
+                format!("Handle {side} key {} of {}", grip.picked.pick.frame, named(panel, channels, &grip.picked));
             mark_ui(ui, screen.place(grip.to[0], grip.to[1]), &name, true);
         }
     }
     for spot in spots.iter().filter(|spot| !spot.is_sum) {
         let Some(first) = spot.picks.first() else { continue };
-        let name = format!("Key {} of {}", first.pick.frame, named(channels, first));
+        let name = format!("Key {} of {}", first.pick.frame, named(panel, channels, first));
         mark_ui(ui, spot.place, &name, panel.is_picked(first));
     }
     refusal_ui(ui, &response);

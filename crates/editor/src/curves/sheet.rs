@@ -1,6 +1,5 @@
 //! The dope sheet: a row for each keyed value, below the rows of what has them and of all, with a diamond for each key.
 
-use super::graph::key_ui;
 use super::view::{RULER, Screen};
 use super::{Curves, Picked, Spot, whole};
 use crate::document::keyed::{Channel, frames};
@@ -51,7 +50,6 @@ pub(super) fn sheet_ui(
     let mut spots = Vec::new();
     let mut painted = painter.with_clip_rect(Rect::from_min_max(titles.min, screen.rect.max));
     painted.set_clip_rect(painted.clip_rect().intersect(body));
-    let marks = painter.with_clip_rect(screen.rect);
     for (index, row) in rows.iter().enumerate() {
         let top = screen.rect.top() + index as f32 * ROW - panel.scrolled;
         let line = Rect::from_min_max(pos2(titles.left(), top), pos2(screen.rect.right(), top + ROW));
@@ -69,8 +67,6 @@ pub(super) fn sheet_ui(
         for frame in frames(row.channels) {
             let place = pos2(screen.x(frame), line.center().y);
             let picks = picks(row.channels, frame);
-            let is_picked = picks.iter().all(|picked| panel.is_picked(picked));
-            key_ui(ui, &marks, place, is_picked);
             if screen.rect.expand2(Vec2::new(6.0, 0.0)).contains(place) {
                 spots.push(Spot { picks, place, is_sum: row.depth < 2 });
             }

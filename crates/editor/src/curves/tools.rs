@@ -2,7 +2,7 @@
 
 use super::change::{Change, frames_of, key_count};
 use super::keys::Order;
-use super::{Curves, is_drawn};
+use super::{Curves, is_color};
 use crate::actions::Action;
 use crate::document::curve::{Curve, Shift};
 use crate::document::keyed::Channel;
@@ -149,7 +149,7 @@ pub(super) fn typed_ui(panel: &mut Curves, ui: &mut Ui, channels: &[Channel], ac
         refusal::refusal_ui(ui, &field);
         let mut ends = field.drag_stopped() || field.lost_focus();
         let key = channel.curve.find(frame).map(|index| &channel.curve.keys[index]);
-        for pick in picks.iter().filter(|_| is_drawn(channel)) {
+        for pick in picks.iter().filter(|_| !is_color(channel)) {
             let Some(value) = key.and_then(|key| key.numbers().get(pick.component).copied()) else { continue };
             ui.label(if picks.len() > 1 { format!("Value {}", pick.component + 1) } else { "Value".into() });
             let told = Number::new(value).ui(ui);

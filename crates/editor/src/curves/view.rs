@@ -2,7 +2,8 @@
 
 use crate::document::keyed::Channel;
 use crate::plots;
-use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, Ui, Visuals, pos2};
+use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, Ui, Visuals, pos2, vec2};
+use trochoid::WorkingSpace;
 
 /// Height of the ruler of frames, in points.
 pub(super) const RULER: f32 = 20.0;
@@ -38,14 +39,14 @@ fn hull(numbers: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
 
 impl View {
     /// Returns the view of all keys of some channels and of all frames of a range.
-    pub(super) fn around(channels: &[&Channel], (first, last): (i64, i64)) -> Self {
+    pub(super) fn around(channels: &[&Channel], (first, last): (i64, i64), space: WorkingSpace) -> Self {
         let keys = channels.iter().flat_map(|channel| &channel.curve.keys).map(|key| key.frame);
         let frames = hull(keys.chain([first as f64, last as f64])).unwrap_or([0.0, 1.0]);
         let numbers = channels.iter().filter(|channel| super::is_drawn(channel)).flat_map(|channel| {
-            let animated = channel.curve.animated();
-            let turns =
-                animated.iter().flat_map(|animated| animated.turns()).map(|(_, value)| value).collect::<Vec<_>>();
-            channel.curve.keys.iter().flat_map(|key| key.numbers()).chain(turns)
+            let animated = super::animated(channel, space);
+            let at_keys = channel.curve.keys.iter().filter_map(|key| Some(animated.as_ref()?.at(key.frame)));
+            let turns = animated.iter().flat_map(|animated| animated.turns()).map(|(_, value)| value);
+            at_keys.flatten().chain(turns).collect::<Vec<_>>()
         });
         let values = hull(numbers).unwrap_or([0.0, 1.0]);
         let least = 1e-3 * values[0].abs().max(values[1].abs()).max(1e-3);
@@ -117,18 +118,31 @@ impl Screen {
         }
     }
 
-    /// Draws the numbers of values, with lines across.
+    /// Draws lines across at round values.
     pub(super) fn values_ui(&self, ui: &Ui, painter: &Painter) {
+        for (y, _) in self.marks() {
+            line(painter, [pos2(self.rect.left(), y), pos2(self.rect.right(), y)], ui.visuals());
+        }
+    }
+
+    /// Draws the numbers of these values, in boxes over the curves.
+    pub(super) fn labels_ui(&self, ui: &Ui, painter: &Painter) {
         let visuals = ui.visuals();
+        for (y, text) in self.marks() {
+            let galley = painter.layout_no_wrap(text, FontId::proportional(10.0), visuals.weak_text_color());
+            let place = pos2(self.rect.left() + 3.0, y - 1.0);
+            let text = Align2::LEFT_BOTTOM.anchor_size(place, galley.size());
+            painter.rect_filled(text.expand2(vec2(2.0, 0.0)), 2.0, visuals.extreme_bg_color.gamma_multiply(0.85));
+            painter.galley(text.min, galley, visuals.weak_text_color());
+        }
+    }
+
+    /// Returns round values: their heights on the screen, and their numbers.
+    fn marks(&self) -> Vec<(f32, String)> {
         let [low, high] = self.view.values;
         let point = (high - low) / f64::from(self.rect.height().max(1.0));
-        for mark in plots::ticks((low, high), point, 1) {
-            let y = self.y(mark.value);
-            line(painter, [pos2(self.rect.left(), y), pos2(self.rect.right(), y)], visuals);
-            let text = plots::numbered(mark.value, mark.step_size);
-            let place = pos2(self.rect.left() + 3.0, y - 1.0);
-            painter.text(place, Align2::LEFT_BOTTOM, text, FontId::proportional(10.0), visuals.weak_text_color());
-        }
+        let marks = plots::ticks((low, high), point, 1).into_iter();
+        marks.map(|mark| (self.y(mark.value), plots::numbered(mark.value, mark.step_size))).collect()
     }
 
     /// Draws the current frame.

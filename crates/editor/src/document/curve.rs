@@ -369,6 +369,10 @@ impl Curve {
     pub fn smoothed(&self, frames: &[f64], is_level: bool) -> Self {
         let mut curve = self.clone();
         for index in (0..self.keys.len()).filter(|index| frames.contains(&self.keys[*index].frame)) {
+            // Handles of colors are in the working space, which is not known here.
+            if self.keys[index].value.is_string() {
+                continue;
+            }
             let acting = self.acting(index);
             let count = self.keys[index].numbers().len();
             let slope = |component: usize| {

@@ -382,3 +382,49 @@ fn whatever_is_dragged_undo_takes_back_byte_by_byte() {
     }
     assert!(all > 20, "{all} changes");
 }
+
+#[test]
+fn many_curves_are_shown_as_they_are_chosen() {
+    let node = |index: usize| {
+        let keys = |low: f64| json!({ "keys": [[1, low], [8, low + 0.1]] });
+        let body = json!({ "type": "Clamp", "field": "down", "min": keys(0.0), "max": keys(0.5) });
+        format!("\"edge{index}\": {body}, \"down\":")
+    };
+    let text = (0..13).fold(DUSK.to_string(), |text, index| text.replacen("\"down\":", &node(index), 1));
+    let mut window = unseen(Session::new(text, None));
+    act(&mut window, Action::Panel(Pane::Curves));
+    window.run_steps(3);
+    let shown = |window: &Window, name: &str| window.query_by_label(&format!("Key 1 of {name}")).is_some();
+    let tick = |window: &mut Window, name: &str| {
+        window.get_by_role_and_label(egui::accesskit::Role::CheckBox, name).click();
+        window.run_steps(3);
+    };
+    assert!(!shown(&window, "edge1.min") && !shown(&window, "edge0.max"));
+    tick(&mut window, "edge1.min");
+    assert!(shown(&window, "edge1.min") && !shown(&window, "edge1.max"));
+    tick(&mut window, "Curves of edge1");
+    assert!(shown(&window, "edge1.min") && shown(&window, "edge1.max"));
+    tick(&mut window, "Curves of edge1");
+    assert!(!shown(&window, "edge1.min") && !shown(&window, "edge1.max"));
+    // What is selected is shown without being chosen.
+    act(&mut window, Action::Select(["edge3".to_string()].into()));
+    assert!(shown(&window, "edge3.min") && shown(&window, "edge3.max"));
+}
+
+#[test]
+fn a_keyed_color_is_three_curves_whose_keys_move_in_time() {
+    let mut window = curves(&["paint"]);
+    let key = |window: &Window, frame: i64, part: usize| place(window, &format!("Key {frame} of paint.color[{part}]"));
+    let [red, green, blue] = [0, 1, 2].map(|part| key(&window, 1, part));
+    assert!(red.y > green.y && green.y > blue.y && red.x == blue.x, "#102030 is bluer than red");
+    let wide = (key(&window, 7, 1).x - green.x) / 6.0;
+    drag(&mut window, green, vec2(2.0 * wide, -40.0), Modifiers::NONE);
+    let path = Path::node("paint").to("color");
+    assert_eq!(keys(&window, &path), json!([[3, "#102030"], [7, "#405060"]]));
+    undo(&mut window);
+    window.get_by_label("Handles").click();
+    window.run_steps(3);
+    window.get_by_label("Smooth handles").click();
+    window.run_steps(3);
+    assert_eq!(editor(&window).state().session.text(), keyed(), "colors have no handles here");
+}

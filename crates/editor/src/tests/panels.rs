@@ -248,7 +248,7 @@ fn the_toolbar_of_the_viewer_stays_one_line_when_tools_are_added() {
             act(&mut window, Action::Viewer(switch));
             window.run_steps(3);
             let line = window.get_by_label("RGB").rect().center().y;
-            for label in ["1:1", "Region", "Hold A", "Diff", "Hull", "Near", "More"] {
+            for label in ["1:1", "Region", "Hold A", "Diff", "Hull", "Near", "More", "More •"] {
                 for tool in window.query_all_by_label(label).filter(|tool| tool.rect().top() < line + 60.0) {
                     assert!((tool.rect().center().y - line).abs() < 2.0, "{label} at {width}, after {switch:?}");
                 }

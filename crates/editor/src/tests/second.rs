@@ -207,3 +207,17 @@ fn locked_viewers_zoom_together() {
     assert_eq!(both[0], both[1]);
     assert_ne!(both, locked);
 }
+
+#[test]
+fn the_toolbars_of_both_viewers_are_one_line_each() {
+    let mut window = open();
+    window.run_steps(3);
+    for label in ["RGB", "More"] {
+        assert_eq!(window.get_all_by_label(label).count(), 2, "{label}");
+    }
+    let lines: Vec<f32> = window.get_all_by_label("RGB").map(|tool| tool.rect().center().y).collect();
+    for more in window.get_all_by_label("More") {
+        let at = more.rect().center().y;
+        assert!(lines.iter().any(|line| (line - at).abs() < 2.0), "{at} is on none of {lines:?}");
+    }
+}

@@ -10,8 +10,6 @@ use crate::transform::Transform;
 use egui::{Align, Button, Color32, Layout, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
 use trochoid::{Kind, WorkingSpace};
 
-/// Width of the inspector beside the picture, if there is room.
-pub(super) const WIDTH: f32 = 208.0;
 /// Number of weights listed individually; the remaining small ones are summed.
 const ROWS: usize = 24;
 
@@ -142,7 +140,7 @@ fn kind(result: &Result) -> String {
 /// Draws the control colors, largest weight first.
 fn blame_ui(ui: &mut Ui, state: &State, result: &Result, blamed: &Blamed, actions: &mut Vec<Action>) {
     ui.weak("Mixed of").on_hover_text("Control colors of this pixel and their weights, which sum to 1");
-    ScrollArea::vertical().id_salt("blame").auto_shrink(false).show(ui, |ui| {
+    ScrollArea::vertical().id_salt("blame").auto_shrink([false, true]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 1.0;
         ui.spacing_mut().interact_size.y = 15.0;
         for share in blamed.shares.iter().take(ROWS) {

@@ -8,6 +8,7 @@ mod message;
 mod near;
 mod onion;
 mod origin;
+mod overlay;
 mod picture;
 mod scene;
 mod scopes;
@@ -32,6 +33,7 @@ use hull::Space;
 use message::{clay, message_ui, note};
 use near::Near;
 use onion::Onion;
+use overlay::Overlay;
 use picture::{Image, Stage, View, part, place, share};
 use scene::Scene;
 use scopes::Scopes;
@@ -66,8 +68,8 @@ pub(crate) struct Viewer {
     widths: HashMap<(toolbar::Group, u8), f32>,
     /// The inspected pixel before the last click, restored if that click turns out to begin a double-click.
     before: Option<[f32; 2]>,
-    /// Whether the inspector is shown beside the picture.
-    has_strip: bool,
+    /// Where the inspector lies over the picture.
+    inspected: Overlay,
     /// Whether the scopes are.
     has_scopes: bool,
 }
@@ -103,7 +105,7 @@ enum Drag {
 
 /// Height of the status bar below the picture.
 const BAR: f32 = 20.0;
-/// Minimum width of the panel for the inspector.
+/// Minimum width of the picture beside the scopes.
 const NARROW: f32 = 300.0;
 
 /// Draws a viewer.
@@ -126,12 +128,7 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
     if let Some(strip) = scopes {
         area.min.x = strip.max.x;
     }
-    let whole_stage = Stage { area, ..stage };
-    let strip = viewer.strip(ui, &whole_stage, state);
-    if let Some(strip) = strip {
-        area.max.x = strip.min.x;
-    }
-    let stage = Stage { area, ..whole_stage };
+    let stage = Stage { area, ..stage };
     let hover = match result {
         Some(result) if viewer.space.shown => {
             viewer.space.ui(ui, area, result);
@@ -147,12 +144,10 @@ pub(crate) fn viewer_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions
     if let (Some(strip), Some(result)) = (scopes, result.or(state.evaluated.last.as_deref())) {
         viewer.scopes.ui(ui, strip, state, &result.screen);
     }
-    if let Some(strip) = strip {
-        strip_ui(ui, strip, |ui| {
-            if let Some(([x, y], result)) = state.look.pick.zip(result) {
-                inspector::inspector_ui(ui, state, result, pos2(x, y), actions);
-            }
-        });
+    if let (Some([x, y]), Some(result), false) = (state.look.pick, result, viewer.space.shown) {
+        let at = pos2(x, y);
+        let spot = place(viewer.view.rect(&stage), at);
+        viewer.inspected.ui(ui, area, spot, |ui| inspector::inspector_ui(ui, state, result, at, actions));
     }
     if ui.rect_contains_pointer(whole) && !ui.ctx().egui_wants_keyboard_input() {
         keys(viewer, ui, state, actions);
@@ -176,33 +171,6 @@ impl Viewer {
         }
         self.has_scopes.then(|| Rect::from_min_max(area.min, rest.area.left_bottom()))
     }
-
-    /// Returns the area of the inspector beside the picture, if it is shown, and adapts the view to the remaining area.
-    fn strip(&mut self, ui: &Ui, stage: &Stage, state: &State) -> Option<Rect> {
-        let area = stage.area;
-        let wanted = state.look.pick.is_some() && area.width() > NARROW && !self.space.shown;
-        let mut rest = *stage;
-        rest.area.max.x -= inspector::WIDTH.min(0.45 * area.width());
-        // The picture does not move while a pointer button is pressed.
-        if wanted != self.has_strip && !ui.input(|input| input.pointer.any_down()) {
-            self.has_strip = wanted;
-            let (from, to) = if wanted { (stage, &rest) } else { (&rest, stage) };
-            self.view.keep(from, to);
-            if let Some([x, y]) = state.look.pick {
-                self.view.show(to, pos2(x, y));
-            }
-        }
-        self.has_strip.then(|| Rect::from_min_max(rest.area.right_top(), area.max))
-    }
-}
-
-fn strip_ui(ui: &mut Ui, strip: Rect, content: impl FnOnce(&mut Ui)) {
-    ui.painter().rect_filled(strip, 0.0, ui.visuals().panel_fill);
-    let inner = strip.shrink2(vec2(8.0, 4.0));
-    ui.scope_builder(UiBuilder::new().max_rect(inner).id_salt("inspector"), |ui| {
-        ui.set_clip_rect(strip.intersect(ui.clip_rect()));
-        content(ui);
-    });
 }
 
 /// Handles keys that work while the pointer is over the viewer.
@@ -309,6 +277,8 @@ fn picture_ui(
         && let Some(text) = near::objection(result)
     {
         note(ui, stage.area, text);
+    } else if viewer.near.shown {
+        viewer.near.legend_ui(ui, stage.area);
     } else if state.look.onion && !onion {
         note(ui, stage.area, onion::NONE);
     }

@@ -2,7 +2,10 @@
 
 use super::picture::{part, place};
 use crate::evaluate::Result;
-use egui::{Color32, ColorImage, Context, Painter, Pos2, Rect, TextureHandle, TextureOptions, pos2};
+use egui::{
+    Align2, Color32, ColorImage, Context, FontId, Painter, Pos2, Rect, Sense, TextureHandle, TextureOptions, Ui,
+    WidgetInfo, WidgetType, pos2, vec2,
+};
 use rayon::prelude::*;
 use std::sync::Arc;
 use trochoid::{Hull, Picture};
@@ -19,6 +22,8 @@ pub(super) struct Near {
 /// Maximum number of measured samples, and of samples times faces: about a tenth of a second.
 const SAMPLES: usize = 1 << 18;
 const PRODUCTS: usize = 1 << 26;
+/// Number of shades in the legend.
+const STEPS: u32 = 12;
 /// Color of the marks.
 const MARK: [u8; 3] = [255, 64, 160];
 
@@ -28,6 +33,30 @@ impl Near {
         self.shown = !self.shown;
         if self.distance <= 0.0 {
             self.distance = 0.02;
+        }
+    }
+
+    /// Draws what the marks mean, in the picture's lower left corner.
+    pub(super) fn legend_ui(&self, ui: &mut Ui, area: Rect) {
+        let far = format!("{} inside", self.distance);
+        let text = format!("Near: on a face of the hull, to {far}");
+        let back = Rect::from_min_size(area.left_bottom() + vec2(8.0, -30.0), vec2(236.0, 22.0));
+        ui.painter().rect_filled(back, 4.0, Color32::from_black_alpha(170));
+        let legend = ui.interact(back, ui.id().with("near"), Sense::hover());
+        legend.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, &text));
+        legend.on_hover_text(
+            "Marked pixels have little room toward the outside of the palette's hull, in the working space.",
+        );
+        let painter = ui.painter().with_clip_rect(area);
+        let (font, y) = (FontId::proportional(12.0), back.center().y);
+        let face =
+            painter.text(pos2(back.left() + 8.0, y), Align2::LEFT_CENTER, "On a face", font.clone(), Color32::WHITE);
+        let end = painter.text(pos2(back.right() - 8.0, y), Align2::RIGHT_CENTER, far, font, Color32::WHITE);
+        let bar = Rect::from_min_max(pos2(face.right() + 8.0, y - 5.0), pos2(end.left() - 8.0, y + 5.0));
+        for step in 0..STEPS {
+            let [left, right] = [step, step + 1].map(|step| egui::lerp(bar.x_range(), step as f32 / STEPS as f32));
+            let color = mark(f64::from(step) / f64::from(STEPS - 1));
+            painter.rect_filled(Rect::from_x_y_ranges(left..=right, bar.y_range()), 0.0, color);
         }
     }
 
@@ -61,6 +90,13 @@ pub(super) fn objection(result: &Result) -> Option<&'static str> {
     }
 }
 
+/// Returns the mark of a pixel inside of a face, by a share of the greatest distance.
+fn mark(share: f64) -> Color32 {
+    let strength = 0.15 + 0.5 * (1.0 - share.clamp(0.0, 1.0));
+    let [r, g, b] = MARK;
+    Color32::from_rgba_unmultiplied(r, g, b, (255.0 * strength) as u8)
+}
+
 /// Returns the image of marks, stronger near a face.
 fn marks(picture: &Picture, distance: f64) -> Option<ColorImage> {
     let hull = picture.hull.as_deref().filter(|hull| hull.dimension() == Some(3))?;
@@ -76,9 +112,7 @@ fn marks(picture: &Picture, distance: f64) -> Option<ColorImage> {
             let color = [r, g, b].map(|plane| f64::from(plane.nearest(at.0, at.1)));
             let inside = -hull.signed_distance(color);
             if inside < distance {
-                let strength = 0.15 + 0.5 * (1.0 - (inside / distance).clamp(0.0, 1.0));
-                let [r, g, b] = MARK;
-                *pixel = Color32::from_rgba_unmultiplied(r, g, b, (255.0 * strength) as u8);
+                *pixel = mark(inside / distance);
             }
         }
     });

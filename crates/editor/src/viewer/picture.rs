@@ -83,15 +83,6 @@ impl View {
         }
     }
 
-    /// Pans by the shortest way to bring a place of the picture into the panel.
-    pub(super) fn show(&mut self, stage: &Stage, at: Pos2) {
-        let (rect, room) = (self.rect(stage), stage.area.shrink(14.0_f32.min(0.5 * stage.area.size().min_elem())));
-        if self.zoom.is_some() {
-            let at = place(rect, at);
-            self.center += (at - at.clamp(room.min, room.max)) / rect.size();
-        }
-    }
-
     /// Pans by an offset in points.
     pub(super) fn pan(&mut self, stage: &Stage, by: Vec2) {
         let (rect, zoom) = (self.rect(stage), self.zoom(stage));
@@ -251,10 +242,6 @@ mod tests {
         let before = view.rect(&STAGE);
         view.keep(&STAGE, &smaller);
         assert!((view.rect(&smaller).min - before.min).length() < 1.0);
-        // A place below the removed part moves into the remaining one.
-        let at = share(before, pos2(450.0, 210.0));
-        view.show(&smaller, at);
-        assert!(smaller.area.contains(place(view.rect(&smaller), at)));
     }
 
     #[test]

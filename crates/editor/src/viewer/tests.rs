@@ -1,5 +1,7 @@
 //! Tests of the viewer, driven by simulated clicks and keys.
 
+mod boxes;
+
 use super::scene::{Eye, Pose};
 use crate::actions::{Action, Switch};
 use crate::commands::{Command, commands};
@@ -150,36 +152,6 @@ fn the_colors_of_a_pixel_have_their_names_through_filters() {
     window.get_by_label("ink").click();
     settle(&mut window);
     assert_eq!(editor(&window).state().colors.chosen, Some(SwatchKey::Named("ink".into())));
-}
-
-#[test]
-fn the_inspector_covers_nothing_of_the_picture() {
-    let mut window = open(MIXED, WINDOW);
-    let before = picture(&window);
-    // The inspector waits for the release, or the picture would move away from the pointer.
-    let at = before.center();
-    window.hover_at(at);
-    for (to, pressed) in [(at, true), (at + vec2(9.0, 0.0), true), (at + vec2(9.0, 0.0), false)] {
-        window.event(Event::PointerMoved(to));
-        window.step();
-        if to == at || !pressed {
-            let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
-            window.event(Event::PointerButton { pos: to, button, pressed, modifiers });
-            window.step();
-        }
-        if pressed {
-            assert_eq!(picture(&window), before);
-        }
-    }
-    settle(&mut window);
-    for share in [0.1, 0.9, 0.5] {
-        act(&mut window, Action::Pick(Some([share, 0.5])));
-        let strip = window.query_by_label("Mixed of").unwrap_or_else(|| panic!("no strip at {share}")).rect();
-        assert!(strip.left() >= picture(&window).right(), "beside the picture at {share}");
-    }
-    press(&mut window, Key::Escape);
-    act(&mut window, Action::Pick(None));
-    assert_eq!(picture(&window), before, "the picture gets its space back");
 }
 
 #[test]

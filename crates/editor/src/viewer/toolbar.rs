@@ -40,10 +40,6 @@ pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, action
         if next != *display {
             actions.push(Action::Display(next));
         }
-        let is_color = matches!(kind(state), Some(Kind::Color) | None);
-        if is_color && (viewer.is_second || display.transform != Transform::Srgb) {
-            super::transform::combo_ui(&mut viewer.opening, ui, state, actions);
-        }
         groups_ui(viewer, ui, state, actions);
     });
 }
@@ -51,18 +47,47 @@ pub(super) fn toolbar_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, action
 /// Groups that move into a menu, last first, if the toolbar is too narrow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Group {
+    Transform,
     Part,
     Compare,
     Space,
 }
 
 impl Group {
-    const ALL: [Self; 3] = [Self::Part, Self::Compare, Self::Space];
+    const ALL: [Self; 4] = [Self::Transform, Self::Part, Self::Compare, Self::Space];
+
+    /// Returns whether there is anything in the group.
+    fn is_there(self, viewer: &Viewer, state: &State) -> bool {
+        let is_color = matches!(kind(state), Some(Kind::Color) | None);
+        let is_shown = is_color && (viewer.is_second || state.look.display.transform != Transform::Srgb);
+        self != Self::Transform || is_shown
+    }
+
+    /// Returns the names of what is on in the group.
+    fn is_on(self, viewer: &Viewer, state: &State) -> Vec<String> {
+        let (look, transform) = (&state.look, &state.look.display.transform);
+        let on = |is_on: bool, name: &str| is_on.then(|| name.to_string());
+        let all = match self {
+            Self::Transform => vec![on(*transform != Transform::Srgb, &transform.name())],
+            Self::Part => vec![
+                on(look.proxy != 1, &format!("1:{}", look.proxy)),
+                on(viewer.frames_region || look.region.is_some(), "Region"),
+            ],
+            Self::Compare => vec![on(viewer.compare.held.is_some(), "Hold A")],
+            Self::Space => vec![
+                on(viewer.scene.steers(), "Orbit"),
+                on(viewer.space.shown, "Hull"),
+                on(viewer.near.shown, "Near"),
+                on(viewer.scopes.shown, "Scopes"),
+            ],
+        };
+        all.into_iter().flatten().collect()
+    }
 
     /// Returns an index for the group's set of widgets, which determines its width.
     fn stage(self, viewer: &Viewer) -> u8 {
         match (self, &viewer.compare.held) {
-            (Self::Part, _) | (Self::Compare, None) => 0,
+            (Self::Transform | Self::Part, _) | (Self::Compare, None) => 0,
             (Self::Compare, Some(held)) => {
                 if held.mode == Mode::Difference {
                     2
@@ -76,6 +101,7 @@ impl Group {
 
     fn ui(self, viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
         match self {
+            Self::Transform => super::transform::combo_ui(&mut viewer.opening, ui, state, actions),
             Self::Part => {
                 proxy_ui(ui, state, actions);
                 region_ui(viewer, ui, state, actions);
@@ -87,23 +113,22 @@ impl Group {
 }
 
 /// Width of the menu button and the separator before it.
-const MORE: f32 = 58.0;
+const MORE: f32 = 66.0;
 /// Estimated width of a group that has not been drawn yet.
 const GROUP: f32 = 110.0;
 
 /// Draws as many groups as there is room for, and the rest in a menu.
 fn groups_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
-    let widths = Group::ALL.map(|group| {
-        let known = viewer.widths.get(&(group, group.stage(viewer)));
-        known.copied().unwrap_or(GROUP)
-    });
+    let groups: Vec<Group> = Group::ALL.into_iter().filter(|group| group.is_there(viewer, state)).collect();
+    let width = |group: &Group| viewer.widths.get(&(*group, group.stage(viewer))).copied().unwrap_or(GROUP);
+    let widths: Vec<f32> = groups.iter().map(width).collect();
     let room = ui.available_size_before_wrap().x;
     let fits = |count: usize| {
-        let more = if count < Group::ALL.len() { MORE } else { 0.0 };
+        let more = if count < groups.len() { MORE } else { 0.0 };
         widths[..count].iter().sum::<f32>() + more <= room
     };
-    let count = (0..=Group::ALL.len()).rev().find(|count| fits(*count)).unwrap_or(0);
-    for group in &Group::ALL[..count] {
+    let count = (0..=groups.len()).rev().find(|count| fits(*count)).unwrap_or(0);
+    for group in &groups[..count] {
         let (stage, start) = (group.stage(viewer), ui.cursor().left());
         // Not wrapped within, because the width of a group in two lines would be wrong.
         ui.horizontal(|ui| {
@@ -112,17 +137,24 @@ fn groups_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<
         });
         viewer.widths.insert((*group, stage), ui.cursor().left() - start);
     }
-    if count == Group::ALL.len() {
+    if count == groups.len() {
         return;
     }
     ui.separator();
+    // What is on in the menu is marked and named, so that it is not forgotten.
+    let on: Vec<String> = groups[count..].iter().flat_map(|group| group.is_on(viewer, state)).collect();
+    let (mark, told) = match on.is_empty() {
+        true => ("", "More tools".into()),
+        false => (" •", format!("More tools. On: {}", on.join(", "))),
+    };
     let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-    let (button, _) = MenuButton::new("More").config(stays).ui(ui, |ui| {
-        for group in &Group::ALL[count..] {
+    let more = Button::new(format!("More{mark}")).selected(!on.is_empty());
+    let (button, _) = MenuButton::from_button(more).config(stays).ui(ui, |ui| {
+        for group in &groups[count..] {
             ui.horizontal(|ui| group.ui(viewer, ui, state, actions));
         }
     });
-    button.on_hover_text("More tools");
+    button.on_hover_text(told);
 }
 
 fn region_ui(viewer: &mut Viewer, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
