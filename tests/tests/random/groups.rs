@@ -3,13 +3,15 @@
 //! The written-out form is made by the generator itself, from what it drew: names of its own, values as numbers and keys.
 //! It shares nothing with the expansion of documents.
 
+mod written;
+
 use super::count;
 use crate::support::{all_bits, evaluate, graph_in};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use std::fmt::Write as _;
 use std::path::Path;
 use trochoid::{Buffers, Settings};
+use written::{Flat, Grouped, Inside, document};
 
 /// Number of documents by default.
 const DOCUMENTS: u64 = 1000;
@@ -29,10 +31,21 @@ enum Kind {
 enum Number {
     Plain(f64),
     Keys([f64; FRAMES]),
+    Curve(Curve),
     /// The value of a name: of a knob by index, or of the number of another node of the scope.
     Of(Name),
     /// A formula with one name, by its number.
     Formula(usize, Name),
+}
+
+/// Keys at the first and the last frame with a handle each, both as long. In the middle between them, half of the curve is
+/// passed.
+#[derive(Clone, Copy, Debug)]
+struct Curve {
+    /// Values of the first key, of the ends of its handle and of that of the last key, and of the last key.
+    points: [f64; 4],
+    /// Frames from each key to the end of its handle.
+    reach: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -118,6 +131,11 @@ impl Generator {
         f64::from(self.random.random_range(0..=64_u32)) / 64.0
     }
 
+    fn curve(&mut self) -> Curve {
+        let points = [self.plain(), self.plain(), self.plain(), self.plain()];
+        Curve { points, reach: f64::from(self.random.random_range(1..=16_u32)) / 8.0 }
+    }
+
     fn hex(&mut self) -> String {
         format!("#{:06x}", self.random.random_range(0..1_u32 << 24))
     }
@@ -125,6 +143,7 @@ impl Generator {
     fn number(&mut self, scope: &Scope) -> Number {
         match self.below(7) {
             0 | 1 => Number::Plain(self.plain()),
+            2 if self.chance(0.5) => Number::Curve(self.curve()),
             2 => Number::Keys([self.plain(), self.plain(), self.plain()]),
             choice => {
                 let named: Vec<usize> =
@@ -247,10 +266,10 @@ impl Generator {
             scope.paints = (0..self.below(3)).map(|_| self.hex()).collect();
         }
         for _ in 0..self.below(4) {
-            let number = if self.chance(0.3) {
-                Number::Keys([self.plain(), self.plain(), self.plain()])
-            } else {
-                Number::Plain(self.plain())
+            let number = match self.below(6) {
+                0 => Number::Keys([self.plain(), self.plain(), self.plain()]),
+                1 => Number::Curve(self.curve()),
+                _ => Number::Plain(self.plain()),
             };
             scope.numbers.push(number);
         }
@@ -277,299 +296,9 @@ impl Generator {
     }
 }
 
-/// Writes what was drawn with groups and links.
-struct Grouped<'g> {
-    groups: &'g [Scope],
-}
-
-impl Grouped<'_> {
-    fn name(name: Name, scope: &Scope) -> String {
-        match name {
-            Name::Knob(knob) => format!("knobs.k{knob}"),
-            Name::Node(node) => match &scope.nodes[node] {
-                What::Use { .. } => format!("n{node}.k0"),
-                _ => format!("n{node}.max"),
-            },
-            Name::Frame => "frame / 8".into(),
-            Name::Time => "time".into(),
-        }
-    }
-
-    fn number(number: &Number, scope: &Scope) -> String {
-        match number {
-            Number::Plain(value) => value.to_string(),
-            Number::Keys(values) => keys(*values),
-            Number::Of(name) => format!("\"= {}\"", Self::name(*name, scope)),
-            Number::Formula(formula, name) => {
-                let x = format!("({})", Self::name(*name, scope));
-                format!("\"= {}\"", FORMULAS[*formula].0.replace('X', &x))
-            }
-        }
-    }
-
-    fn paint(paint: &Paint) -> String {
-        match paint {
-            Paint::Hex(hex) => format!("\"{hex}\""),
-            Paint::Knob(knob) => format!("\"= knobs.p{knob}\""),
-        }
-    }
-
-    fn connected(&self, connected: &Connected, scope: &Scope) -> String {
-        match connected {
-            Connected::Input(input) => format!("\"i{input}\""),
-            // The first output need not be named.
-            Connected::Node(node, 0) => format!("\"n{node}\""),
-            Connected::Node(node, output) => format!("\"n{node}.o{output}\""),
-            Connected::Paint(paint) => Self::paint(paint),
-            Connected::Number(number) => Self::number(number, scope),
-        }
-    }
-
-    fn node(&self, node: &What, scope: &Scope) -> String {
-        let port = |connected: &Connected| self.connected(connected, scope);
-        match node {
-            What::Mix([a, b], weight) => {
-                format!("{{ \"type\": \"Mix\", \"a\": {}, \"b\": {}, \"weight\": {} }}", port(a), port(b), port(weight))
-            }
-            What::Ramp(weight, [a, b]) => format!(
-                "{{ \"type\": \"Ramp\", \"weight\": {}, \"stops\": [{{ \"at\": 0, \"color\": {} }}, {{ \"at\": 1, \"color\": {} }}] }}",
-                port(weight),
-                Self::paint(a),
-                Self::paint(b)
-            ),
-            What::Across => "{ \"type\": \"ScreenX\" }".into(),
-            What::Down => "{ \"type\": \"ScreenY\" }".into(),
-            What::Clamp(field, max) => format!(
-                "{{ \"type\": \"Clamp\", \"field\": {}, \"min\": -0.25, \"max\": {} }}",
-                port(field),
-                Self::number(max, scope)
-            ),
-            What::Multiply(a, b) => format!("{{ \"type\": \"Multiply\", \"weights\": [{}, {}] }}", port(a), port(b)),
-            What::Invert(weight) => format!("{{ \"type\": \"Invert\", \"weight\": {} }}", port(weight)),
-            What::Use { group, inputs, numbers, paints, disabled } => {
-                let mut text = format!("{{ \"type\": \"G{group}\"");
-                for (index, input) in inputs.iter().enumerate() {
-                    if let Some(input) = input {
-                        let _ = write!(text, ", \"i{index}\": {}", port(input));
-                    }
-                }
-                for (index, number) in numbers.iter().enumerate() {
-                    if let Some(number) = number {
-                        let _ = write!(text, ", \"k{index}\": {}", Self::number(number, scope));
-                    }
-                }
-                for (index, paint) in paints.iter().enumerate() {
-                    if let Some(paint) = paint {
-                        let _ = write!(text, ", \"p{index}\": {}", Self::paint(paint));
-                    }
-                }
-                if *disabled {
-                    text += ", \"disabled\": true";
-                }
-                text + " }"
-            }
-        }
-    }
-
-    fn nodes(&self, scope: &Scope) -> String {
-        let nodes = scope.nodes.iter().enumerate();
-        nodes.map(|(index, node)| format!("\"n{index}\": {}", self.node(node, scope))).collect::<Vec<_>>().join(",\n  ")
-    }
-
-    fn text(&self, scope: &Scope) -> String {
-        let mut groups = Vec::new();
-        for (index, group) in self.groups.iter().enumerate() {
-            let input = |(index, (kind, default)): (usize, &(Kind, Option<Connected>))| match default {
-                None => format!("\"i{index}\": \"{kind:?}\""),
-                Some(value) => {
-                    let value = self.connected(value, group);
-                    format!("\"i{index}\": {{ \"kind\": \"{kind:?}\", \"default\": {value} }}")
-                }
-            };
-            let inputs: Vec<String> = group.inputs.iter().enumerate().map(input).collect();
-            let numbers = group.numbers.iter().enumerate();
-            let numbers = numbers.map(|(index, number)| {
-                format!("\"k{index}\": {{ \"default\": {}, \"min\": 0, \"max\": 1 }}", Self::number(number, group))
-            });
-            let paints = group.paints.iter().enumerate().map(|(index, hex)| format!("\"p{index}\": \"{hex}\""));
-            let knobs: Vec<String> = numbers.chain(paints).collect();
-            let output = |(index, (_, node, output)): (usize, &(Kind, usize, usize))| {
-                format!("\"o{index}\": {}", self.connected(&Connected::Node(*node, *output), group))
-            };
-            let outputs: Vec<String> = group.outputs.iter().enumerate().map(output).collect();
-            groups.push(format!(
-                "\"G{index}\": {{ \"inputs\": {{ {} }}, \"knobs\": {{ {} }},\n \"nodes\": {{ {} }},\n \"outputs\": {{ {} }} }}",
-                inputs.join(", "),
-                knobs.join(", "),
-                self.nodes(group),
-                outputs.join(", ")
-            ));
-        }
-        let knobs = scope.numbers.iter().enumerate();
-        let knobs: Vec<String> = knobs
-            .map(|(index, number)| format!("\"k{index}\": {{ \"value\": {} }}", Self::number(number, scope)))
-            .collect();
-        let last = scope.nodes.len() - 1;
-        document(
-            &format!("\"knobs\": {{ {} }}, \"groups\": {{ {} }},", knobs.join(", "), groups.join(",\n")),
-            &self.nodes(scope),
-            &format!("n{last}"),
-        )
-    }
-}
-
-fn keys(values: [f64; FRAMES]) -> String {
-    let keys: Vec<String> = values.iter().enumerate().map(|(at, value)| format!("[{}, {value}]", at + 1)).collect();
-    format!("{{ \"keys\": [{}] }}", keys.join(", "))
-}
-
-fn document(more: &str, nodes: &str, output: &str) -> String {
-    format!(
-        "{{ \"trochoid\": 1, \"format\": {{ \"width\": 7, \"height\": 5 }},\n\"frames\": {{ \"first\": 1, \"last\": {FRAMES}, \
-         \"fps\": {FPS} }}, {more}\n\"nodes\": {{ {nodes} }},\n\"outputs\": {{ \"o\": {{ \"color\": \"{output}\" }} }} }}"
-    )
-}
-
-/// A value at each frame, and whether it is the same by its nature.
-#[derive(Clone, Copy)]
-struct Known {
-    values: [f64; FRAMES],
-    is_keyed: bool,
-}
-
-/// What is known within a scope as it is used: texts of connected inputs, values of knobs.
-struct Inside<'s> {
-    scope: &'s Scope,
-    prefix: String,
-    inputs: Vec<String>,
-    numbers: Vec<Known>,
-    paints: Vec<String>,
-    /// Values of each node that may be named, and what its outputs are called.
-    named: Vec<Option<Known>>,
-    outputs: Vec<Vec<String>>,
-}
-
-impl<'s> Inside<'s> {
-    /// Returns a scope of which nothing is known yet.
-    fn of(scope: &'s Scope) -> Self {
-        let (inputs, numbers, paints, named, outputs) = Default::default();
-        Self { scope, prefix: String::new(), inputs, numbers, paints, named, outputs }
-    }
-}
-
-/// Writes everything out.
-struct Flat<'g> {
-    groups: &'g [Scope],
-    nodes: Vec<String>,
-    uses: usize,
-}
-
-impl Flat<'_> {
-    fn value(number: &Number, inside: &Inside<'_>) -> Known {
-        let of = |name: Name| match name {
-            Name::Knob(knob) => inside.numbers[knob],
-            Name::Node(node) => inside.named[node].unwrap(),
-            Name::Frame => Known { values: std::array::from_fn(|at| (at + 1) as f64 / 8.0), is_keyed: true },
-            Name::Time => Known { values: std::array::from_fn(|at| at as f64 / FPS), is_keyed: true },
-        };
-        match number {
-            Number::Plain(value) => Known { values: [*value; FRAMES], is_keyed: false },
-            Number::Keys(values) => Known { values: *values, is_keyed: true },
-            Number::Of(name) => of(*name),
-            Number::Formula(formula, name) => {
-                let known = of(*name);
-                Known { values: known.values.map(FORMULAS[*formula].1), ..known }
-            }
-        }
-    }
-
-    fn number(number: &Number, inside: &Inside<'_>) -> String {
-        let known = Self::value(number, inside);
-        if known.is_keyed { keys(known.values) } else { known.values[0].to_string() }
-    }
-
-    fn paint(paint: &Paint, inside: &Inside<'_>) -> String {
-        match paint {
-            Paint::Hex(hex) => format!("\"{hex}\""),
-            Paint::Knob(knob) => inside.paints[*knob].clone(),
-        }
-    }
-
-    fn connected(connected: &Connected, inside: &Inside<'_>) -> String {
-        match connected {
-            Connected::Input(input) => inside.inputs[*input].clone(),
-            Connected::Node(node, output) => inside.outputs[*node][*output].clone(),
-            Connected::Paint(paint) => Self::paint(paint, inside),
-            Connected::Number(number) => Self::number(number, inside),
-        }
-    }
-
-    /// Writes the nodes of a scope; returns what its outputs are called.
-    fn scope(&mut self, mut inside: Inside<'_>) -> Vec<String> {
-        for (index, node) in inside.scope.nodes.iter().enumerate() {
-            let name = format!("{}n{index}", inside.prefix);
-            let port = |connected: &Connected| Self::connected(connected, &inside);
-            let mut named = None;
-            let text = match node {
-                What::Mix([a, b], weight) => {
-                    format!("\"type\": \"Mix\", \"a\": {}, \"b\": {}, \"weight\": {}", port(a), port(b), port(weight))
-                }
-                What::Ramp(weight, colors) => {
-                    let [a, b] = colors.each_ref().map(|color| Self::paint(color, &inside));
-                    let stops = format!("{{ \"at\": 0, \"color\": {a} }}, {{ \"at\": 1, \"color\": {b} }}");
-                    format!("\"type\": \"Ramp\", \"weight\": {}, \"stops\": [{stops}]", port(weight))
-                }
-                What::Across => "\"type\": \"ScreenX\"".into(),
-                What::Down => "\"type\": \"ScreenY\"".into(),
-                What::Clamp(field, max) => {
-                    named = Some(Self::value(max, &inside));
-                    let max = Self::number(max, &inside);
-                    format!("\"type\": \"Clamp\", \"field\": {}, \"min\": -0.25, \"max\": {max}", port(field))
-                }
-                What::Multiply(a, b) => format!("\"type\": \"Multiply\", \"weights\": [{}, {}]", port(a), port(b)),
-                What::Invert(weight) => format!("\"type\": \"Invert\", \"weight\": {}", port(weight)),
-                What::Use { group, inputs, numbers, paints, disabled } => {
-                    self.uses += 1;
-                    let used = &self.groups[*group];
-                    let nothing = Inside::of(used);
-                    let input = |(given, (_, default)): (&Option<Connected>, &(Kind, Option<Connected>))| match given {
-                        Some(given) => port(given),
-                        None => Self::connected(default.as_ref().unwrap(), &nothing),
-                    };
-                    let number = |(given, default): (&Option<Number>, &Number)| match given {
-                        Some(given) => Self::value(given, &inside),
-                        None => Self::value(default, &nothing),
-                    };
-                    let paint = |(given, default): (&Option<Paint>, &String)| match given {
-                        Some(given) => Self::paint(given, &inside),
-                        None => format!("\"{default}\""),
-                    };
-                    let within = Inside {
-                        prefix: format!("{name}_"),
-                        inputs: inputs.iter().zip(&used.inputs).map(input).collect(),
-                        numbers: numbers.iter().zip(&used.numbers).map(number).collect(),
-                        paints: paints.iter().zip(&used.paints).map(paint).collect(),
-                        ..nothing
-                    };
-                    named = within.numbers.first().copied();
-                    let outputs =
-                        if *disabled { vec![within.inputs[0].clone(); used.outputs.len()] } else { self.scope(within) };
-                    inside.named.push(named);
-                    inside.outputs.push(outputs);
-                    continue;
-                }
-            };
-            self.nodes.push(format!("\"{name}\": {{ {text} }}"));
-            inside.named.push(named);
-            inside.outputs.push(vec![format!("\"{name}\"")]);
-        }
-        inside.scope.outputs.iter().map(|(_, node, output)| inside.outputs[*node][*output].clone()).collect()
-    }
-}
-
 #[test]
 fn random_documents_with_groups_are_those_written_out() {
-    let (mut uses, mut deepest, mut links, mut keyed, mut disabled) = (0, 0, 0, 0, 0);
+    let (mut uses, mut deepest, mut links, mut keyed, mut curved, mut disabled) = (0, 0, 0, 0, 0, 0);
     for seed in 0..count(DOCUMENTS) {
         let mut generator = Generator { random: Pcg64Mcg::seed_from_u64(seed), groups: Vec::new() };
         for _ in 0..generator.random.random_range(1..5) {
@@ -596,13 +325,14 @@ fn random_documents_with_groups_are_those_written_out() {
         let text = grouped.canonical();
         links += text.matches("\"= ").count();
         keyed += text.matches("keys").count();
+        curved += text.matches("\"out\"").count();
         disabled += text.matches("disabled").count();
     }
     // A generator that produced nothing of interest would prove nothing.
     if count(DOCUMENTS) >= DOCUMENTS {
         assert!(
-            uses > 1500 && deepest >= 3 && links > 3000 && keyed > 1000 && disabled > 50,
-            "{uses} {deepest} {links} {keyed} {disabled}"
+            uses > 1500 && deepest >= 3 && links > 3000 && keyed > 1000 && curved > 500 && disabled > 50,
+            "{uses} {deepest} {links} {keyed} {curved} {disabled}"
         );
     }
 }
