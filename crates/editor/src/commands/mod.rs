@@ -5,10 +5,11 @@ mod groups;
 mod help;
 mod keys;
 mod layouts;
+mod panels;
 mod scene;
 mod space;
 
-use crate::actions::{Action, Line, Pane, Switch};
+use crate::actions::{Action, Line, Switch};
 use crate::state::State;
 use egui::{Key, KeyboardShortcut, Modifiers};
 use space::PLAY;
@@ -95,6 +96,7 @@ pub fn commands() -> impl Iterator<Item = &'static Command> {
         .iter()
         .chain(groups::GROUPS)
         .chain(scene::SCENE)
+        .chain(panels::PANELS)
         .chain(layouts::LAYOUTS)
         .chain(curves::CURVES)
         .chain(help::HELP)
@@ -290,6 +292,7 @@ pub static COMMANDS: &[Command] = &[
         |_| Action::WriteBackdrop,
         |state| !state.sheet().backdrops.is_empty(),
     ),
+    command("Graph", "Note", None, "Add a note to the graph.", |_| Action::Note, always),
     command(
         "Graph",
         "Name all colors",
@@ -307,7 +310,6 @@ pub static COMMANDS: &[Command] = &[
         |_| Action::BringPalette,
         |state| crate::document::swatches::file(state.sheet()).is_some(),
     ),
-    command("Graph", "Note", None, "Add a note to the graph.", |_| Action::Note, always),
     command(
         "Graph",
         "Frame",
@@ -468,60 +470,6 @@ pub static COMMANDS: &[Command] = &[
         always,
     )
     .over_viewer(Key::S),
-    command("Window", "Show viewer", None, "Show the picture.", |_| Action::Panel(Pane::Viewer), always),
-    command(
-        "Window",
-        "Show viewer 2",
-        None,
-        "Show another picture beside the first one.",
-        |_| Action::Panel(Pane::Second),
-        always,
-    ),
-    command("Window", "Show graph", None, "Show the graph.", |_| Action::Panel(Pane::Canvas), always),
-    command(
-        "Window",
-        "Show properties",
-        None,
-        "Show knobs and connections.",
-        |_| Action::Panel(Pane::Properties),
-        always,
-    ),
-    command(
-        "Window",
-        "Show palette",
-        None,
-        "Show the colors of the document.",
-        |_| Action::Panel(Pane::Palette),
-        always,
-    ),
-    command(
-        "Window",
-        "Show curves",
-        None,
-        "Show keyed knobs as curves, or as a dope sheet.",
-        |_| Action::Panel(Pane::Curves),
-        always,
-    ),
-    command(
-        "Window",
-        "Show waves",
-        None,
-        "Show the waves of the selected sea.",
-        |_| Action::Panel(Pane::Waves),
-        always,
-    ),
-    command(
-        "Window",
-        "Show report",
-        None,
-        "Show timings, and which nodes are left out.",
-        |_| Action::Panel(Pane::Report),
-        always,
-    ),
-    command("Window", "Show text", None, "Show the document's text.", |_| Action::Panel(Pane::Text), always),
-    command("Window", "Show help", None, "Show the manual.", |_| Action::Panel(Pane::Help), always),
-    command("Window", "Switch theme", None, "Switch between the dark and the light theme.", |_| Action::Theme, always)
-        .begins(),
 ];
 
 /// Adds the actions of pressed shortcuts. Those without Ctrl are ignored while text is being typed.
