@@ -30,7 +30,7 @@ pub(super) fn port_ui(
         // Without a place of its own, nobody would know that there is such a list.
         ui.horizontal_wrapped(|ui| {
             label_ui(ui, port.name, &format!("{}\n\nAccepts a {}.", port.help, port.accepts), false);
-            ui.weak(format!("none: draw wires from a {} to this pin in the graph", port.accepts));
+            ui.weak(format!("none yet: connect a {}", port.accepts));
         });
     }
     for (index, element) in elements.iter().enumerate() {

@@ -49,7 +49,7 @@ fn a_list_of_connections_is_shown_before_it_has_any() {
     let (edit, name) = edit::added(editor(&window).state().sheet(), ty, [0.0, 0.0]);
     act(&mut window, Action::Edit(edit));
     act(&mut window, Action::Select([name].into()));
-    window.get_by_label_contains("none: draw wires from a Surface");
+    window.get_by_label_contains("none yet: connect a Surface");
 }
 
 #[test]
