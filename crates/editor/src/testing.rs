@@ -1,9 +1,10 @@
 //! A headless editor for tests.
 
 use crate::actions::Action;
-use crate::document::Session;
+use crate::document::{Path, Session};
 use crate::editor::Editor;
 use egui_kittest::Harness;
+use serde_json::Value;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -62,6 +63,21 @@ pub(crate) fn ask(window: &mut Window, action: Action) {
 pub(crate) fn act(window: &mut Window, action: Action) {
     ask(window, action);
     window.run_steps(3);
+}
+
+/// Selects a node.
+pub(crate) fn choose(window: &mut Window, node: &str) {
+    act(window, Action::Select([node.to_string()].into()));
+}
+
+/// Returns the value of a knob of a node, as the document has it.
+pub(crate) fn value(window: &Window, node: &str, knob: &str) -> Option<Value> {
+    editor(window).state().sheet().get(&Path::node(node).to(knob)).cloned()
+}
+
+/// Returns the document.
+pub(crate) fn text(window: &Window) -> &str {
+    editor(window).state().session.text()
 }
 
 /// Draws until a condition holds, at the frame rate of a window.

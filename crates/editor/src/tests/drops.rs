@@ -2,10 +2,10 @@
 
 use super::{DUSK, dusk};
 use crate::actions::{Action, Pane};
-use crate::document::{Path, Session, edit};
-use crate::testing::{Window, act, editor, finished, graph, unseen, window};
+use crate::document::{Session, edit};
+use crate::testing::{Window, act, editor, finished, graph, unseen, value, window};
 use egui_kittest::kittest::Queryable;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::{Path as FilePath, PathBuf};
 use std::sync::Arc;
 
@@ -46,10 +46,6 @@ fn written(folder: &FilePath, name: &str, text: &str) -> PathBuf {
     let file = folder.join(name);
     std::fs::write(&file, text).unwrap();
     file
-}
-
-fn value(window: &Window, node: &str, knob: &str) -> Option<Value> {
-    editor(window).state().sheet().get(&Path::node(node).to(knob)).cloned()
 }
 
 #[test]

@@ -2,11 +2,11 @@
 
 use super::typing::{click, enter, fields};
 use crate::actions::{Action, Pane};
-use crate::document::{Path, Session, edit};
-use crate::testing::{Window, act, editor, finished, unseen_in, window};
+use crate::document::{Session, edit};
+use crate::testing::{Window, act, choose, editor, finished, text, unseen_in, value, window};
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use serde_json::{Value, json};
+use serde_json::json;
 
 const SHADE: &str = r##"{
   "trochoid": 1, "format": { "width": 1280, "height": 720 }, "working_space": "srgb",
@@ -28,18 +28,6 @@ fn open(node: &str) -> Window {
     assert!(editor(&window).state().session.meaning().graph.is_some(), "{faults:?}");
     choose(&mut window, node);
     window
-}
-
-fn choose(window: &mut Window, node: &str) {
-    act(window, Action::Select([node.to_string()].into()));
-}
-
-fn value(window: &Window, node: &str, knob: &str) -> Option<Value> {
-    editor(window).state().sheet().get(&Path::node(node).to(knob)).cloned()
-}
-
-fn text(window: &Window) -> &str {
-    editor(window).state().session.text()
 }
 
 /// Replaces the text of a link's field.

@@ -2,12 +2,12 @@
 
 use super::typing::fields;
 use crate::actions::Action;
-use crate::document::{Path, Session};
-use crate::testing::{Window, act, editor, unseen_in};
+use crate::document::Session;
+use crate::testing::{Window, act, choose, editor, text, unseen_in, value};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use serde_json::{Value, json};
+use serde_json::json;
 
 const SHADE: &str = r##"{
   "trochoid": 1, "format": { "width": 64, "height": 36 }, "working_space": "srgb",
@@ -60,18 +60,6 @@ fn a_linked_knob_of_a_use_shows_what_it_is_now() {
     assert!(window.query_by_label("1.25, 4, 20").is_some());
     choose(&mut window, "two");
     assert!(window.query_by_label("3.5").is_some(), "the group inside hands it on");
-}
-
-fn choose(window: &mut Window, node: &str) {
-    act(window, Action::Select([node.to_string()].into()));
-}
-
-fn value(window: &Window, node: &str, knob: &str) -> Option<Value> {
-    editor(window).state().sheet().get(&Path::node(node).to(knob)).cloned()
-}
-
-fn text(window: &Window) -> &str {
-    editor(window).state().session.text()
 }
 
 /// Returns the place of a knob's name in Properties.

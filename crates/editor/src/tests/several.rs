@@ -2,12 +2,12 @@
 
 use super::typing::{click, enter, fields};
 use crate::actions::Action;
-use crate::document::{Path, Session};
-use crate::testing::{Window, act, editor, unseen_in};
+use crate::document::Session;
+use crate::testing::{Window, act, editor, text, unseen_in, value};
 use egui::accesskit::{Role, Toggled};
 use egui::{Event, Key};
 use egui_kittest::kittest::{NodeT, Queryable};
-use serde_json::{Value, json};
+use serde_json::json;
 
 const GRAIN: &str = r##"{
   "trochoid": 1, "format": { "width": 16, "height": 9 }, "working_space": "srgb",
@@ -31,14 +31,6 @@ fn open(nodes: &[&str]) -> Window {
     assert!(editor(&window).state().session.meaning().graph.is_some());
     act(&mut window, Action::Select(nodes.iter().map(|name| (*name).to_string()).collect()));
     window
-}
-
-fn value(window: &Window, node: &str, knob: &str) -> Option<Value> {
-    editor(window).state().sheet().get(&Path::node(node).to(knob)).cloned()
-}
-
-fn text(window: &Window) -> &str {
-    editor(window).state().session.text()
 }
 
 /// Types into a field that says that values are mixed.

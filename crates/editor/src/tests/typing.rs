@@ -2,12 +2,12 @@
 
 use super::DUSK;
 use crate::actions::{Action, After};
-use crate::document::{Path, Session};
-use crate::testing::{Window, act, editor, unseen, unseen_in};
+use crate::document::Session;
+use crate::testing::{Window, act, choose, editor, unseen, unseen_in, value};
 use egui::accesskit::Role;
 use egui::{Event, Key, Rect};
 use egui_kittest::kittest::{NodeT, Queryable};
-use serde_json::{Value, json};
+use serde_json::json;
 
 const NOISE: &str = r##"{
   "trochoid": 1, "format": { "width": 16, "height": 9 },
@@ -23,14 +23,6 @@ fn open(text: &str, node: &str) -> Window {
     let mut window = unseen_in(Session::new(text.into(), None), [1280.0, 1400.0]);
     choose(&mut window, node);
     window
-}
-
-fn choose(window: &mut Window, node: &str) {
-    act(window, Action::Select([node.to_string()].into()));
-}
-
-fn value(window: &Window, node: &str, knob: &str) -> Option<Value> {
-    editor(window).state().sheet().get(&Path::node(node).to(knob)).cloned()
 }
 
 /// Returns the number fields in the row of a label.
