@@ -106,6 +106,23 @@ fn parts_and_buffers_are_never_kept() {
     assert_eq!(cache.bytes(), held, "what depends on the caller's buffers is not kept");
 }
 
+/// Colors average the samples of pixels, and fields are taken at the middle of pixels: neither has the planes of the other.
+#[test]
+fn fields_and_colors_of_a_node_keep_their_own_samples() {
+    let nodes = r##""x": { "type": "ScreenX" },
+        "tooth": { "type": "Noise", "scale": 0.1 },
+        "soft": { "type": "Blur", "image": "tooth", "size": 1.5 },
+        "t": { "type": "Clamp", "field": "soft", "min": 0.2, "max": 0.8 },
+        "out": { "type": "Mix", "a": "#102030", "b": "#804020", "weight": "t" }"##;
+    let format = r#""width": 40, "height": 24, "samples": 4"#;
+    let color = graph(format, nodes, r#""out": { "color": "out" }"#);
+    let field = graph(format, nodes, r#""out": { "field": "soft" }"#);
+    let mut cache = Cache::new();
+    for graph in [&color, &field, &color, &field] {
+        again(graph, &keeping(), &mut cache);
+    }
+}
+
 #[test]
 fn a_changed_file_is_read_again_by_the_same_plan() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,8 +1,8 @@
 //! An hour of work without a screen: `cargo bench -p trochoid-editor --bench hour -- MINUTES` (60 unless told).
 //!
 //! Copies of the scenes are opened, looked at, edited, undone and played, at random. It reports the largest memory of the
-//! process and the processor time at rest, and fails if looking changes a text, if undoing does not restore it, or if a
-//! file is written.
+//! process and the processor time at rest, and fails if looking changes a text, if undoing does not restore it, if a file is
+//! written, or if anything panics.
 
 mod window;
 
@@ -13,6 +13,7 @@ use rand_pcg::Pcg64Mcg;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use trochoid::Heap;
 use trochoid_editor::actions::{Action, Pane, Switch};
@@ -94,20 +95,6 @@ impl Work {
             started.elapsed() > patience
                 || (editor.state().evaluated.progress.is_none() && editor.state().evaluated.result.is_some())
         });
-        if std::env::var("TRACE").is_ok() && memory() > self.most {
-            let e = &window.editor.state().evaluated;
-            let f: usize = e.frames.values().map(|r| r.bytes()).sum();
-            eprintln!(
-                "rss {} taken {} peak {} frames {} = {} mixture {}",
-                memory() >> 20,
-                Heap::taken() >> 20,
-                Heap::peak() >> 20,
-                e.frames.len(),
-                f >> 20,
-                e.mixture.is_some()
-            );
-            Heap::forget_peak();
-        }
         self.most = self.most.max(memory());
         self.deeds += 1;
     }
@@ -216,6 +203,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let minutes: f64 = std::env::args().filter_map(|arg| arg.parse().ok()).next().unwrap_or(60.0);
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     Heap::return_large();
+    static PANICS: AtomicUsize = AtomicUsize::new(0);
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        PANICS.fetch_add(1, Ordering::Relaxed);
+        usual(info);
+    }));
     let scratch = tempfile::tempdir()?;
     for folder in ["graphs", "samples"] {
         copy(&root.join(folder), &scratch.path().join(folder))?;
@@ -249,6 +242,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             assert!(undone < 100_000, "{name}: undoing does not lead back");
         }
         assert_eq!(window.editor.state().session.text(), text()?, "{name}: undoing did not restore the document");
+        assert_eq!(PANICS.load(Ordering::Relaxed), 0, "{name}: something panicked");
         let (megabytes, deeds) = (work.most >> 20, work.deeds);
         println!("{name:<24} {deeds:>6} deeds, {undone:>4} undone, at most {megabytes} MB");
     }

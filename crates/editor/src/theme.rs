@@ -19,6 +19,11 @@ pub(crate) fn kind(kind: Option<Kind>) -> Color32 {
 
 /// Makes a color legible as text: darker in the light theme.
 pub(crate) fn ink(color: Color32, visuals: &Visuals) -> Color32 {
+    if visuals.dark_mode { color } else { color.lerp_to_gamma(Color32::BLACK, 0.5) }
+}
+
+/// Returns a color for lines on the ground of plots, which may be nearer to it than text.
+pub(crate) fn line(color: Color32, visuals: &Visuals) -> Color32 {
     if visuals.dark_mode { color } else { color.lerp_to_gamma(Color32::BLACK, 0.3) }
 }
 

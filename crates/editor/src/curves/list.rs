@@ -83,7 +83,7 @@ fn pick<'c>(panel: &mut Curves, channels: impl Iterator<Item = &'c Channel>) {
 /// Returns the color of a curve of a value; those of colors are red, green and blue.
 pub(super) fn ink(ui: &Ui, channel: &Channel, color: usize, component: usize) -> egui::Color32 {
     let index = if is_color(channel) { component } else { color + component };
-    crate::theme::ink(COLORS[index % COLORS.len()], ui.visuals())
+    crate::theme::line(COLORS[index % COLORS.len()], ui.visuals())
 }
 
 /// Draws a name. One that is too long loses its start: names differ at their ends.

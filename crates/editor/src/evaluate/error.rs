@@ -18,6 +18,11 @@ pub enum PictureError {
     /// Evaluation failed.
     #[error(transparent)]
     Evaluate(#[from] EvalError),
+    /// Evaluation panicked.
+    #[error(
+        "found a fault of Trochoid itself, not of the document: {0}\n  remedy: change what was changed last, and report this with the document"
+    )]
+    Panic(String),
     /// No picture was made.
     #[error("nothing was evaluated")]
     Nothing,

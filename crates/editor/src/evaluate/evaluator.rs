@@ -1,6 +1,7 @@
 //! The evaluation thread: its state, and how it performs its tasks.
 
 use super::blame::{self, Question};
+use super::error::PictureError;
 use super::known::Known;
 use super::lane::Lane;
 use super::lens::{Lens, LensError, of_every_node};
@@ -10,6 +11,7 @@ use super::queue::{Cancellation, Progress, Queue, Task, Wanted, Yields};
 use super::request::{Job, News, Thumbnail};
 use super::shown::{self, Display};
 use super::subject::Subject;
+use std::panic::AssertUnwindSafe;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
@@ -72,24 +74,36 @@ impl<'o> Evaluator<'o> {
             let lane = task.lane();
             let stamp = self.queue.stamp(lane);
             self.leave(self.known.bytes());
-            match task {
-                Task::Show(generation, picture, space, display) => {
-                    let screen = Arc::new(shown::screen(&picture, space, &display));
-                    self.tell(News::Shown { generation, display, screen });
-                }
-                Task::Held(number, picture, space, display) => {
-                    let screen = Arc::new(shown::screen(&picture, space, &display));
-                    self.tell(News::Held { number, display, screen });
-                }
-                Task::Picture(job) => self.picture(job, stamp),
-                Task::Blame(question) => self.blame(question, stamp),
-                Task::Mixture(job) => self.mixture(job, stamp),
-                Task::Thumbnails(subject, frame) => self.small(&subject, frame, stamp),
-                Task::Ahead(job) => {
-                    self.ahead(job, stamp);
-                    self.queue.requests().making = None;
-                }
+            let failure = failed(&task);
+            let done = std::panic::catch_unwind(AssertUnwindSafe(|| self.perform(task, stamp)));
+            self.queue.requests().making = None;
+            if let Err(panic) = done {
+                // What was half done is given up; the next task starts afresh.
+                self.cache = Cache::with_limit(KEPT);
+                self.last = Default::default();
+                self.known.set_recipe(None);
+                let text = panic.downcast_ref::<String>().cloned();
+                let text = text.or_else(|| panic.downcast_ref::<&str>().map(|text| text.to_string()));
+                failure(text.unwrap_or_default()).into_iter().for_each(|news| self.tell(news));
             }
+        }
+    }
+
+    fn perform(&mut self, task: Task, stamp: u64) {
+        match task {
+            Task::Show(generation, picture, space, display) => {
+                let screen = Arc::new(shown::screen(&picture, space, &display));
+                self.tell(News::Shown { generation, display, screen });
+            }
+            Task::Held(number, picture, space, display) => {
+                let screen = Arc::new(shown::screen(&picture, space, &display));
+                self.tell(News::Held { number, display, screen });
+            }
+            Task::Picture(job) => self.picture(job, stamp),
+            Task::Blame(question) => self.blame(question, stamp),
+            Task::Mixture(job) => self.mixture(job, stamp),
+            Task::Thumbnails(subject, frame) => self.small(&subject, frame, stamp),
+            Task::Ahead(job) => self.ahead(job, stamp),
         }
     }
 
@@ -305,6 +319,27 @@ impl<'o> Evaluator<'o> {
             screen: shown::screen(picture, graph.space(), &Display::default()),
         });
         self.tell(News::Thumbnails(pictures.collect()));
+    }
+}
+
+/// Returns what is told of a task that panics with a text: whoever waits for it waits no longer.
+fn failed(task: &Task) -> impl FnOnce(String) -> Option<News> + use<> {
+    let of = match task {
+        Task::Picture(job) => Some((job.generation, None)),
+        Task::Ahead(job) => Some((job.generation, Some(job.frame))),
+        _ => None,
+    };
+    let mixed = if let Task::Mixture(job) = task { Some(job.generation) } else { None };
+    move |text| {
+        let why = PictureError::Panic(text);
+        match (of, mixed) {
+            (Some((generation, Some(frame))), _) => Some(News::AheadFailed { generation, frame }),
+            (Some((generation, None)), _) => {
+                Some(News::Failed { generation, why: Arc::new(why), begun: true, refused: Vec::new() })
+            }
+            (None, Some(generation)) => Some(News::Unmixed { generation, why: why.to_string() }),
+            (None, None) => None,
+        }
     }
 }
 

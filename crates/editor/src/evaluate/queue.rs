@@ -97,12 +97,16 @@ pub(super) struct Queue {
     /// Extra milliseconds per picture, for tests.
     #[cfg(test)]
     pace: AtomicU64,
+    /// Whether the next picture panics, for tests.
+    #[cfg(test)]
+    breaks: std::sync::atomic::AtomicBool,
 }
 
 impl Queue {
     /// Waits for the extra time per picture.
     #[cfg(test)]
     pub(super) fn pace(&self, cancelled: impl Fn() -> bool) {
+        assert!(!self.breaks.swap(false, Ordering::Relaxed), "broken for a test");
         let pace = Duration::from_millis(self.pace.load(Ordering::Relaxed));
         let started = Instant::now();
         while started.elapsed() < pace && !cancelled() {
@@ -118,6 +122,12 @@ impl Queue {
     /// Returns the bytes of the frames that are kept for playback.
     pub(super) fn held(&self) -> usize {
         self.held.load(Ordering::Relaxed)
+    }
+
+    /// Lets the next picture panic.
+    #[cfg(test)]
+    pub(super) fn break_once(&self) {
+        self.breaks.store(true, Ordering::Relaxed);
     }
 
     /// Sets the extra time per picture.

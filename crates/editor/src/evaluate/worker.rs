@@ -40,6 +40,12 @@ impl Worker {
         Ok(worker)
     }
 
+    /// Lets the next picture panic.
+    #[cfg(test)]
+    pub(crate) fn break_once(&self) {
+        self.queue.break_once();
+    }
+
     /// Sets the extra time per picture.
     #[cfg(test)]
     pub(crate) fn slow_down(&self, by: Duration) {

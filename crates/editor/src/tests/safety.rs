@@ -3,11 +3,12 @@
 
 use super::DUSK;
 use crate::actions::{Action, Pane};
-use crate::document::{Session, edit};
-use crate::testing::{Window, act, editor, until, window};
+use crate::document::{Edit, Session, edit};
+use crate::testing::{Window, act, editor, finished, until, window};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// An editor with a document on disk, and a folder for copies of unsaved work.
@@ -174,4 +175,24 @@ fn text_that_is_not_applied_yet_is_applied_by_the_next_change() {
     desk.act(Action::Undo);
     desk.act(Action::Undo);
     assert_eq!(editor(&desk.window).state().session.text(), DUSK);
+}
+
+/// A fault of the program costs one picture, and no work.
+#[test]
+fn a_panic_is_told_and_the_next_picture_is_made() {
+    let mut desk = Desk::new();
+    finished(&mut desk.window);
+    editor(&desk.window).worker.break_once();
+    let weight =
+        |weight: f64| Action::Edit(Edit::set(crate::document::Path::node("dusk").to("weight"), &json!(weight)));
+    desk.act(weight(0.25));
+    finished(&mut desk.window);
+    let seen = &editor(&desk.window).state().evaluated;
+    let failed = seen.failed.as_deref().unwrap();
+    assert!(failed.contains("a fault of Trochoid itself, not of the document: broken for a test"), "{failed}");
+    assert!(seen.last.is_some(), "the picture before stays");
+    desk.act(weight(0.5));
+    finished(&mut desk.window);
+    let seen = &editor(&desk.window).state().evaluated;
+    assert!(seen.failed.is_none() && seen.result.as_ref().is_some_and(|result| result.finished));
 }

@@ -373,7 +373,7 @@ fn the_tools_of_a_narrow_viewer() {
         |harness| {
             switch(harness, Switch::Hold);
             harness.run_steps(2);
-            harness.get_by_label("More").click();
+            harness.get_by_label("More •").click();
         },
     );
 }

@@ -255,10 +255,10 @@ pub(crate) fn prepare(
 }
 
 /// Returns the key of the planes that a stage fills over the picture: its content key, its channels, the picture's format,
-/// and by which views its samples share.
+/// where in pixels its samples are, and by which views they share. Fields have one sample where colors have several.
 pub(crate) fn key_of_planes(plan: &Plan<'_>, pass: &Pass, fill: &Fill, ready: &PreparedStage) -> Key {
     let views = fill.shared.as_ref().map(|views| views.iter().map(|view| plan.keys[view.0]).collect::<Vec<_>>());
-    let sharing = (pass.sharing, views).key();
+    let sharing = (pass.sharing, &pass.offsets, views).key();
     let purpose = (plan.settings.purpose, ready.files, sharing);
     ("filled", plan.keys[fill.node.0], &fill.wanted, plan.context.format, purpose).key()
 }
