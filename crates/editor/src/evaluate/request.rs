@@ -79,7 +79,7 @@ impl Result {
                 kind: *kind,
                 planes: Vec::new(),
                 guarantee: *guarantee,
-                audit: audit.clone(),
+                audit: *audit,
                 control_count: *control_count,
                 control_colors: control_colors.clone(),
                 hull: hull.clone(),

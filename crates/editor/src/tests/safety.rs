@@ -185,7 +185,7 @@ fn a_panic_is_told_and_the_next_picture_is_made() {
     editor(&desk.window).worker.break_once();
     let weight =
         |weight: f64| Action::Edit(Edit::set(crate::document::Path::node("dusk").to("weight"), &json!(weight)));
-    desk.act(weight(0.25));
+    desk.act(weight(0.75));
     finished(&mut desk.window);
     let seen = &editor(&desk.window).state().evaluated;
     let failed = seen.failed.as_deref().unwrap();
