@@ -68,7 +68,9 @@ pub(super) fn group_ui(panel: &mut Properties, ui: &mut Ui, state: &State, withi
         for item in items {
             let Item::Knob(declared) = item else { continue };
             let place = definition.to("knobs").to(declared.name);
-            let Some((value, is_described)) = sheet.get(&place).map(group::whole_default) else { continue };
+            // Included files have knobs too.
+            let own = known.entries("knobs").find(|(name, _)| *name == declared.name);
+            let Some((value, is_described)) = own.map(|(_, knob)| group::whole_default(knob)) else { continue };
             let path = if is_described { place.to("default") } else { place.clone() };
             let place = WidgetContext { state, path, value, also: Vec::new() };
             ui.push_id(declared.name, |ui| match value {

@@ -278,6 +278,9 @@ fn groups_of_included_files_are_looked_at_and_made_local() {
     let before = text(&window).to_string();
     act(&mut window, Action::Enter(vec!["pair".into(), "one".into()]));
     window.get_by_label("used 3 times, from lib/dots.json");
+    let is_size = |field: &egui_kittest::Node<'_>| field.accesskit_node().numeric_value() == Some(0.2);
+    let shown = window.get_all_by_role(egui::accesskit::Role::SpinButton).find(is_size).expect("size");
+    assert!(shown.accesskit_node().is_disabled(), "its knobs can be read, not changed");
     act(&mut window, Action::Look("pair/one/spot".into(), 0));
     finished(&mut window);
     assert_eq!(editor(&window).state().evaluated.failed, None);
