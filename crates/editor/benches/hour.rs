@@ -76,6 +76,8 @@ fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
 /// What is done at random.
 struct Work {
     random: Pcg64Mcg,
+    /// What was done last.
+    last: String,
     /// The largest memory so far.
     most: u64,
     deeds: u64,
@@ -101,6 +103,7 @@ impl Work {
 
     fn act(&mut self, window: &mut Window, action: Action) {
         let context = window.context.clone();
+        self.last = format!("{action:?}");
         window.editor.act(action, &context);
         window.draw(Vec::new());
         self.wait(window);
@@ -110,6 +113,7 @@ impl Work {
     fn look(&mut self, window: &mut Window) {
         let names: Vec<String> = window.editor.state().sheet().nodes.iter().map(|node| node.name.clone()).collect();
         let Some(name) = names.choose(&mut self.random).cloned() else { return };
+        self.last = String::new();
         let key = |key: Key| {
             [true, false].map(|pressed| Event::Key {
                 key,
@@ -122,12 +126,15 @@ impl Work {
         match self.random.random_range(0..10) {
             0 => {
                 let to = self.somewhere();
+                self.last = format!("a click at {to}");
                 window.draw(vec![Event::PointerMoved(to)]);
                 for pressed in [true, false] {
                     let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
                     window.draw(vec![Event::PointerButton { pos: to, button, pressed, modifiers }]);
                 }
                 self.wait(window);
+                // What a click offers, such as nodes for a pin, is not taken.
+                window.draw(key(Key::Escape).to_vec());
             }
             1 => {
                 let to = self.somewhere();
@@ -216,7 +223,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut before = BTreeMap::new();
     files(scratch.path(), &mut before)?;
     std::env::set_current_dir(scratch.path())?;
-    let mut work = Work { random: Pcg64Mcg::seed_from_u64(1), most: 0, deeds: 0 };
+    let mut work = Work { random: Pcg64Mcg::seed_from_u64(1), last: String::new(), most: 0, deeds: 0 };
     let mut window = Window::new(Session::new("{}".into(), None))?;
     for name in SCENES {
         let started = Instant::now();
@@ -226,7 +233,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let text = || std::fs::read_to_string(scratch.path().join("graphs").join(name));
         while started.elapsed() < share / 2 {
             work.look(&mut window);
-            assert_eq!(window.editor.state().session.text(), text()?, "{name}: looking changed the document");
+            let (now, before) = (window.editor.state().session.text(), text()?);
+            if let Some((new, old)) = now.lines().zip(before.lines()).find(|(new, old)| new != old) {
+                panic!("{name}: looking changed the document\n  from {old}\n  to   {new}\n  by   {}", work.last);
+            }
+            assert_eq!(now.lines().count(), before.lines().count(), "{name}: by {}", work.last);
         }
         while started.elapsed() < share {
             if work.random.random_bool(0.5) {
