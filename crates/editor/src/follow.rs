@@ -90,7 +90,8 @@ impl HeldKnob {
 
 /// Lets a name be dragged as its knob.
 pub(crate) fn source_ui(name: &Response, path: &Path, item: &Item) {
-    let name = name.interact(Sense::click_and_drag());
+    // Names take no focus: Tab goes from value to value.
+    let name = name.interact(Sense::CLICK | Sense::DRAG);
     if name.drag_started_by(egui::PointerButton::Primary)
         && let Some(held) = HeldKnob::of(path, item)
     {

@@ -20,6 +20,7 @@ pub mod canvas;
 mod choice;
 pub mod commands;
 mod curves;
+mod dialogs;
 pub mod document;
 pub mod editor;
 pub mod evaluate;

@@ -86,7 +86,7 @@ impl Prompts {
     /// Creates prompts with none open; `data` is the folder for the program's data.
     pub(crate) fn new(data: Option<&Path>) -> Self {
         let json = Filter::new(|path: &Path| path.extension().is_some_and(|end| end == "json"));
-        let dialog = FileDialog::new()
+        let dialog = crate::dialogs::dialog()
             .add_file_filter("Documents", json)
             .default_file_filter("Documents")
             .add_save_extension("Document", "json")

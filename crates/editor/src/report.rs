@@ -65,13 +65,14 @@ fn times_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
             past.iter().enumerate().map(|(index, past)| [index as f64, 1000.0 * of(past)]).collect();
         PlotPoints::from(points)
     };
-    Plot::new("times").height(120.0).y_axis_label("ms").show_x(false).legend(Legend::default()).include_y(0.0).show(
-        ui,
-        |plot| {
+    // A line has two ends.
+    if past.len() > 1 {
+        let plot = Plot::new("times").height(120.0).show_x(false).legend(Legend::default()).include_y(0.0);
+        crate::plots::even(plot, "evaluations, the last at the right", "ms").show(ui, |plot| {
             plot.line(Line::new("total", line(|past| past.seconds[1])));
             plot.line(Line::new("preparation", line(|past| past.seconds[0])));
-        },
-    );
+        });
+    }
     Grid::new("past").num_columns(4).striped(true).show(ui, |ui| {
         for past in past.iter().rev().take(8) {
             if ui.link(&past.node).clicked() {

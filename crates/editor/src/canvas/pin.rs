@@ -17,6 +17,8 @@ use serde_json::Value;
 const RADIUS: f32 = 4.2;
 /// Minimum zoom at which there are pins: below it, they would stand on names, and be too small to be pulled.
 pub(super) const SHOWN: f32 = 0.45;
+/// Zoom from which on the names of all pins of a node under the pointer are legible.
+const NAMED: f32 = 0.9;
 /// Distance at which the pointer takes a pin, in points.
 const REACH: f32 = 8.0;
 /// Angle of the labels above pins, in radians.
@@ -85,7 +87,9 @@ impl Canvas {
                 if let Some(text) = constant(pin).filter(|_| close && !wired) {
                     label(ui, at, radius, &text, 9.0 * zoom.min(1.6), ui.visuals().text_color(), hovered);
                 }
-                if hovered || response.hovered() || close && !pin.more && constant(pin).is_none() {
+                // Where names would lie over each other, only that of the pin under the pointer is there.
+                let has_room = hovered && zoom >= NAMED;
+                if has_room || response.hovered() || close && !pin.more && constant(pin).is_none() {
                     let size = (9.5 * zoom).clamp(9.0, 15.0);
                     label(ui, at, radius, &pin.label, size, ui.visuals().strong_text_color(), hovered);
                 }

@@ -65,7 +65,7 @@ impl View {
 
     /// Zooms to fit an area, but to no more than 100%, and keeps a strip at the right free of it.
     pub(super) fn show(&mut self, area: Rect, strip: f32) {
-        let room = (self.rect.size() - vec2(48.0 + strip, 72.0)).max(vec2(40.0, 40.0));
+        let room = (self.rect.size() - vec2(48.0 + strip, 52.0)).max(vec2(40.0, 40.0));
         let fits = (room / area.size().max(vec2(1.0, 1.0))).min_elem();
         self.zoom = fits.clamp(ZOOM[0], 1.0);
         self.center(area.center());

@@ -7,7 +7,6 @@ use crate::layout;
 impl Editor {
     /// Shows a page of the help.
     pub(super) fn help(&mut self, page: HelpPage) {
-        self.panels.canvas.close_search();
         self.panels.help.turn(page, None);
         layout::bring(&mut self.tree, Pane::Help);
     }

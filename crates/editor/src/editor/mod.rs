@@ -274,7 +274,7 @@ impl Editor {
             self.tint(None);
         }
         let mut actions = Vec::new();
-        if self.prompts.is_open() {
+        if self.prompts.is_open() || crate::dialogs::is_shown(context) {
             self.space = Space::default();
         } else {
             self.panels.curves.take_keys(context);

@@ -83,7 +83,8 @@ impl Help {
 /// Returns the declaration of a node type or of a group of the document.
 fn declaration(state: &State, name: &str) -> Option<&'static Declaration> {
     let known = registry().get(name).map(|ty| ty.declaration());
-    known.or_else(|| state.sheet().library.face(name))
+    let known = known.or_else(|| state.sheet().library.face(name));
+    known.or_else(|| crate::shipped::offered(state.sheet()).find(|offered| offered.name == name))
 }
 
 /// Draws the panel.

@@ -28,7 +28,7 @@ impl Dialog {
         let palettes = Filter::new(|path: &Path| {
             path.extension().is_some_and(|end| ["json", "gpl"].iter().any(|known| end.eq_ignore_ascii_case(known)))
         });
-        let mut dialog = FileDialog::new()
+        let mut dialog = crate::dialogs::dialog()
             .add_file_filter("Palettes", palettes)
             .default_file_filter("Palettes")
             .add_save_extension("Palette", "json")
@@ -98,7 +98,7 @@ pub(super) fn menu_ui(panel: &mut Palette, ui: &mut Ui, state: &State, actions: 
 pub(super) fn dialog_ui(panel: &mut Palette, ui: &Ui, state: &State, actions: &mut Vec<Action>) {
     let Some(Dialog { dialog, purpose }) = &mut panel.dialog else { return };
     let purpose = *purpose;
-    dialog.update(ui.ctx());
+    crate::dialogs::show(dialog, ui.ctx());
     let one = dialog.take_picked();
     let many = dialog.take_picked_multiple();
     if one.is_none() && many.is_none() {

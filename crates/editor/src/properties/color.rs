@@ -14,7 +14,7 @@ use egui::{
     Button, Color32, ColorImage, Popup, PopupCloseBehavior, Sense, TextEdit, TextureOptions, Ui, WidgetInfo,
     WidgetType, vec2,
 };
-use egui_file_dialog::{DialogState, FileDialog, Filter};
+use egui_file_dialog::{DialogState, Filter};
 use serde_json::{Value, json};
 
 /// Returns a document color as sRGB values from 0 to 1. Number triples are in the working space.
@@ -145,7 +145,7 @@ pub(super) fn read_color(text: &str) -> Result<Value, NoColor> {
 /// Draws the reference painting, which is opened from a file and clicked to pick colors.
 pub(super) fn reference_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     if let Some(dialog) = &mut panel.dialog {
-        dialog.update(ui.ctx());
+        crate::dialogs::show(dialog, ui.ctx());
         if let Some(file) = dialog.take_picked() {
             panel.dialog = None;
             match read(&file) {
@@ -169,7 +169,7 @@ pub(super) fn reference_ui(panel: &mut Properties, ui: &mut Ui, state: &State, a
                     end.is_some_and(|end| ["png", "jpg", "jpeg", "tif", "tiff"].contains(&end.as_str()))
                 });
                 let mut dialog =
-                    FileDialog::new().add_file_filter("Pictures", pictures).default_file_filter("Pictures");
+                    crate::dialogs::dialog().add_file_filter("Pictures", pictures).default_file_filter("Pictures");
                 dialog.config_mut().initial_directory = state.session.folder();
                 dialog.pick_file();
                 panel.dialog = Some(dialog);

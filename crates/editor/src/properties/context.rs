@@ -150,8 +150,8 @@ pub(super) fn label_ui(ui: &mut Ui, name: &str, help: &str, set: bool) -> egui::
     let size = egui::vec2(width, ui.spacing().interact_size.y);
     let label = ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
         ui.set_min_width(width);
-        // A drag of the name holds the knob, and selects no text.
-        ui.add(egui::Label::new(text).truncate().selectable(false).sense(egui::Sense::click()))
+        // A drag of the name holds the knob, and selects no text. Tab goes from value to value.
+        ui.add(egui::Label::new(text).truncate().selectable(false).sense(egui::Sense::CLICK))
     });
     explained(label.inner, help)
 }

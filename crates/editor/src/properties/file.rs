@@ -24,13 +24,14 @@ pub(super) fn button_ui(panel: &mut Properties, ui: &mut Ui, name: &str, place: 
     let button = ui.small_button("…").on_hover_text("Choose a file");
     button.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, format!("Choose {name}")));
     let Some(gesture) = Gesture::click(&button) else { return };
-    let mut dialog = FileDialog::new();
+    let mut dialog = crate::dialogs::dialog();
     if let Some(files) = place.state.chosen().and_then(|name| place.state.sheet().node(name)?.declaration?.reads) {
         let fits = Filter::new(move |path: &std::path::Path| files.include(&path.to_string_lossy()));
         dialog = dialog.add_file_filter(files.what, fits).default_file_filter(files.what);
     }
     let folder = place.state.session.folder();
-    let now = place.value.and_then(|value| value.as_str()).map(|file| folder.join(file));
+    let named = place.value.and_then(|value| value.as_str()).filter(|file| !file.is_empty());
+    let now = named.map(|file| folder.join(file));
     let beside = now.as_deref().and_then(std::path::Path::parent).filter(|folder| folder.is_dir());
     dialog.config_mut().initial_directory = beside.map_or(folder.clone(), std::path::Path::to_path_buf);
     dialog.pick_file();
@@ -41,7 +42,7 @@ pub(super) fn button_ui(panel: &mut Properties, ui: &mut Ui, name: &str, place: 
 /// Draws the open dialog, and sets the file that it gives.
 pub(super) fn dialog_ui(panel: &mut Properties, context: &Context, state: &State, actions: &mut Vec<Action>) {
     let Some(choosing) = &mut panel.choosing else { return };
-    choosing.dialog.update(context);
+    crate::dialogs::show(&mut choosing.dialog, context);
     let picked = choosing.dialog.take_picked();
     if picked.is_none() && matches!(choosing.dialog.state(), DialogState::Open) {
         return;

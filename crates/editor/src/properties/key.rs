@@ -112,7 +112,7 @@ fn switch(
 
 /// Draws a keyframe diamond, filled if there is a key at the current frame.
 fn diamond_ui(ui: &mut Ui, filled: bool, keyed: bool) -> egui::Response {
-    let (rect, response) = ui.allocate_exact_size(vec2(14.0, ui.spacing().interact_size.y), Sense::click());
+    let (rect, response) = ui.allocate_exact_size(vec2(14.0, ui.spacing().interact_size.y), Sense::CLICK);
     let color = match (response.hovered(), keyed) {
         (true, _) => ui.visuals().strong_text_color(),
         (false, true) => Color32::from_rgb(0xe8, 0xb0, 0x4a),

@@ -221,3 +221,28 @@ fn copied_nodes_read_the_same_files_in_a_document_of_another_folder() {
     assert_eq!(sheet.value["nodes"]["down2"]["file"], "../one/plate.png");
     assert_eq!(sheet.value["nodes"]["down"]["file"], "plate.png");
 }
+
+/// Keys are those of the dialog: nothing behind it is deleted.
+#[test]
+fn a_dialog_keeps_keys_from_the_nodes_behind_it() {
+    let text = r#"{ "trochoid": 1, "format": { "width": 4, "height": 4 },
+        "nodes": { "plate": { "type": "Read", "file": "", "as": "color" } },
+        "outputs": { "beauty": { "color": "plate" } } }"#;
+    let mut window = crate::testing::unseen(Session::new(text.into(), None));
+    crate::testing::choose(&mut window, "plate");
+    window.get_by_label("Choose file").click();
+    window.run_steps(4);
+    for key in [Key::Delete, Key::D, Key::Backspace] {
+        window.key_press(key);
+        window.run_steps(2);
+    }
+    window.key_press_modifiers(Modifiers::COMMAND, Key::X);
+    window.run_steps(2);
+    assert_eq!(editor(&window).state().session.text(), text);
+    // When it is closed, they are those of the graph again.
+    window.key_press(Key::Escape);
+    window.run_steps(4);
+    window.key_press(Key::Delete);
+    window.run_steps(3);
+    assert!(editor(&window).state().sheet().nodes.is_empty());
+}

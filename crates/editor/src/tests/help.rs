@@ -112,4 +112,14 @@ fn the_search_for_types_explains_them() {
     window.run_steps(5);
     assert!(shows(&window, "A mask of pools of light in world space"));
     window.get_by_label("Add");
+    // The search goes on, also for groups of the library.
+    window.key_press(Key::Backspace);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
+    window.event(Event::Text("rowing".into()));
+    window.run_steps(3);
+    window.key_press(Key::F1);
+    window.run_steps(5);
+    assert!(!shows(&window, "No node type and no group"));
+    window.get_by_label("Node type");
+    assert!(shows(&window, "RowingBoatPaint"));
 }

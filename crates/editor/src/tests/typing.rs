@@ -2,7 +2,7 @@
 
 use super::DUSK;
 use crate::actions::{Action, After};
-use crate::document::Session;
+use crate::document::{Path, Session};
 use crate::testing::{Window, act, choose, editor, unseen, unseen_in, value};
 use egui::accesskit::Role;
 use egui::{Event, Key, Rect};
@@ -398,4 +398,21 @@ fn a_stop_that_is_added_is_legal() {
     let stops = value(&window, "sky", "stops").unwrap();
     assert_eq!(stops[3]["at"], json!(1));
     assert!(editor(&window).state().session.meaning().graph.is_some());
+}
+
+/// What stands beside fields, such as names and diamonds, takes no focus.
+#[test]
+fn tab_goes_from_number_to_number() {
+    let mut window = open(NOISE, "camera");
+    let position = fields(&window, "position");
+    click(&mut window, position[2].center());
+    window.event(Event::Text("31".into()));
+    window.key_press(Key::Tab);
+    window.run_steps(3);
+    window.event(Event::Text("7".into()));
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+    assert_eq!(value(&window, "camera", "position").unwrap()[2], 31);
+    let camera = editor(&window).state().sheet().get(&Path::node("camera")).cloned().unwrap();
+    assert_eq!(camera["target"][0], 7, "{camera}");
 }

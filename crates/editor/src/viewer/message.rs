@@ -13,6 +13,8 @@ pub(super) fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut V
         (Some(_), _) if !meaning.readable || VersionStatus::of(&meaning.sheet.value).notice().is_some() => {
             ("No picture: the message at the top says why.".into(), Color32::from_gray(190))
         }
+        // A question of permission is no fault of the document.
+        (Some(why), _) if !state.evaluated.refused.is_empty() => (why.clone(), Color32::from_gray(225)),
         (Some(why), _) => (why.clone(), Color32::from_rgb(0xf0, 0x90, 0x80)),
         (None, None) => ("Select a node in the graph and press 1 to view it.".into(), Color32::from_gray(190)),
         (None, Some(_)) => ("Evaluating …".into(), Color32::from_gray(150)),
@@ -32,7 +34,7 @@ pub(super) fn message_ui(ui: &mut Ui, area: Rect, state: &State, actions: &mut V
     if state.evaluated.failed.is_none() {
         return;
     }
-    let below = Rect::from_min_max(pos2(place.left(), place.bottom() + 8.0), area.max);
+    let below = Rect::from_min_max(pos2(place.left() - 2.0, place.bottom() + 8.0), area.max);
     if !state.evaluated.refused.is_empty() {
         ui.scope_builder(UiBuilder::new().max_rect(below).id_salt("refused"), |ui| {
             let has_file = state.session.file().is_some();

@@ -19,7 +19,7 @@ impl Opening {
     /// Asks for a file.
     fn ask(&mut self, state: &State) {
         let cube = Filter::new(|path: &Path| path.extension().is_some_and(|end| end.eq_ignore_ascii_case("cube")));
-        let mut dialog = FileDialog::new().add_file_filter("Tables", cube).default_file_filter("Tables");
+        let mut dialog = crate::dialogs::dialog().add_file_filter("Tables", cube).default_file_filter("Tables");
         let display = &state.look.display;
         let last = if let Transform::Cube(file) = &display.transform { file.path.parent() } else { None };
         dialog.config_mut().initial_directory = last.map_or_else(|| state.session.folder(), Path::to_path_buf);
@@ -30,7 +30,7 @@ impl Opening {
     /// Draws the open dialog, and uses the file that it gives.
     pub(super) fn ui(&mut self, context: &Context, state: &State, actions: &mut Vec<Action>) {
         let Some(dialog) = &mut self.0 else { return };
-        dialog.update(context);
+        crate::dialogs::show(dialog, context);
         if let Some(file) = dialog.take_picked() {
             self.0 = None;
             choose(Transform::read(&file, Takes::Light), &file, state, actions);

@@ -37,7 +37,7 @@ pub(super) fn prompts_ui(editor: &mut Editor, context: &Context, actions: &mut V
 
 fn files_ui(editor: &mut Editor, context: &Context) {
     let Some(asking) = editor.prompts.asking.clone() else { return };
-    editor.prompts.dialog.update(context);
+    crate::dialogs::show(&mut editor.prompts.dialog, context);
     if let Some(file) = editor.prompts.dialog.take_picked() {
         editor.prompts.asking = None;
         match asking {

@@ -256,8 +256,10 @@ impl Drag {
     /// is the thing as it is now.
     fn write(&mut self, gesture: Gesture, gizmo: &Gizmo, actions: &mut Vec<Action>) -> bool {
         let slots = self.part.slots(gizmo);
-        let refused = slots.iter().find_map(|slot| slot.place.as_ref().err());
-        if let Some(why) = refused {
+        // What follows a formula stays, and the rest moves.
+        let is_held = slots.iter().all(|slot| slot.place.is_err());
+        let follows = slots.iter().find_map(|slot| slot.place.as_ref().err());
+        if let Some(why) = follows.filter(|_| is_held) {
             actions.push(Action::Notice(why.to_string()));
             return false;
         }
@@ -274,6 +276,7 @@ impl Drag {
         if !std::mem::replace(&mut self.writes, true) {
             // A step of undo of its own.
             actions.push(Action::Seal);
+            actions.extend(follows.map(|why| Action::Notice(why.to_string())));
         }
         let label = format!("{} {}", self.part.verb(), gizmo.title);
         let edit = Edit::new(&label, rewritten(&places, self.frame)).merging(label);

@@ -231,9 +231,12 @@ fn what_follows_a_formula_says_so() {
     let linked = SCENE.replace("[-2, 1, 0]", r#"["= knobs.far", 1, 0]"#);
     let mut window = selected(&linked, "model");
     let grip = spot(&window, "model: move");
-    drag(&mut window, grip, grip + vec2(30.0, 0.0), Modifiers::NONE);
-    assert_eq!(text(&window), linked);
+    drag(&mut window, grip, grip + vec2(30.0, 12.0), Modifiers::NONE);
     assert!(told(&window, "model.translate follows \"= knobs.far\""));
+    // What is free moves.
+    let place = value(&window, "nodes.model.translate");
+    assert!(place[0] == "= knobs.far" && place[1] == 1 && place[2].as_f64().unwrap() > 0.01, "{place}");
+    is_one_step(&mut window, &linked, "Move model");
     // Its height is free.
     carried(&mut window, "model: height", vec2(0.0, -20.0));
     assert_eq!(value(&window, "nodes.model.translate.0"), "= knobs.far");
