@@ -84,7 +84,9 @@ impl<'o> Evaluator<'o> {
                 self.known.set_recipe(None);
                 let text = panic.downcast_ref::<String>().cloned();
                 let text = text.or_else(|| panic.downcast_ref::<&str>().map(|text| text.to_string()));
-                failure(text.unwrap_or_default()).into_iter().for_each(|news| self.tell(news));
+                if let Some(news) = failure {
+                    self.tell(news(text.unwrap_or_default()));
+                }
             }
         }
     }
@@ -322,24 +324,25 @@ impl<'o> Evaluator<'o> {
     }
 }
 
-/// Returns what is told of a task that panics with a text: whoever waits for it waits no longer.
-fn failed(task: &Task) -> impl FnOnce(String) -> Option<News> + use<> {
-    let of = match task {
-        Task::Picture(job) => Some((job.generation, None)),
-        Task::Ahead(job) => Some((job.generation, Some(job.frame))),
-        _ => None,
-    };
-    let mixed = if let Task::Mixture(job) = task { Some(job.generation) } else { None };
-    move |text| {
-        let why = PictureError::Panic(text);
-        match (of, mixed) {
-            (Some((generation, Some(frame))), _) => Some(News::AheadFailed { generation, frame }),
-            (Some((generation, None)), _) => {
-                Some(News::Failed { generation, why: Arc::new(why), begun: true, refused: Vec::new() })
-            }
-            (None, Some(generation)) => Some(News::Unmixed { generation, why: why.to_string() }),
-            (None, None) => None,
+/// Returns what is told of a task that panics with a text, if somebody waits for it.
+fn failed(task: &Task) -> Option<Box<dyn FnOnce(String) -> News>> {
+    let why = PictureError::Panic;
+    match task {
+        Task::Picture(Job { generation, .. }) => {
+            let generation = *generation;
+            let news =
+                move |text| News::Failed { generation, why: Arc::new(why(text)), begun: true, refused: Vec::new() };
+            Some(Box::new(news))
         }
+        Task::Ahead(Job { generation, frame, .. }) => {
+            let (generation, frame) = (*generation, *frame);
+            Some(Box::new(move |_| News::AheadFailed { generation, frame }))
+        }
+        Task::Mixture(Job { generation, .. }) => {
+            let generation = *generation;
+            Some(Box::new(move |text| News::Unmixed { generation, why: why(text).to_string() }))
+        }
+        _ => None,
     }
 }
 
