@@ -1,6 +1,7 @@
 //! Splits events over several frames. All events that occur while a frame is drawn arrive together with the next frame.
 //! A key that moves the focus must not take earlier typing along to the next field, nor leave later typing in the old
-//! one, so such events are delivered in frames of their own. A button of the pointer counts where it is pressed or let
+//! one, so such events are delivered in frames of their own, with an empty frame after them in which what they open takes the
+//! focus. A button of the pointer counts where it is pressed or let
 //! go, so movements after it wait for the next frame.
 
 use egui::{Context, Event, Key, Plugin, RawInput};
@@ -14,6 +15,18 @@ pub(crate) fn install(context: &Context) {
 #[derive(Debug, Default)]
 struct Turns {
     waiting: VecDeque<Event>,
+    /// Whether the last frame had a key that may move the focus.
+    rests: bool,
+}
+
+impl Turns {
+    /// Takes further events, and returns those of one frame.
+    fn deliver(&mut self, events: &mut Vec<Event>) {
+        self.waiting.extend(events.drain(..));
+        let count = if self.rests { 0 } else { turn(self.waiting.iter()) };
+        events.extend(self.waiting.drain(..count));
+        self.rests = events.iter().any(|event| role(event) == Role::Turn);
+    }
 }
 
 /// Effect of an event on keyboard input.
@@ -71,9 +84,7 @@ impl Plugin for Turns {
     }
 
     fn input_hook(&mut self, context: &Context, input: &mut RawInput) {
-        self.waiting.extend(input.events.drain(..));
-        let count = turn(self.waiting.iter());
-        input.events.extend(self.waiting.drain(..count));
+        self.deliver(&mut input.events);
         if !self.waiting.is_empty() {
             context.request_repaint();
         }
@@ -103,6 +114,23 @@ mod tests {
             all.drain(..count);
         }
         assert_eq!(turns, [2, 1, 1, 1, 1]);
+    }
+
+    #[test]
+    fn what_a_key_opens_takes_the_focus_before_letters_arrive() {
+        let mut turns = Turns::default();
+        let mut frame = |mut events: Vec<Event>| {
+            turns.deliver(&mut events);
+            events
+        };
+        let open =
+            Event::Key { modifiers: Modifiers::COMMAND, pressed: true, repeat: false, physical_key: None, key: Key::P };
+        assert_eq!(frame(vec![open.clone(), key(Key::S), text("s")]), std::slice::from_ref(&open));
+        assert_eq!(frame(vec![key(Key::H)]), [], "the list opens");
+        assert_eq!(frame(Vec::new()), [key(Key::S), text("s"), key(Key::H)]);
+        assert_eq!(frame(vec![open.clone()]), [open]);
+        assert_eq!(frame(Vec::new()), [], "nothing waits");
+        assert_eq!(frame(vec![text("h")]), [text("h")]);
     }
 
     #[test]
