@@ -1,4 +1,5 @@
-//! An hour of work without a screen: `cargo bench -p trochoid-editor --bench hour -- MINUTES` (60 unless told).
+//! An hour of work without a screen: `cargo bench -p trochoid-editor --bench hour -- MINUTES [SCENE…]` (60, in all scenes,
+//! unless told).
 //!
 //! Copies of the scenes are opened, looked at, edited, undone and played, at random. It reports the largest memory of the
 //! process and the processor time at rest, and fails if looking changes a text, if undoing does not restore it, if a file is
@@ -78,8 +79,8 @@ struct Work {
     random: Pcg64Mcg,
     /// What was done last.
     last: String,
-    /// The largest memory so far.
-    most: u64,
+    /// The largest memory of the process, and in counted blocks, with the scene.
+    most: [u64; 2],
     deeds: u64,
 }
 
@@ -97,7 +98,8 @@ impl Work {
             started.elapsed() > patience
                 || (editor.state().evaluated.progress.is_none() && editor.state().evaluated.result.is_some())
         });
-        self.most = self.most.max(memory());
+        let most = [memory(), Heap::taken() as u64];
+        self.most = [0, 1].map(|index| self.most[index].max(most[index]));
         self.deeds += 1;
     }
 
@@ -223,11 +225,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut before = BTreeMap::new();
     files(scratch.path(), &mut before)?;
     std::env::set_current_dir(scratch.path())?;
-    let mut work = Work { random: Pcg64Mcg::seed_from_u64(1), last: String::new(), most: 0, deeds: 0 };
+    let mut work = Work { random: Pcg64Mcg::seed_from_u64(1), last: String::new(), most: [0; 2], deeds: 0 };
     let mut window = Window::new(Session::new("{}".into(), None))?;
-    for name in SCENES {
+    let told: Vec<String> = std::env::args().collect();
+    let is_told = |name: &&str| told.iter().any(|told| name.strip_suffix(".json") == Some(told));
+    let chosen: Vec<&str> = SCENES.into_iter().filter(is_told).collect();
+    let scenes = if chosen.is_empty() { SCENES.to_vec() } else { chosen };
+    for name in &scenes {
         let started = Instant::now();
-        let share = Duration::from_secs_f64(minutes * 60.0 / SCENES.len() as f64);
+        let share = Duration::from_secs_f64(minutes * 60.0 / scenes.len() as f64);
         work.act(&mut window, Action::OpenFile(scratch.path().join("graphs").join(name)));
         window.finished();
         let text = || std::fs::read_to_string(scratch.path().join("graphs").join(name));
@@ -254,8 +260,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         assert_eq!(window.editor.state().session.text(), text()?, "{name}: undoing did not restore the document");
         assert_eq!(PANICS.load(Ordering::Relaxed), 0, "{name}: something panicked");
-        let (megabytes, deeds) = (work.most >> 20, work.deeds);
-        println!("{name:<24} {deeds:>6} deeds, {undone:>4} undone, at most {megabytes} MB");
+        let ([memory, blocks], deeds) = (std::mem::take(&mut work.most).map(|bytes| bytes / 1_000_000), work.deeds);
+        println!("{name:<24} {deeds:>6} deeds, {undone:>4} undone, at most {memory} MB, {blocks} MB in large blocks");
     }
     // What is viewed last may have no picture.
     window.until(|editor| editor.state().evaluated.progress.is_none());
