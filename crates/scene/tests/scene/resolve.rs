@@ -190,7 +190,11 @@ fn curved_hits_do_not_depend_on_their_neighbors_and_hostile_ones_stay_on_their_t
         visible.fill_pixels(&pixels, [0.5; 2], ChannelSet::ALL, &mut some);
         for (index, [x, y]) in pixels.iter().enumerate() {
             for channel in Channel::ALL {
-                let bits = |samples: &Samples, index: usize| samples.channel(channel)[index].to_bits();
+                // The sign of a NaN, which hostile meshes make, is the compiler's choice.
+                let bits = |samples: &Samples, index: usize| {
+                    let value = samples.channel(channel)[index];
+                    (!value.is_nan()).then_some(value.to_bits())
+                };
                 let place = (y * 90 + x) as usize;
                 assert_eq!(bits(&some, index), bits(&whole, place), "case {case}, {channel:?} at {x}, {y}");
             }
