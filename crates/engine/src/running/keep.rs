@@ -42,8 +42,9 @@ pub(crate) struct PlaneKeeper {
 
 impl PlaneKeeper {
     /// Looks up the planes that a plan's stages filled before. Of the others that are needed, those nearest to the outputs are
-    /// kept first: they are needed after the most edits, and stand for all before them.
-    pub(crate) fn new(plan: &Plan<'_>, ready: &HashMap<NodeId, PreparedStage>, cache: &mut Cache) -> Self {
+    /// kept first: they are needed after the most edits, and stand for all before them. `held` is what prepared stages will
+    /// hold, in bytes: more than they hold now, if they decode files on demand.
+    pub(crate) fn new(plan: &Plan<'_>, ready: &HashMap<NodeId, PreparedStage>, held: usize, cache: &mut Cache) -> Self {
         let mut keeper = Self::default();
         let Some(pass) = plan.kept_pass() else { return keeper };
         let picture = plan.graph.format().window();
@@ -70,10 +71,11 @@ impl PlaneKeeper {
             let still = plan.still();
             unknown.retain(|(_, fill, _)| still[fill.node.0]);
         }
-        let prepared: usize = ready.values().map(|ready| ready.prepared.bytes()).sum();
+        let now: usize = ready.values().map(|ready| ready.prepared.bytes()).sum();
+        let prepared = now.max(held);
         let known: usize = keeper.known.values().map(|filled| filled.bytes()).sum();
         // Coarse pictures of the same edit go before the whole one, and after the next edit again.
-        let coarse = cache.recent(picture.area()).saturating_sub(prepared);
+        let coarse = cache.recent(picture.area()).saturating_sub(now);
         let mut room = cache.limit().saturating_sub(prepared + known + coarse);
         let mut kept = Vec::new();
         for (index, fill, key) in unknown.into_iter().rev() {
@@ -84,7 +86,7 @@ impl PlaneKeeper {
             kept.push((index, fill, key, bytes));
         }
         // Old planes go before new ones take memory.
-        cache.make_way(kept.iter().map(|(.., bytes)| bytes).sum());
+        cache.make_way(kept.iter().map(|(.., bytes)| bytes).sum::<usize>() + (prepared - now));
         for (index, fill, key, _) in kept {
             let plane = |wanted: &bool| vec![0.0; if *wanted { picture.area() } else { 0 }];
             let planes = || fill.wanted.iter().map(|channels| channels.iter().map(plane).collect()).collect();

@@ -171,7 +171,8 @@ impl Plan<'_> {
                 self.outputs.iter().map(|output| self.judge(output, &ready, buffers)).collect();
             let judged = started.elapsed().as_secs_f64();
             let started = Instant::now();
-            let keeper = PlaneKeeper::new(self, &ready, cache);
+            let held = usize::try_from(account.held()).unwrap_or(usize::MAX);
+            let keeper = PlaneKeeper::new(self, &ready, held, cache);
             let bands = bands(&ready)?;
             // No more workers than bands.
             let workers = account.workers().min(bands.count()).max(1);
