@@ -79,7 +79,7 @@ struct Work {
     random: Pcg64Mcg,
     /// What was done last.
     last: String,
-    /// The largest memory of the process, and in counted blocks, with the scene.
+    /// The largest memory of the process and the most bytes in counted blocks, in the current scene.
     most: [u64; 2],
     deeds: u64,
 }

@@ -1,8 +1,7 @@
 //! Splits events over several frames. All events that occur while a frame is drawn arrive together with the next frame.
 //! A key that moves the focus must not take earlier typing along to the next field, nor leave later typing in the old
-//! one, so such events are delivered in frames of their own, with an empty frame after them in which what they open takes the
-//! focus. A button of the pointer counts where it is pressed or let
-//! go, so movements after it wait for the next frame.
+//! one, so such events are delivered in frames of their own, with an empty frame after them in which what they open takes
+//! the focus. A button of the pointer counts where it is pressed or let go, so movements after it wait for the next frame.
 
 use egui::{Context, Event, Key, Plugin, RawInput};
 use std::collections::VecDeque;

@@ -76,7 +76,8 @@ impl PlaneKeeper {
         let known: usize = keeper.known.values().map(|filled| filled.bytes()).sum();
         // Coarse pictures of the same edit go before the whole one, and after the next edit again.
         let coarse = cache.recent(picture.area()).saturating_sub(now);
-        let mut room = cache.limit().saturating_sub(prepared + known + coarse);
+        // Estimates saturate.
+        let mut room = cache.limit().saturating_sub(prepared.saturating_add(known).saturating_add(coarse));
         let mut kept = Vec::new();
         for (index, fill, key) in unknown.into_iter().rev() {
             let wanted = fill.wanted.iter().flatten().filter(|wanted| **wanted);
@@ -86,7 +87,7 @@ impl PlaneKeeper {
             kept.push((index, fill, key, bytes));
         }
         // Old planes go before new ones take memory.
-        cache.make_way(kept.iter().map(|(.., bytes)| bytes).sum::<usize>() + (prepared - now));
+        cache.make_way(kept.iter().map(|(.., bytes)| bytes).sum::<usize>().saturating_add(prepared - now));
         for (index, fill, key, _) in kept {
             let plane = |wanted: &bool| vec![0.0; if *wanted { picture.area() } else { 0 }];
             let planes = || fill.wanted.iter().map(|channels| channels.iter().map(plane).collect()).collect();
