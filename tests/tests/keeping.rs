@@ -2,7 +2,8 @@
 //! what depends on it, and changed files and buffers are noticed.
 
 use crate::support::{all_bits, evaluate, evaluate_again, graph, graph_in, root, settings, write_exr};
-use trochoid::{Buffers, Cache, CheckedGraph, Format, Frame, Keep, Settings, Window};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use trochoid::{Buffers, Cache, CheckedGraph, Format, Frame, Keep, Monitor, Plan, Settings, Silent, Window};
 
 /// Two blurred passes, of which one depends on a color, and a program behind both.
 fn painting(dark: &str, size: f64) -> CheckedGraph {
@@ -197,5 +198,50 @@ fn what_does_not_move_is_kept_over_frames() {
         assert_eq!(["soft", "drift"].map(|node| computed(&found, node)), [still, 40 * 24], "frame {frame}");
         cache.forget_unused();
         assert!(cache.bytes() < 4 * plane, "what moves is not kept: {} bytes", cache.bytes());
+    }
+}
+
+/// Counts the tiles of all steps.
+#[derive(Default)]
+struct Tiles(AtomicUsize);
+
+impl Monitor for Tiles {
+    fn progress(&self, done: usize, total: usize) {
+        assert!(done <= total, "{done} of {total} tiles");
+        self.0.fetch_max(total, Ordering::Relaxed);
+    }
+}
+
+/// Filters that read far around a tile are filled in steps, one after the other, each over the whole picture.
+#[test]
+fn filters_of_filters_are_filled_in_steps() {
+    // The mask is read by the last filter, and nearby by the first one; the drawing by a program too.
+    let nodes = r##""x": { "type": "ScreenX" },
+        "tooth": { "type": "Noise", "scale": 0.3 },
+        "mask": { "type": "Clamp", "field": "tooth", "min": 0.2, "max": 0.8 },
+        "paint": { "type": "Mix", "a": "#102030", "b": "#f0e0a0", "weight": "mask" },
+        "once": { "type": "Blur", "image": "paint", "size": 11 },
+        "drawn": { "type": "Mix", "a": "once", "b": "#804020", "weight": "x" },
+        "twice": { "type": "Blur", "image": "drawn", "size": 9 },
+        "far": { "type": "Blur", "image": "mask", "size": 13 },
+        "both": { "type": "Mix", "a": "twice", "b": "once", "weight": "far" },
+        "near": { "type": "Blur", "image": "both", "size": 0.5 },
+        "out": { "type": "Mix", "a": "near", "b": "drawn", "weight": "mask" }"##;
+    for (samples, keep) in [(1, Keep::ForEdits), (4, Keep::ForEdits), (1, Keep::ForFrames), (4, Keep::ForFrames)] {
+        let format = format!(r#""width": 90, "height": 70, "samples": {samples}"#);
+        let graph = graph(&format, nodes, r#""out": { "color": "out" }"#);
+        let plain = evaluate(&graph, 1, &Buffers::new(), &settings(|_| ()));
+        for limit in [0, 90 * 70 * 4 * 3 * samples + 1000, 1 << 24] {
+            let settings = settings(|s| (s.keep, s.threads, s.tile) = (keep, 2, Some((32, 16))));
+            let plan = Plan::new(&graph, &[], 1, &[], &settings).unwrap();
+            let mut cache = Cache::with_limit(limit);
+            let tiles = Tiles::default();
+            let frame = plan.evaluate(&Buffers::new(), &mut cache, &tiles).unwrap();
+            assert!(all_bits(&frame) == all_bits(&plain), "{samples} samples, {keep:?}, {limit} bytes");
+            assert_eq!(tiles.0.into_inner(), 3 * 3 * 5, "three steps of 3 × 5 tiles");
+            assert!(cache.bytes() <= limit);
+            let edited = plan.evaluate(&Buffers::new(), &mut cache, &Silent).unwrap();
+            assert!(all_bits(&edited) == all_bits(&plain), "{samples} samples, {keep:?}, {limit} bytes, again");
+        }
     }
 }

@@ -12,5 +12,5 @@ mod lower;
 mod optimize;
 pub(crate) mod plan;
 mod planner;
-mod schedule;
+pub(crate) mod schedule;
 pub(crate) mod shading;

@@ -1,7 +1,7 @@
 //! The plan: what some outputs need at one frame, in which order, and why the rest is left out.
 
 use super::planner::Planner;
-use super::shading::{SHARING_CHANNELS, ViewsByNode, sharing_slot};
+use super::shading::ViewsByNode;
 use crate::judge::Judge;
 use crate::{Account, LeftOut, Settings};
 use std::sync::{Arc, OnceLock};
@@ -81,16 +81,6 @@ pub(crate) struct Fill {
 }
 
 impl Fill {
-    /// Returns the planes that it reads.
-    pub(crate) fn slots(&self) -> impl Iterator<Item = Slot> + '_ {
-        let feeds = self.inputs.iter().flat_map(|(_, connections)| connections).flatten();
-        let fed = feeds.filter_map(|feed| if let Feed::Slot(slot) = feed { Some(*slot) } else { None });
-        let tapped = self.taps.iter().flat_map(|taps| &taps.planes).copied();
-        let views = self.shared.iter().flatten();
-        let sharing = views.flat_map(|view| SHARING_CHANNELS.map(|channel| sharing_slot(*view, channel)));
-        fed.chain(tapped).chain(sharing)
-    }
-
     /// Returns whether it fills the plane of `slot`.
     pub(crate) fn fills(&self, slot: &Slot) -> bool {
         self.node == slot.node

@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 use trochoid_graph::{
     Channel, ChannelSet, Kind, NodeId, Op, PortId, Program, Rate, Settled, Slot, Source, Stage, Variance, literal,
 };
-use trochoid_image::Shading;
+use trochoid_image::{Format, Shading};
 use trochoid_kernel::{CompiledProgram, Options, Origin, ValueRule, compile};
 
 /// Channels that stages have to fill.
@@ -288,38 +288,16 @@ impl Scheduler<'_, '_, '_> {
     }
 
     /// Returns how far the stages of a pass reach beyond what is requested of the pass, horizontally and vertically.
-    fn halo(&self, fills: &[Fill]) -> (usize, usize) {
+    fn halo(&self, fills: &[Fill]) -> Reach {
         let format = self.planner.graph.format();
-        let picture = format.window();
-        let max = |a: (usize, usize), b: (usize, usize)| (a.0.max(b.0), a.1.max(b.1));
         let mut largest = (0, 0);
-        let mut beyond: HashMap<NodeId, (usize, usize)> = HashMap::new();
+        let mut beyond: HashMap<NodeId, Reach> = HashMap::new();
         for fill in fills.iter().rev() {
-            let Some(stage) = self.stage(fill.node) else { continue };
             let own = beyond.get(&fill.node).copied().unwrap_or_default();
-            let mut taps = own;
-            for (port, connections) in &fill.inputs {
-                let asked = stage.regions_of_interest(*port, picture, format);
-                let grown = |before: i64, after: i64, most: usize| before.max(after).clamp(0, most as i64) as usize;
-                let reach = (
-                    own.0 + grown(picture.x0 - asked.x0, asked.x1 - picture.x1, picture.width()),
-                    own.1 + grown(picture.y0 - asked.y0, asked.y1 - picture.y1, picture.height()),
-                );
-                largest = max(largest, reach);
-                for feed in connections.iter().flatten() {
-                    match feed {
-                        Feed::Slot(slot) => {
-                            let known = beyond.entry(slot.node).or_default();
-                            *known = max(*known, reach);
-                        }
-                        Feed::Tap(..) => taps = max(taps, reach),
-                        Feed::Nothing | Feed::Constant(_) => {}
-                    }
-                }
-            }
-            for slot in fill.taps.iter().flat_map(|taps| &taps.planes) {
+            for (slot, reach) in reads(fill, self.stage(fill.node), format, own) {
                 let known = beyond.entry(slot.node).or_default();
-                *known = max(*known, taps);
+                *known = larger(*known, reach);
+                largest = larger(largest, reach);
             }
         }
         largest
@@ -409,4 +387,37 @@ fn split(view: &mut Fill, per_sample: &HashSet<Slot>) -> Option<Fill> {
     sharing_slots.iter().for_each(|slot| view.wanted[slot.output][slot.channel] = true);
     rest.shared = Some(vec![view.node]);
     Some(rest)
+}
+
+/// How far something reaches beyond a tile, horizontally and vertically, in pixels.
+pub(crate) type Reach = (usize, usize);
+
+/// Returns the larger reach along each axis.
+pub(crate) fn larger(a: Reach, b: Reach) -> Reach {
+    (a.0.max(b.0), a.1.max(b.1))
+}
+
+/// Lists the planes that a fill reads, each with how far beyond a tile, if the fill itself reaches `own` beyond it.
+pub(crate) fn reads(fill: &Fill, stage: Option<&dyn Stage>, format: Format, own: Reach) -> Vec<(Slot, Reach)> {
+    let picture = format.window();
+    let grown = |before: i64, after: i64, most: usize| before.max(after).clamp(0, most as i64) as usize;
+    let (mut read, mut taps) = (Vec::new(), own);
+    for (port, connections) in &fill.inputs {
+        let asked = stage.map_or(picture, |stage| stage.regions_of_interest(*port, picture, format));
+        let reach = (
+            own.0 + grown(picture.x0 - asked.x0, asked.x1 - picture.x1, picture.width()),
+            own.1 + grown(picture.y0 - asked.y0, asked.y1 - picture.y1, picture.height()),
+        );
+        for feed in connections.iter().flatten() {
+            match feed {
+                Feed::Slot(slot) => read.push((*slot, reach)),
+                Feed::Tap(..) => taps = larger(taps, reach),
+                Feed::Nothing | Feed::Constant(_) => {}
+            }
+        }
+    }
+    read.extend(fill.taps.iter().flat_map(|taps| &taps.planes).map(|slot| (*slot, taps)));
+    let views = fill.shared.iter().flatten();
+    read.extend(views.flat_map(|view| SHARING_CHANNELS.map(|channel| (sharing_slot(*view, channel), own))));
+    read
 }

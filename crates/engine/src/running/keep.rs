@@ -1,10 +1,11 @@
 //! Planes that stages filled, kept for the next evaluation: an edit refills only what depends on it.
 
-use super::fill::by_slot;
 use super::prepare::{Cache, PreparedStage, key_of_planes};
+use super::steps::Steps;
 use crate::planning::plan::{Fill, Pass};
+use crate::planning::schedule::Reach;
 use crate::{Keep, Plan};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use trochoid_graph::{FrameContext, Key, NodeId, Settled, Variance};
 use trochoid_image::Window;
@@ -26,16 +27,23 @@ impl StagePlanes {
     }
 }
 
-/// Stages of a plan whose planes are known, and stages whose planes will be kept.
+/// Planes of whole pictures while a plan is evaluated: known ones, those that one step fills for later ones, and those that
+/// will be kept.
 #[derive(Debug, Default)]
 pub(crate) struct PlaneKeeper {
-    /// Planes of earlier evaluations, by the index of the fill: a stage has several fills if its samples share only some
-    /// channels.
+    /// Planes of earlier evaluations and steps, by the index of the fill: a stage has several fills if its samples share
+    /// only some channels.
     pub(crate) known: HashMap<usize, Arc<StagePlanes>>,
-    /// Planes that are being filled now, tile by tile, with their keys.
-    new: HashMap<usize, (Key, Mutex<StagePlanes>)>,
-    /// Fills of which nothing is needed, because all that reads them is known.
-    idle: HashSet<usize>,
+    /// Planes that the current step fills, tile by tile.
+    new: HashMap<usize, Mutex<StagePlanes>>,
+    /// Keys of the planes to keep.
+    keys: HashMap<usize, Key>,
+    /// Planes to keep that are filled.
+    kept: Vec<(Key, Arc<StagePlanes>)>,
+    /// `None` if all is filled in one step.
+    steps: Option<Steps>,
+    /// The current step, counted from the last one.
+    step: usize,
     /// Stages that fill nothing.
     pub(crate) spared: Vec<NodeId>,
 }
@@ -43,30 +51,40 @@ pub(crate) struct PlaneKeeper {
 impl PlaneKeeper {
     /// Looks up the planes that a plan's stages filled before. Of the others that are needed, those nearest to the outputs are
     /// kept first: they are needed after the most edits, and stand for all before them. `held` is what prepared stages will
-    /// hold, in bytes: more than they hold now, if they decode files on demand.
-    pub(crate) fn new(plan: &Plan<'_>, ready: &HashMap<NodeId, PreparedStage>, held: usize, cache: &mut Cache) -> Self {
-        let mut keeper = Self::default();
-        let Some(pass) = plan.kept_pass() else { return keeper };
+    /// hold, in bytes: more than they hold now, if they decode files on demand. Steps take at most `spare` bytes.
+    pub(crate) fn new(
+        plan: &Plan<'_>,
+        ready: &HashMap<NodeId, PreparedStage>,
+        [held, spare]: [usize; 2],
+        cache: &mut Cache,
+    ) -> Self {
+        let mut keeper = Self { step: 1, ..Self::default() };
+        let Some(pass) = plan.whole_pass() else { return keeper };
         let picture = plan.graph.format().window();
         let extents = super::fill::extents(plan, ready, &pass.fills);
         // Planes kept hold no pixels beyond the picture, and what varies along one axis costs almost nothing to
         // refill.
-        let is_kept = |fill: &Fill| fill.variance == Variance::Pixel && extents.get(&fill.node) == Some(&picture);
+        let can_wait = |index: usize| {
+            let fill = &pass.fills[index];
+            fill.variance == Variance::Pixel && extents.get(&fill.node) == Some(&picture)
+        };
         let mut unknown = Vec::new();
-        for (index, fill) in pass.fills.iter().enumerate().filter(|(_, fill)| is_kept(fill)) {
+        let keeps = plan.settings.keep != Keep::Nothing;
+        for (index, fill) in pass.fills.iter().enumerate().filter(|(index, _)| keeps && can_wait(*index)) {
             let Some(key) = ready.get(&fill.node).map(|ready| key_of_planes(plan, pass, fill, ready)) else { continue };
             match cache.planes(&key) {
                 Some(filled) => _ = keeper.known.insert(index, filled),
                 None => unknown.push((index, fill, key)),
             }
         }
-        keeper.idle = idle(&pass.fills, &keeper.known);
+        let is_known = |fill: usize| keeper.known.contains_key(&fill);
+        let mut steps = Steps::new(plan, pass, &is_known, &can_wait);
         let is_spared = |node: NodeId| {
             let mut fills = pass.fills.iter().enumerate().filter(|(_, fill)| fill.node == node);
-            fills.all(|(index, _)| keeper.known.contains_key(&index) || keeper.idle.contains(&index))
+            fills.all(|(index, _)| steps.is_idle(index))
         };
         keeper.spared = pass.fills.iter().map(|fill| fill.node).filter(|node| is_spared(*node)).collect();
-        unknown.retain(|(index, ..)| !keeper.idle.contains(index));
+        unknown.retain(|(index, ..)| !steps.is_idle(*index));
         if plan.settings.keep == Keep::ForFrames && !unknown.is_empty() {
             let still = plan.still();
             unknown.retain(|(_, fill, _)| still[fill.node.0]);
@@ -78,31 +96,83 @@ impl PlaneKeeper {
         let coarse = cache.recent(picture.area()).saturating_sub(now);
         // Estimates saturate.
         let mut room = cache.limit().saturating_sub(prepared.saturating_add(known).saturating_add(coarse));
-        let mut kept = Vec::new();
-        for (index, fill, key) in unknown.into_iter().rev() {
+        let bytes = |fill: &Fill| {
             let wanted = fill.wanted.iter().flatten().filter(|wanted| **wanted);
-            let bytes = wanted.count() * picture.area() * 4 * pass.offsets.len();
-            let Some(left) = room.checked_sub(bytes) else { continue };
+            wanted.count() * picture.area() * 4 * pass.offsets.len()
+        };
+        let mut taken = prepared - now;
+        for (index, fill, key) in unknown.into_iter().rev() {
+            let Some(left) = room.checked_sub(bytes(fill)) else { continue };
             room = left;
-            kept.push((index, fill, key, bytes));
+            taken = taken.saturating_add(bytes(fill));
+            keeper.keys.insert(index, key);
         }
         // Old planes go before new ones take memory.
-        cache.make_way(kept.iter().map(|(.., bytes)| bytes).sum::<usize>().saturating_add(prepared - now));
-        for (index, fill, key, _) in kept {
-            let plane = |wanted: &bool| vec![0.0; if *wanted { picture.area() } else { 0 }];
-            let planes = || fill.wanted.iter().map(|channels| channels.iter().map(plane).collect()).collect();
-            let samples = pass.offsets.iter().map(|_| planes()).collect();
-            keeper.new.insert(index, (key, Mutex::new(StagePlanes { samples })));
+        if keeps {
+            cache.make_way(taken);
         }
+        if steps.held(&|fill| keeper.keys.contains_key(&fill), &|fill| bytes(&pass.fills[fill])) > spare {
+            steps = Steps::new(plan, pass, &is_known, &|_| false);
+        }
+        keeper.step = steps.count();
+        keeper.steps = Some(steps);
         keeper
     }
 
-    /// Returns whether nothing of a fill is needed.
-    pub(crate) fn is_idle(&self, fill: usize) -> bool {
-        self.idle.contains(&fill)
+    /// Begins the next step, and makes room for the planes that it fills; returns `false` after the last one.
+    pub(crate) fn begin_step(&mut self, plan: &Plan<'_>) -> bool {
+        let (Some(steps), Some(pass)) = (&self.steps, plan.whole_pass()) else {
+            return std::mem::replace(&mut self.step, 0) > 0;
+        };
+        let Some(step) = self.step.checked_sub(1) else { return false };
+        self.step = step;
+        let area = plan.graph.format().window().area();
+        for (index, fill) in pass.fills.iter().enumerate().filter(|(index, _)| steps.takes_part(*index, step)) {
+            if steps.is_whole(index) || self.keys.contains_key(&index) {
+                let plane = |wanted: &bool| vec![0.0; if *wanted { area } else { 0 }];
+                let planes = || fill.wanted.iter().map(|channels| channels.iter().map(plane).collect()).collect();
+                let samples = pass.offsets.iter().map(|_| planes()).collect();
+                self.new.insert(index, Mutex::new(StagePlanes { samples }));
+            }
+        }
+        true
     }
 
-    /// Returns whether the planes of a fill are being kept.
+    /// Ends a step once every tile is done: what it filled is known to the next one, and what no later one reads goes.
+    pub(crate) fn end_step(&mut self) {
+        let Some(steps) = &self.steps else { return };
+        for (index, filled) in self.new.drain() {
+            let filled = Arc::new(filled.into_inner().unwrap_or_else(PoisonError::into_inner));
+            if let Some(key) = self.keys.get(&index) {
+                self.kept.push((*key, filled.clone()));
+            }
+            self.known.insert(index, filled);
+        }
+        self.known.retain(|index, _| !steps.is_whole(*index) || steps.is_read_after(*index, self.step));
+    }
+
+    /// Returns whether the current step is the last one, which also runs the program.
+    pub(crate) fn is_last_step(&self) -> bool {
+        self.step == 0
+    }
+
+    /// Returns the number of steps before the current one, and of all steps.
+    pub(crate) fn progress(&self) -> [usize; 2] {
+        let count = self.steps.as_ref().map_or(1, Steps::count);
+        [count - 1 - self.step, count]
+    }
+
+    /// Returns how far stages reach beyond a tile, horizontally and vertically.
+    pub(crate) fn halo(&self, plan: &Plan<'_>) -> Reach {
+        self.steps.as_ref().map_or_else(|| plan.halo(), Steps::halo)
+    }
+
+    /// Returns whether the current step needs nothing of a fill.
+    pub(crate) fn is_idle(&self, fill: usize) -> bool {
+        self.steps.as_ref().is_some_and(|steps| !steps.takes_part(fill, self.step))
+    }
+
+    /// Returns whether the current step fills whole planes of a fill.
     pub(crate) fn wants(&self, fill: usize) -> bool {
         self.new.contains_key(&fill)
     }
@@ -117,7 +187,7 @@ impl PlaneKeeper {
         picture: Window,
         from: &[Vec<Vec<f32>>],
     ) {
-        let Some((_, filled)) = self.new.get(&fill) else { return };
+        let Some(filled) = self.new.get(&fill) else { return };
         let mut filled = filled.lock().unwrap_or_else(PoisonError::into_inner);
         let start = |within: Window, y: i64| (y - within.y0) as usize * within.width() + (tile.x0 - within.x0) as usize;
         for (to, from) in filled.samples[sample].iter_mut().flatten().zip(from.iter().flatten()) {
@@ -131,35 +201,12 @@ impl PlaneKeeper {
         }
     }
 
-    /// Hands the filled planes to the cache, once every tile is done.
+    /// Hands the filled planes to the cache, after the last step.
     pub(crate) fn finish(self, cache: &mut Cache) {
-        for (key, filled) in self.new.into_values() {
-            let filled = filled.into_inner().unwrap_or_else(PoisonError::into_inner);
-            cache.keep_planes(key, Arc::new(filled));
+        for (key, filled) in self.kept {
+            cache.keep_planes(key, filled);
         }
     }
-}
-
-/// Returns the fills that some others read, but only known ones or such as are idle themselves.
-fn idle(fills: &[Fill], known: &HashMap<usize, Arc<StagePlanes>>) -> HashSet<usize> {
-    let by_slot = by_slot(fills);
-    let (mut readers, mut needs) = (vec![0_usize; fills.len()], vec![0_usize; fills.len()]);
-    let mut idle = HashSet::new();
-    for (index, fill) in fills.iter().enumerate().rev() {
-        // All that read it come after it.
-        if !fill.read && readers[index] > 0 && needs[index] == 0 {
-            idle.insert(index);
-        }
-        let reads = !known.contains_key(&index) && !idle.contains(&index);
-        let mut inputs: Vec<usize> = fill.slots().filter_map(|slot| by_slot.get(&slot).copied()).collect();
-        inputs.sort_unstable();
-        inputs.dedup();
-        for input in inputs {
-            readers[input] += 1;
-            needs[input] += usize::from(reads);
-        }
-    }
-    idle
 }
 
 impl Plan<'_> {
@@ -175,12 +222,11 @@ impl Plan<'_> {
         self.graph.keys(&settled, &context).iter().zip(&self.keys).map(|(next, now)| next == now).collect()
     }
 
-    /// Returns the only pass, if the planes of its stages can be kept: of the whole picture, from the document alone, and
-    /// without bounds.
-    fn kept_pass(&self) -> Option<&Pass> {
+    /// Returns the only pass, if its stages may be filled over the whole picture: from the document alone, and without bounds.
+    fn whole_pass(&self) -> Option<&Pass> {
         let whole = self.window == self.graph.format().window() && !self.settings.bounds();
         match &self.passes[..] {
-            [pass] if self.settings.keep != Keep::Nothing && whole && !self.bound.contains(&true) => Some(pass),
+            [pass] if whole && !self.bound.contains(&true) => Some(pass),
             _ => None,
         }
     }

@@ -73,6 +73,12 @@ impl MemoryAccount {
         nodes.fold(0, |sum, (_, bytes, _)| sum.saturating_add(*bytes))
     }
 
+    /// Returns the bytes of the tiles that threads work on.
+    pub(crate) fn tiles(&self) -> u64 {
+        let tiles = self.consumers.iter().find(|(consumer, ..)| *consumer == MemoryConsumer::Tiles);
+        tiles.map_or(0, |(_, bytes, _)| *bytes)
+    }
+
     /// Raises a node's share to the bytes that it really holds, if that is more.
     pub(crate) fn raise_to(&mut self, id: NodeId, bytes: u64) {
         if self.shared.contains(&id) {
@@ -249,7 +255,7 @@ impl Plan<'_> {
     /// Returns the largest size of a tile, as far as it is known before files are open.
     fn tile_before(&self, pass: &Pass) -> [usize; 2] {
         let reads = |fill: &Fill| self.stage(fill.node).is_some_and(|stage| !stage.files(&self.context).is_empty());
-        let (width, height) = self.tile_for(pass.fills.iter().any(reads).then_some(1));
+        let (width, height) = self.tile_for(pass.fills.iter().any(reads).then_some(1), self.halo());
         [width.min(self.window.width()), height.min(self.window.height())]
     }
 

@@ -2,7 +2,7 @@
 //! them on.
 //!
 //! `run` evaluates a frame: `prepare` prepares its stages within the limit that `memory` checks, `fill` fills their
-//! planes for a `tile`, and `bands` receive the finished rows. The other modules produce something other than a
+//! planes for a `tile`, in one of several `steps`, and `bands` receive the finished rows. The other modules produce something other than a
 //! picture: `certify` bounds on its errors, `inspect` one pixel in detail, `points` batches of a renderer's samples,
 //! `reference` the slow f64 result, `examine` faults of input files.
 
@@ -21,4 +21,5 @@ pub(crate) mod points;
 pub(crate) mod prepare;
 pub(crate) mod reference;
 pub(crate) mod run;
+pub(crate) mod steps;
 pub(crate) mod tile;

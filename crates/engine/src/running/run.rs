@@ -8,6 +8,7 @@ use super::prepare::{PreparedStage, prepare};
 use super::tile::{Evaluation, Worker};
 use crate::judge::Judge;
 use crate::planning::plan::{Feed, Pass, PlannedOutput};
+use crate::planning::schedule::Reach;
 use crate::{Buffers, Cache, EvalError, Monitor, Plan};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -107,9 +108,9 @@ impl Plan<'_> {
         let old = std::mem::take(&mut frame.pictures);
         let mut pictures = Vec::new();
         let into = &mut pictures;
-        *frame = self.run(buffers, cache, monitor, Pictures::Whole, move |ready| {
+        *frame = self.run(buffers, cache, monitor, Pictures::Whole, move |rows| {
             *into = self.allocate(old)?;
-            Ok(Bands::of_planes(into.iter_mut().collect(), self.window, self.tile(ready).1))
+            Ok(Bands::of_planes(into.iter_mut().collect(), self.window, rows))
         })?;
         for (picture, planes) in frame.pictures.iter_mut().zip(pictures) {
             picture.planes = planes;
@@ -130,8 +131,8 @@ impl Plan<'_> {
         monitor: &dyn Monitor,
     ) -> Result<Frame, EvalError> {
         let channels: Vec<usize> = self.outputs.iter().map(|output| output.kind.channels()).collect();
-        self.run(buffers, cache, monitor, Pictures::Rows, |ready| {
-            let height = self.tile(ready).1.next_multiple_of(sink.rows().max(1));
+        self.run(buffers, cache, monitor, Pictures::Rows, |rows| {
+            let height = rows.next_multiple_of(sink.rows().max(1));
             Ok(Bands::of_sink(sink, channels, self.window, height))
         })
     }
@@ -159,7 +160,7 @@ impl Plan<'_> {
         cache: &mut Cache,
         monitor: &dyn Monitor,
         pictures: Pictures,
-        bands: impl FnOnce(&HashMap<NodeId, PreparedStage>) -> Result<Bands<'s>, EvalError> + Send,
+        bands: impl FnOnce(usize) -> Result<Bands<'s>, EvalError> + Send,
     ) -> Result<Frame, EvalError> {
         self.in_pool(|| {
             self.validate(buffers)?;
@@ -171,21 +172,33 @@ impl Plan<'_> {
                 self.outputs.iter().map(|output| self.judge(output, &ready, buffers)).collect();
             let judged = started.elapsed().as_secs_f64();
             let started = Instant::now();
-            let held = usize::try_from(account.held()).unwrap_or(usize::MAX);
-            let keeper = PlaneKeeper::new(self, &ready, held, cache);
-            let bands = bands(&ready)?;
-            // No more workers than bands.
-            let workers = account.workers().min(bands.count()).max(1);
-            let evaluation =
-                Evaluation { plan: self, ready: &ready, buffers, judges: &judges, keeper: &keeper, monitor };
-            let totals = self.tiles(evaluation, &bands, workers);
+            let bytes = [account.held(), account.tiles()].map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX));
+            let mut keeper = PlaneKeeper::new(self, &ready, bytes, cache);
+            let tile = self.tile(&ready, keeper.halo(self));
+            let bands = bands(tile.1)?;
+            let mut totals = WorkerTotals::default();
+            let mut steps = || {
+                while keeper.begin_step(self) {
+                    let between = (!keeper.is_last_step()).then(|| Bands::of_planes(Vec::new(), self.window, tile.1));
+                    let bands = between.as_ref().unwrap_or(&bands);
+                    // No more workers than bands.
+                    let workers = account.workers().min(bands.count()).max(1);
+                    let judges = &judges[..];
+                    let evaluation =
+                        Evaluation { plan: self, ready: &ready, buffers, judges, keeper: &keeper, monitor };
+                    self.tiles(evaluation, tile.0, bands, workers, &mut totals)?;
+                    keeper.end_step();
+                }
+                Ok(())
+            };
+            let done = steps();
             let spared = keeper.spared.clone();
-            if totals.is_ok() {
+            if done.is_ok() {
                 keeper.finish(cache);
             }
             // Data decoded on demand counts too.
             cache.trim();
-            let totals = totals?;
+            done?;
             let seconds = Phases { prepare: prepared, hull: judged, tiles: started.elapsed().as_secs_f64() };
             Ok(self.assemble(judges, &totals, &ready, &spared, seconds))
         })
@@ -234,19 +247,19 @@ impl Plan<'_> {
     }
 
     /// Returns the width and height of tiles.
-    fn tile(&self, ready: &HashMap<NodeId, PreparedStage>) -> (usize, usize) {
+    fn tile(&self, ready: &HashMap<NodeId, PreparedStage>, halo: Reach) -> (usize, usize) {
         let fills = self.passes.iter().flat_map(|pass| &pass.fills);
-        self.tile_for(fills.filter_map(|fill| ready.get(&fill.node)?.prepared.rows_per_band()).max())
+        self.tile_for(fills.filter_map(|fill| ready.get(&fill.node)?.prepared.rows_per_band()).max(), halo)
     }
 
-    /// Returns the width and height of tiles, given how many rows of files are read at a time, if any files are read.
-    pub(crate) fn tile_for(&self, bands: Option<usize>) -> (usize, usize) {
+    /// Returns the width and height of tiles, given how many rows of files are read at a time, if any files are read, and
+    /// how far stages reach beyond a tile.
+    pub(crate) fn tile_for(&self, bands: Option<usize>, (across, down): Reach) -> (usize, usize) {
         if let Some((width, height)) = self.settings.tile {
             return (width.max(1), height.max(1));
         }
         let fills = || self.passes.iter().flat_map(|pass| &pass.fills);
         let in_place = fills().all(|fill| self.bound[fill.node.0] || fill.variance <= Variance::Column);
-        let (across, down) = self.halo();
         let (width, height) = (self.window.width(), self.window.height());
         // Height of bands that reach beyond their own rows, of which they have at least `least`.
         let band = |least: usize| height.div_ceil(divided(height, height / TILE.1.max(least), down, self.threads()));
@@ -335,13 +348,20 @@ impl Plan<'_> {
         self.outputs.iter().map(|output| (0..output.kind.channels()).map(|_| plane()).collect()).collect()
     }
 
-    /// Evaluates every band, on `workers` threads.
-    fn tiles(&self, evaluation: Evaluation<'_>, bands: &Bands<'_>, workers: usize) -> Result<WorkerTotals, EvalError> {
+    /// Evaluates every band of a step in tiles of some width, on `workers` threads.
+    fn tiles(
+        &self,
+        evaluation: Evaluation<'_>,
+        width: usize,
+        bands: &Bands<'_>,
+        workers: usize,
+        totals: &mut WorkerTotals,
+    ) -> Result<(), EvalError> {
         let monitor = evaluation.monitor;
-        let (width, _) = self.tile(evaluation.ready);
-        let total = bands.count() * self.window.width().div_ceil(width);
-        let done = AtomicUsize::new(0);
-        let totals = Mutex::new(WorkerTotals::default());
+        let tiles = bands.count() * self.window.width().div_ceil(width);
+        let [before, steps] = evaluation.keeper.progress();
+        let done = AtomicUsize::new(before * tiles);
+        let totals = Mutex::new(totals);
         let failed: Mutex<Option<EvalError>> = Mutex::new(None);
         let stop = AtomicBool::new(false);
         let work = || {
@@ -353,7 +373,7 @@ impl Plan<'_> {
                         return Err(EvalError::Cancelled);
                     }
                     worker.tile(tile, window, rows)?;
-                    monitor.progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+                    monitor.progress(done.fetch_add(1, Ordering::Relaxed) + 1, steps * tiles);
                 }
                 Ok(())
             };
@@ -377,7 +397,7 @@ impl Plan<'_> {
         });
         match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
             Some(error) => Err(error),
-            None => Ok(totals.into_inner().unwrap_or_else(PoisonError::into_inner)),
+            None => Ok(()),
         }
     }
 

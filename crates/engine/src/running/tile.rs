@@ -38,6 +38,7 @@ pub(crate) struct Worker<'p> {
     plan: &'p Plan<'p>,
     buffers: &'p Buffers<'p>,
     judges: &'p [Option<Arc<Judge>>],
+    keeper: &'p PlaneKeeper,
     level: Level,
     passes: Vec<PassState<'p>>,
     /// Seconds by node.
@@ -85,6 +86,7 @@ impl<'p> Worker<'p> {
             plan,
             buffers,
             judges,
+            keeper,
             level: Level::new(),
             passes,
             fill_seconds: vec![0.0; nodes],
@@ -93,9 +95,15 @@ impl<'p> Worker<'p> {
         }
     }
 
-    /// Evaluates a tile of a band into the band's rows.
+    /// Evaluates a tile of a band into the band's rows; before the last step, only its stages.
     pub(crate) fn tile(&mut self, tile: Window, band: Window, rows: &mut Rows<'_>) -> Result<(), EvalError> {
         let place = BandTile { tile, x: (tile.x0 - band.x0) as usize, stride: band.width() };
+        if !self.keeper.is_last_step() {
+            for PassState { pass, fills, .. } in &mut self.passes {
+                pass.samples().try_for_each(|sample| fills.fill(tile, sample, &mut self.fill_seconds))?;
+            }
+            return Ok(());
+        }
         for index in 0..self.passes.len() {
             let mut seen = if self.passes[index].pass.offsets.len() == 1 {
                 self.single(index, place, rows)?

@@ -234,9 +234,10 @@ impl<'p> Fills<'p> {
     fn place_windows(&mut self, tile: Window, sample: usize) {
         let format = self.plan.graph.format();
         self.tile = tile;
+        let is_last = self.keeper.is_none_or(PlaneKeeper::is_last_step);
         for (index, state) in self.fills.iter_mut().enumerate() {
-            let is_kept = self.keeper.is_some_and(|keeper| keeper.wants(index));
-            state.need = if state.fill.read || is_kept { tile } else { Window::default() };
+            let is_whole = self.keeper.is_some_and(|keeper| keeper.wants(index));
+            state.need = if (state.fill.read && is_last) || is_whole { tile } else { Window::default() };
             state.tap_window = Window::default();
         }
         for index in (0..self.fills.len()).rev() {
