@@ -3,7 +3,7 @@
 
 use crate::support::{all_bits, evaluate, evaluate_again, graph, graph_in, root, settings, write_exr};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use trochoid::{Buffers, Cache, CheckedGraph, Format, Frame, Keep, Monitor, Plan, Settings, Silent, Window};
+use trochoid::{Buffers, Cache, CheckedGraph, Format, Frame, Keep, Monitor, Pictures, Plan, Settings, Silent, Window};
 
 /// Two blurred passes, of which one depends on a color, and a program behind both.
 fn painting(dark: &str, size: f64) -> CheckedGraph {
@@ -243,5 +243,13 @@ fn filters_of_filters_are_filled_in_steps() {
             let edited = plan.evaluate(&Buffers::new(), &mut cache, &Silent).unwrap();
             assert!(all_bits(&edited) == all_bits(&plain), "{samples} samples, {keep:?}, {limit} bytes, again");
         }
+        // Whole planes are not made beyond the limit of memory.
+        let mut settings = settings(|s| (s.threads, s.tile) = (2, Some((32, 16))));
+        settings.memory_limit = Plan::new(&graph, &[], 1, &[], &settings).unwrap().memory(Pictures::Whole).total();
+        let plan = Plan::new(&graph, &[], 1, &[], &settings).unwrap();
+        let tiles = Tiles::default();
+        let frame = plan.evaluate(&Buffers::new(), &mut Cache::with_limit(0), &tiles).unwrap();
+        assert!(all_bits(&frame) == all_bits(&plain), "{samples} samples, at the limit of memory");
+        assert_eq!(tiles.0.into_inner(), 3 * 5, "one step of 3 × 5 tiles");
     }
 }

@@ -2,9 +2,9 @@
 //! them on.
 //!
 //! `run` evaluates a frame: `prepare` prepares its stages within the limit that `memory` checks, `fill` fills their
-//! planes for a `tile`, in one of several `steps`, and `bands` receive the finished rows. The other modules produce something other than a
-//! picture: `certify` bounds on its errors, `inspect` one pixel in detail, `points` batches of a renderer's samples,
-//! `reference` the slow f64 result, `examine` faults of input files.
+//! planes for a `tile` of a `tile_size`, in one of several `steps`, and `bands` receive the finished rows. The other
+//! modules produce something other than a picture: `certify` bounds on its errors, `inspect` one pixel in detail, `points`
+//! batches of a renderer's samples, `reference` the slow f64 result, `examine` faults of input files.
 
 pub(crate) mod bands;
 pub(crate) mod buffer_fault;
@@ -23,3 +23,4 @@ pub(crate) mod reference;
 pub(crate) mod run;
 pub(crate) mod steps;
 pub(crate) mod tile;
+mod tile_size;

@@ -8,13 +8,12 @@ use super::prepare::{PreparedStage, prepare};
 use super::tile::{Evaluation, Worker};
 use crate::judge::Judge;
 use crate::planning::plan::{Feed, Pass, PlannedOutput};
-use crate::planning::schedule::Reach;
 use crate::{Buffers, Cache, EvalError, Monitor, Plan};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use trochoid_graph::{Guarantee, Kind, NodeId, Omission, PortId, Prepared, Source, Variance};
+use trochoid_graph::{Guarantee, Kind, NodeId, Omission, PortId, Prepared, Source};
 use trochoid_image::{Plane, Window};
 use trochoid_kernel::{Chunks, CompiledProgram, WeightAudit};
 use trochoid_weights::{Audit, BoxHull, HullBuilder};
@@ -33,9 +32,6 @@ pub trait Sink: Sync {
     /// The rows cannot be stored; the evaluation stops.
     fn take(&self, band: Window, rows: &[Vec<&[f32]>]) -> Result<(), EvalError>;
 }
-
-/// Size of tiles, which keeps the planes of a few stages in L2.
-const TILE: (usize, usize) = (256, 16);
 
 /// What the workers report when they are done.
 #[derive(Default)]
@@ -59,22 +55,6 @@ impl WorkerTotals {
             *all = all.merge(*own);
         }
     }
-}
-
-/// Average share of a band for which a thread idles at the end of a picture.
-const IDLE: f64 = 0.3;
-
-/// Returns the number of bands, at least `least`, into which to divide a picture for threads that share them. Few
-/// bands are better since each one computes `halo` additional rows at both ends; many are better since bands differ,
-/// and threads idle at the end of the picture.
-fn divided(height: usize, least: usize, halo: usize, threads: usize) -> usize {
-    let least = least.max(1);
-    let rows = |bands: usize| {
-        let band = height as f64 / bands as f64 + 2.0 * halo as f64;
-        ((bands as f64 / threads as f64).max(1.0) + IDLE) * band
-    };
-    let most = least.max(2 * threads).min(height.max(1));
-    (least..=most).min_by(|a, b| rows(*a).total_cmp(&rows(*b))).unwrap_or(least)
 }
 
 impl Plan<'_> {
@@ -172,7 +152,9 @@ impl Plan<'_> {
                 self.outputs.iter().map(|output| self.judge(output, &ready, buffers)).collect();
             let judged = started.elapsed().as_secs_f64();
             let started = Instant::now();
-            let bytes = [account.held(), account.tiles()].map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX));
+            // Steps make tiles smaller, but whole planes come on top of what was checked.
+            let spare = account.tiles().min(self.settings.memory_limit.saturating_sub(account.total()));
+            let bytes = [account.held(), spare].map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX));
             let mut keeper = PlaneKeeper::new(self, &ready, bytes, cache);
             let tile = self.tile(&ready, keeper.halo(self));
             let bands = bands(tile.1)?;
@@ -244,39 +226,6 @@ impl Plan<'_> {
         self.validate(buffers)?;
         let bound = self.graph.nodes().iter().zip(&self.bound).filter(|(_, bound)| **bound);
         bound.into_iter().try_for_each(|(node, _)| buffers.validate_values(&node.name, node.kinds[0]))
-    }
-
-    /// Returns the width and height of tiles.
-    fn tile(&self, ready: &HashMap<NodeId, PreparedStage>, halo: Reach) -> (usize, usize) {
-        let fills = self.passes.iter().flat_map(|pass| &pass.fills);
-        self.tile_for(fills.filter_map(|fill| ready.get(&fill.node)?.prepared.rows_per_band()).max(), halo)
-    }
-
-    /// Returns the width and height of tiles, given how many rows of files are read at a time, if any files are read, and
-    /// how far stages reach beyond a tile.
-    pub(crate) fn tile_for(&self, bands: Option<usize>, (across, down): Reach) -> (usize, usize) {
-        if let Some((width, height)) = self.settings.tile {
-            return (width.max(1), height.max(1));
-        }
-        let fills = || self.passes.iter().flat_map(|pass| &pass.fills);
-        let in_place = fills().all(|fill| self.bound[fill.node.0] || fill.variance <= Variance::Column);
-        let (width, height) = (self.window.width(), self.window.height());
-        // Height of bands that reach beyond their own rows, of which they have at least `least`.
-        let band = |least: usize| height.div_ceil(divided(height, height / TILE.1.max(least), down, self.threads()));
-        match bands {
-            // Whole rows, so that every block of a file is decoded once.
-            Some(rows) => {
-                let height = if down == 0 { TILE.1 } else { band(4 * down) };
-                (width, height.next_multiple_of(rows.max(1)))
-            }
-            None if in_place && across + down == 0 => (self.window.width(), TILE.1),
-            // Tiles that are large compared with the overlap with their neighbors, and wide, since threads share the
-            // bands.
-            None => {
-                let columns = (width / TILE.0.max(12 * across)).max(1);
-                (width.div_ceil(columns), band(6 * down))
-            }
-        }
     }
 
     /// Returns what a color output is judged by, or `None` for other kinds; kept if all controls are in the document.
