@@ -11,6 +11,7 @@ const FOLDERS: &[(&str, &[&str])] = &[
     ("judge", &["settings"]),
     ("planning", &["judge", "rules", "settings"]),
     ("running", &["judge", "planning", "rules", "settings"]),
+    ("look", &["planning", "running", "settings"]),
 ];
 
 /// Returns source text without comments and string contents.

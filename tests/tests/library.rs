@@ -1,10 +1,9 @@
-//! Features for other renderers: batches of samples, regions, and cancellation.
+//! Features for other renderers: regions and cancellation.
 
 use crate::support::{all_bits, evaluate, graph, is_alone, settings};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use trochoid::{
-    Buffers, Cache, CheckedGraph, EvalError, Heap, Monitor, Pictures, Plan, PlanError, Settings, ShadingPlan, Silent,
-    Switches, Window,
+    Buffers, Cache, CheckedGraph, EvalError, Heap, Monitor, Pictures, Plan, PlanError, Settings, Silent, Window,
 };
 
 const WIDTH: usize = 61;
@@ -43,74 +42,6 @@ fn noise(seed: u32, scale: f32) -> Vec<f32> {
             }
         })
         .collect()
-}
-
-#[test]
-fn batches_equal_pictures_bit_for_bit() {
-    let graph = shaded();
-    let (light, depth) = (noise(1, 1.0), noise(2, 70.0));
-    let (r, g, b) = (noise(3, 1.0), noise(4, 2.0), noise(5, 65504.0));
-    let bound = ["light", "depth", "paint"];
-    let buffers =
-        Buffers::new().with("light", &[&light]).with("depth", &[&depth]).with("paint", &[&r[..], &g[..], &b[..]]);
-    let frame = evaluate(&graph, 1, &buffers, &settings(|_| ()));
-    for switches in [Switches::ALL, Switches::NONE] {
-        for (picture, output) in frame.pictures.iter().zip(graph.outputs()) {
-            let plan = ShadingPlan::new(&graph, &output.name, 1, &bound, &settings(|s| s.switches = switches));
-            let plan = plan.unwrap();
-            assert_eq!(plan.channels(), picture.planes.len());
-            // Odd sizes of batches, so that they end in the middle of rows.
-            for count in [AREA, 1, 257] {
-                let mut planes = vec![vec![f32::NAN; count]; plan.channels()];
-                let mut slices: Vec<&mut [f32]> = planes.iter_mut().map(Vec::as_mut_slice).collect();
-                let cut = Buffers::new()
-                    .with("light", &[&light[..count]])
-                    .with("depth", &[&depth[..count]])
-                    .with("paint", &[&r[..count], &g[..count], &b[..count]]);
-                plan.evaluate(&cut, count, &mut slices).unwrap();
-                for (channel, plane) in planes.iter().enumerate() {
-                    let expected = &picture.planes[channel].samples()[..count];
-                    for (at, (found, expected)) in plane.iter().zip(expected).enumerate() {
-                        let place = format!("{}, channel {channel}, sample {at} of {count}", output.name);
-                        assert_eq!(found.to_bits(), expected.to_bits(), "{place}: {found:e} and {expected:e}");
-                    }
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn an_unbound_pass_is_named() {
-    let graph = shaded();
-    match ShadingPlan::new(&graph, "out", 1, &["depth"], &Settings::default()) {
-        // The pass that is missing: the light, or the view that it needs.
-        Err(error @ PlanError::Unbound { .. }) => {
-            let text = error.to_string();
-            assert!(
-                ["\"view\" (a Render)", "\"light\" (a NonSpecular)"].iter().any(|name| text.contains(name)),
-                "{text}"
-            );
-        }
-        other => panic!("{:?}", other.map(|_| ())),
-    }
-    assert!(ShadingPlan::new(&graph, "paint", 1, &[], &Settings::default()).is_ok(), "a constant needs nothing");
-}
-
-#[test]
-fn batches_that_do_not_fit_are_refused() {
-    let graph = shaded();
-    let plan = ShadingPlan::new(&graph, "light", 1, &["light"], &Settings::default()).unwrap();
-    let light = noise(1, 1.0);
-    let buffers = Buffers::new().with("light", &[&light[..8]]);
-    let mut short = [0.0f32; 7];
-    assert!(plan.evaluate(&buffers, 8, &mut [&mut short]).is_err());
-    let mut out = [0.0f32; 9];
-    assert!(plan.evaluate(&buffers, 9, &mut [&mut out]).is_err(), "the buffer is too short");
-    let bad = [0.5, f32::NAN];
-    let error = plan.evaluate(&Buffers::new().with("light", &[&bad]), 2, &mut [&mut out[..2]]).unwrap_err();
-    assert!(error.to_string().contains("sample 1"), "{error}");
-    assert!(plan.evaluate(&Buffers::new(), 2, &mut [&mut out[..2]]).is_err(), "nothing is bound");
 }
 
 #[test]

@@ -29,6 +29,7 @@ mod keeping;
 mod library;
 mod light_paths;
 mod lines;
+mod looks;
 mod manual;
 mod memory;
 mod merging;

@@ -2,7 +2,7 @@
 //! and references alike.
 
 use crate::support::{all_bits, evaluate, graph_in, settings, write_exr};
-use trochoid::{Buffers, Cache, Certifier, Plan, ReferenceFrame, Settings, ShadingPlan, Silent};
+use trochoid::{Buffers, Cache, Certifier, Look, Plan, ReferenceFrame, Samples, SamplesMut, Settings, Silent};
 
 const COUNT: usize = 64;
 
@@ -64,10 +64,11 @@ fn files_and_buffers_mean_the_same_parts() {
         for settings in [settings(|_| ()), settings(|s| s.tile = Some((3, 2))), settings(|s| s.compile_from = 0)] {
             assert_eq!(all_bits(&frame), all_bits(&evaluate(&graph, 1, &bound, &settings)), "{off}");
         }
-        let plan = ShadingPlan::new(&graph, "color", 1, &["w"], &Settings::default()).unwrap();
+        let look = Look::new(graph.clone(), "color", 1, &["w"], &Settings::default()).unwrap();
         let mut batch = [0, 1, 2].map(|_| vec![0.0; COUNT]);
-        let [r, g, b] = &mut batch;
-        plan.evaluate(&bound, COUNT, &mut [r, g, b]).unwrap();
+        let inputs = planes.each_ref().map(|plane| Samples::new(plane));
+        let mut outputs = batch.each_mut().map(|channel| SamplesMut::new(channel));
+        look.shader().unwrap().shade(COUNT, &inputs, &mut outputs).unwrap();
         let color = frame.pictures.iter().find(|picture| graph.outputs()[picture.output].name == "color").unwrap();
         for (channel, plane) in batch.iter().zip(&color.planes) {
             assert_eq!(channel, plane.samples(), "{off}");

@@ -8,14 +8,16 @@
 //!
 //! Data flows one way: `planning` makes plans, `running` executes them. Both build on the crate `trochoid-kernel`,
 //! which compiles programs and runs them over chunks of samples, and on `rules`, which derive further facts about
-//! each operation (interval, error and blame).
+//! each operation (interval, error and blame). `look` runs a plan over a renderer's own samples instead of a picture.
 
 mod judge;
+mod look;
 mod planning;
 mod rules;
 mod running;
 mod settings;
 
+pub use look::{Batch, Illegal, Look, PictureError, Samples, SamplesMut, ShadeError, Shader, Slot};
 pub use planning::explain::{Account, Channels, Evidence, Fate, ProofStep};
 pub use planning::left_out::LeftOut;
 pub use planning::plan::{BindingFault, Plan, PlanError};
@@ -27,7 +29,6 @@ pub use running::foreign::ForeignError;
 pub use running::frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
 pub use running::inspect::{Blame, InspectedPixel, Inspection};
 pub use running::memory::{MemoryAccount, MemoryConsumer, Pictures};
-pub use running::points::ShadingPlan;
 pub use running::prepare::Cache;
 pub use running::reference::{ReferenceError, ReferenceFrame, ReferencePixel};
 pub use running::run::Sink;

@@ -35,6 +35,17 @@ pub struct PaletteUse {
     pub is_whole: bool,
 }
 
+/// A knob of a document.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DocumentKnob {
+    /// Name in the document.
+    pub name: String,
+    /// Ports that take its value as it is: node, and port such as `a`, `colors[2]` or `stops[1].color`.
+    pub ports: Vec<(NodeId, String)>,
+    /// Whether nothing else takes it: no formula, no knob of a node, no output.
+    pub is_whole: bool,
+}
+
 /// A checked node.
 #[derive(Clone)]
 pub struct CheckedNode {
@@ -198,6 +209,7 @@ pub struct CheckedGraph {
     pub(crate) format_place: [usize; 2],
     pub(crate) space: WorkingSpace,
     pub(crate) palette: Vec<PaletteColor>,
+    pub(crate) knobs: Vec<DocumentKnob>,
     pub(crate) document_files: Vec<PathBuf>,
     pub(crate) first: i64,
     pub(crate) last: i64,
@@ -242,6 +254,11 @@ impl CheckedGraph {
     /// Returns the colors that the document names, in its order.
     pub fn palette(&self) -> &[PaletteColor] {
         &self.palette
+    }
+
+    /// Returns the document's knobs, in its order.
+    pub fn knobs(&self) -> &[DocumentKnob] {
+        &self.knobs
     }
 
     /// Returns the other files of which the document consists: those that colors of the palette come from, and included

@@ -36,6 +36,7 @@ mod manual;
 mod memory;
 mod node;
 mod node_error;
+mod opening;
 mod profile;
 mod program;
 mod recipe;
@@ -65,8 +66,8 @@ pub use bounding::{Bounding, Spans};
 pub use build::{Builder, Mask, Value, Weights, load, load_color};
 pub use check::{FORMAT_VERSION, check, expected};
 pub use checked::{
-    CheckedGraph, CheckedNode, FileState, GroupUse, Guarantee, OutputSpec, PaletteColor, PaletteUse, Precision,
-    file_states,
+    CheckedGraph, CheckedNode, DocumentKnob, FileState, GroupUse, Guarantee, OutputSpec, PaletteColor, PaletteUse,
+    Precision, file_states,
 };
 pub use declare::{
     Arity, Declaration, End, Files, Item, Knob, KnobDefault, KnobType, List, Offer, Output, Placing, Port, Role,
@@ -93,6 +94,7 @@ pub use node::{
     SharedResult, Stage, Variance,
 };
 pub use node_error::{BadData, DataPlace, Failure, NodeError};
+pub use opening::OpeningFault;
 pub use profile::{FrameTimes, Profile, ProfileLine, ProfilePoint, Reached};
 pub use program::{Color, Op, Partition, Program, Scalar, Slot, Type};
 pub use recipe::{Control, Recipes};

@@ -22,6 +22,14 @@ impl Registry {
         Self { formulas: Some(formulas), ..self }
     }
 
+    /// Returns a registry with another type beside those of this one, whose type of the same name it replaces.
+    #[must_use]
+    pub fn with(&self, ty: &'static NodeType) -> Self {
+        let mut types = self.types.clone();
+        types.insert(ty.declaration().name, ty);
+        Self { types, formulas: self.formulas }
+    }
+
     /// Returns the parser of formulas.
     pub fn formulas(&self) -> Option<&'static dyn Formulas> {
         self.formulas

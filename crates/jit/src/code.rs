@@ -2,8 +2,9 @@
 
 use crate::program::Program;
 use crate::translate::translate;
-use crate::{Lanes, Run, STEP, Set, Stores};
+use crate::{Lanes, Run, STEP, Scratch, Set, Stores};
 use memmap2::{Mmap, MmapMut};
+use std::sync::atomic::AtomicPtr;
 use trochoid_memory::Target;
 
 /// Largest number of items: larger programs are not worth compiling, or exceed the range of jumps and slots.
@@ -60,13 +61,13 @@ impl Code {
         })
     }
 
-    /// Runs over some samples, and writes to every target from sample `start` on. `scratch` stores values that do not
-    /// fit into registers.
+    /// Runs over some samples, and writes to every target from sample `start` on. Allocates nothing if `scratch` has
+    /// served a program that is as large.
     ///
     /// # Panics
     /// The number of rows does not match the program, a row is too short, the count is not a multiple of [`STEP`], or
     /// the code was compiled for targets of whole cache lines and a target is not one.
-    pub fn run(&self, run: &Run<'_>, out: &mut [Target<'_>], state: &mut [Lanes], scratch: &mut Vec<Lanes>) {
+    pub fn run(&self, run: &Run<'_>, out: &mut [Target<'_>], state: &mut [Lanes], scratch: &mut Scratch) {
         let &Run { inputs, lines, start, count } = run;
         assert_eq!(inputs.len(), self.inputs, "inputs");
         assert_eq!(lines.len(), self.lines, "lines");
@@ -78,14 +79,15 @@ impl Code {
         if count == 0 {
             return;
         }
-        if scratch.len() < self.slots {
-            scratch.resize(self.slots, Lanes([0; 16]));
+        let Scratch { slots, table } = scratch;
+        if slots.len() < self.slots {
+            slots.resize(self.slots, Lanes([0; 16]));
         }
-        let mut table: Vec<*const f32> = Vec::with_capacity(inputs.len() + lines.len() + out.len());
-        table.extend(inputs.iter().chain(lines).map(|row| row.as_ptr()));
+        table.clear();
+        table.extend(inputs.iter().chain(lines).map(|row| AtomicPtr::new(row.as_ptr().cast_mut())));
         for target in out {
             assert!(self.stores == Stores::Cached || target.is_lines(start, count), "targets of whole lines");
-            table.push(target.pointer(start, count).cast_const());
+            table.push(AtomicPtr::new(target.pointer(start, count)));
         }
         // SAFETY: the map holds the code of `translate`, whole and executable, and lives as long as `self`.
         #[allow(unsafe_code)]
@@ -97,13 +99,15 @@ impl Code {
         // - it reads inputs and writes outputs at 0 to 4·count bytes: all lengths were just checked against `count`,
         //   which is a whole number of vectors; outputs are borrowed for writing, so nothing else overlaps them;
         // - it reads 4 bytes of each line, which has at least one number;
-        // - it reads and writes whole `Lanes` of state, whose length was just checked, and of `scratch`, which is as
+        // - it finds the rows in the table, whose entries have the memory of plain pointers;
+        // - it reads and writes whole `Lanes` of state, whose length was just checked, and of `slots`, which is as
         //   long as it counted;
         // - it reads the constants that came with it;
         // - it stores around the cache only if targets are whole lines; the code that lent them orders the stores.
         #[allow(unsafe_code)]
         unsafe {
-            entry(table.as_ptr(), self.constants.as_ptr(), state.as_mut_ptr(), scratch.as_mut_ptr(), 4 * count);
+            let table = table.as_ptr().cast::<*const f32>();
+            entry(table, self.constants.as_ptr(), state.as_mut_ptr(), slots.as_mut_ptr(), 4 * count);
         }
     }
 }

@@ -5,7 +5,7 @@
 //! `trochoid_weights::arithmetic`, which defines the operations, bit for bit. The crate does not depend on graphs.
 //!
 //! ```
-//! use trochoid_jit::{Code, Op, Program, Run, Set, Stores};
+//! use trochoid_jit::{Code, Op, Program, Run, Scratch, Set, Stores};
 //! use trochoid_memory::Target;
 //!
 //! let mut program = Program::new(2, 0, 1, 0);
@@ -16,12 +16,14 @@
 //! if let Some(code) = Code::compile(&program, Set::Avx2, Stores::Cached) {
 //!     let (a, b, mut c) = ([0.5; 32], [0.25; 32], [0.0; 32]);
 //!     let run = Run { inputs: &[&a, &b], lines: &[], start: 0, count: 32 };
-//!     code.run(&run, &mut [Target::new(&mut c)], &mut [], &mut Vec::new());
+//!     code.run(&run, &mut [Target::new(&mut c)], &mut [], &mut Scratch::default());
 //!     assert_eq!(c, [0.125; 32]);
 //! }
 //! ```
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
+
+use std::sync::atomic::AtomicPtr;
 
 mod program;
 
@@ -59,6 +61,16 @@ pub const STEP: usize = 32;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(align(64))]
 pub struct Lanes(pub [u32; 16]);
+
+/// Memory that runs need beside their rows, for one thread.
+#[derive(Debug, Default)]
+#[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "no code runs"))]
+pub struct Scratch {
+    /// Values that do not fit into registers.
+    slots: Vec<Lanes>,
+    /// Table of rows: pointers that may move to another thread between runs, as nothing reads them there.
+    table: Vec<AtomicPtr<f32>>,
+}
 
 /// Instruction set to compile for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

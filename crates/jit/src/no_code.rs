@@ -1,6 +1,6 @@
 //! Replacement for platforms without machine code.
 
-use crate::{Lanes, Program, Run, Set, Stores};
+use crate::{Lanes, Program, Run, Scratch, Set, Stores};
 use trochoid_memory::Target;
 
 /// Type without values: no code can be made.
@@ -14,7 +14,7 @@ impl Code {
     }
 
     /// Never called.
-    pub fn run(&self, _run: &Run<'_>, _out: &mut [Target<'_>], _state: &mut [Lanes], _scratch: &mut Vec<Lanes>) {
+    pub fn run(&self, _run: &Run<'_>, _out: &mut [Target<'_>], _state: &mut [Lanes], _scratch: &mut Scratch) {
         match *self {}
     }
 }

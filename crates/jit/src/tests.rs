@@ -1,7 +1,7 @@
 //! Tests that compare compiled programs with the definitions, sample by sample and bit by bit.
 
 use crate::program::Item;
-use crate::{Code, Lanes, Op, Program, Run, STEP, Set, Stores, Value};
+use crate::{Code, Lanes, Op, Program, Run, STEP, Scratch, Set, Stores, Value};
 use trochoid_memory::{Buffer, Target, write_around};
 use trochoid_weights::arithmetic as a;
 
@@ -279,10 +279,10 @@ fn compiled_programs_have_the_bits_of_the_definitions() {
             let mut out = vec![vec![-7.0f32; start + count + beyond]; OUTPUTS];
             let mut state = [Lanes([0; 16]); STATE];
             state[0] = Lanes([u32::MAX; 16]);
-            let mut scratch = Vec::new();
+            let mut scratch = Scratch::default();
             let mut targets: Vec<Target<'_>> = out.iter_mut().map(|row| Target::new(row)).collect();
             code.run(&Run { inputs: &inputs, lines: &lines, start, count }, &mut targets, &mut state, &mut scratch);
-            spilled += usize::from(!scratch.is_empty());
+            spilled += usize::from(!scratch.slots.is_empty());
             for (at, (expected, ..)) in expected.iter().enumerate() {
                 for (channel, expected) in expected.iter().enumerate() {
                     let found = out[channel][start + at];
@@ -327,7 +327,7 @@ fn results_go_around_the_cache_into_whole_lines_only() {
     for set in sets() {
         let code = Code::compile(&program, set, Stores::Around).unwrap();
         let mut buffer = Buffer::zeroed(96, 0).unwrap();
-        write_around(vec![&mut buffer[..]], |targets| code.run(&run, targets, &mut [], &mut Vec::new()));
+        write_around(vec![&mut buffer[..]], |targets| code.run(&run, targets, &mut [], &mut Scratch::default()));
         for (at, v) in buffer.iter().enumerate() {
             let inside = (16..80).contains(&at);
             assert_eq!(*v, if inside { (at - 16) as f32 / 2.0 } else { 0.0 }, "{set:?} {at}");
@@ -337,9 +337,11 @@ fn results_go_around_the_cache_into_whole_lines_only() {
                 let mut buffer = Buffer::zeroed(96, 0).unwrap();
                 let run = Run { start, ..run };
                 if around {
-                    write_around(vec![&mut buffer[..]], |targets| code.run(&run, targets, &mut [], &mut Vec::new()));
+                    write_around(vec![&mut buffer[..]], |targets| {
+                        code.run(&run, targets, &mut [], &mut Scratch::default())
+                    });
                 } else {
-                    code.run(&run, &mut [Target::new(&mut buffer)], &mut [], &mut Vec::new());
+                    code.run(&run, &mut [Target::new(&mut buffer)], &mut [], &mut Scratch::default());
                 }
             });
             assert!(refused.is_err(), "{set:?} {start} {around}");
@@ -363,7 +365,7 @@ fn what_does_not_fit_is_refused() {
                 let mut out = vec![0.0f32; size];
                 let mut state = vec![Lanes([0; 16]); states];
                 let run = Run { inputs, lines, start: 0, count };
-                code.run(&run, &mut [Target::new(&mut out)], &mut state, &mut Vec::new());
+                code.run(&run, &mut [Target::new(&mut out)], &mut state, &mut Scratch::default());
             })
         };
         assert!(call(&[&row], &[&[0.5]], 32, 1, 32).is_ok());
@@ -401,7 +403,12 @@ fn many_rows_and_many_values_live_at_once() {
         let code = Code::compile(&program, set, Stores::Cached).unwrap();
         let mut out = vec![vec![0.0f32; 32]; count];
         let mut targets: Vec<Target<'_>> = out.iter_mut().map(|row| Target::new(row)).collect();
-        code.run(&Run { inputs: &inputs, lines: &[], start: 0, count: 32 }, &mut targets, &mut [], &mut Vec::new());
+        code.run(
+            &Run { inputs: &inputs, lines: &[], start: 0, count: 32 },
+            &mut targets,
+            &mut [],
+            &mut Scratch::default(),
+        );
         for x in 0..32 {
             let sample: Vec<f32> = rows.iter().map(|row| row[x]).collect();
             let (expected, ..) = reference(&program, &sample, &[]);

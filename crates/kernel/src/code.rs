@@ -18,6 +18,19 @@ impl Chunk {
     pub const ZERO: Self = Self([0.0; CHUNK]);
 }
 
+/// Number of samples in a block.
+pub const BLOCK: usize = 4 * CHUNK;
+
+/// Samples without a place in a picture, of one plane or channel, aligned to cache lines.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub struct Block(pub [f32; BLOCK]);
+
+impl Block {
+    /// A block of zeros.
+    pub const ZERO: Self = Self([0.0; BLOCK]);
+}
+
 /// Source of a chunk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Row {
@@ -206,6 +219,13 @@ impl CompiledProgram {
     /// Returns the number of chunks that a machine needs to run it.
     pub(crate) fn chunks(&self) -> usize {
         [&self.column, &self.row, &self.main].map(Code::chunks).into_iter().sum()
+    }
+
+    /// Makes the machine code, if there is any, so that no run has to wait for it.
+    pub fn make_ready(&self) {
+        if let Some(native) = &self.native {
+            native.make_ready();
+        }
     }
 }
 

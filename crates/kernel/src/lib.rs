@@ -52,6 +52,7 @@
 //! ```
 
 mod audit;
+mod block;
 mod code;
 mod color;
 mod compile;
@@ -67,7 +68,7 @@ mod variance;
 pub use audit::{ValueRule, WeightAudit};
 #[cfg(feature = "faults")]
 pub use code::Fault;
-pub use code::{CHUNK, Chunk, CompiledProgram, Origin, Plane};
+pub use code::{BLOCK, Block, CHUNK, Chunk, CompiledProgram, Origin, Plane};
 pub use compile::{Options, compile};
 pub use run::{Chunks, Look, Machine, Range, TakeRow, TilePlanes};
 pub use variance::variance;

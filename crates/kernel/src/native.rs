@@ -6,8 +6,10 @@ use crate::run::{CodeFrame, KernelInputs, Look, RowEnd, filled};
 use crate::sweep::is_simple;
 use fearless_simd::Level;
 use std::sync::{Arc, OnceLock};
-use trochoid_jit::{Lanes, Op, Program, Run, STEP, Set, Stores, Value};
+use trochoid_jit::{Lanes, Op, Program, Run, Set, Stores, Value};
 use trochoid_memory::Target;
+
+pub(crate) use trochoid_jit::STEP;
 
 /// Number of samples of a row shown to the look callback at a time: they stay in L1.
 const BLOCK: usize = 512;
@@ -34,7 +36,7 @@ pub(crate) struct Native {
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
     state: Vec<Lanes>,
-    slots: Vec<Lanes>,
+    memory: trochoid_jit::Scratch,
     /// Padded to whole steps.
     end: RowEnd,
     /// Results that are shown before they go to their destination.
@@ -94,13 +96,13 @@ impl Native {
             });
             planes.chain(inputs.columns[..self.columns].iter().map(|column| &column[from..to])).collect()
         };
-        let (state, slots) = (&mut scratch.state, &mut scratch.slots);
+        let (state, memory) = (&mut scratch.state, &mut scratch.memory);
         match look {
             None => {
                 let run = Run { inputs: &rows(0, whole), lines: &lines, start, count: whole };
-                code.run(&run, out, state, slots);
+                code.run(&run, out, state, memory);
                 if whole < width {
-                    self.tail(cached, inputs, &lines, whole..width, state, slots, &mut scratch.end);
+                    self.tail(cached, inputs, &lines, whole..width, state, memory, &mut scratch.end);
                     for (out, rest) in out.iter_mut().zip(&scratch.end.results) {
                         out.copy(start + whole, &rest.0[..width - whole]);
                     }
@@ -112,7 +114,7 @@ impl Native {
                     let count = BLOCK.min(whole - from);
                     let mut targets: Vec<Target<'_>> = scratch.block.iter_mut().map(|row| Target::new(row)).collect();
                     let run = Run { inputs: &rows(from, from + count), lines: &lines, start: 0, count };
-                    cached.run(&run, &mut targets, state, slots);
+                    cached.run(&run, &mut targets, state, memory);
                     drop(targets);
                     show(frame.code, look, |channel| &scratch.block[channel][..count]);
                     for (out, block) in out.iter_mut().zip(&scratch.block) {
@@ -120,7 +122,7 @@ impl Native {
                     }
                 }
                 if whole < width {
-                    self.tail(cached, inputs, &lines, whole..width, state, slots, &mut scratch.end);
+                    self.tail(cached, inputs, &lines, whole..width, state, memory, &mut scratch.end);
                     show(frame.code, look, |channel| &scratch.end.results[channel].0[..width - whole]);
                     for (out, rest) in out.iter_mut().zip(&scratch.end.results) {
                         out.copy(start + whole, &rest.0[..width - whole]);
@@ -128,6 +130,27 @@ impl Native {
                 }
             }
         }
+        store_bits(frame, &mut scratch.state);
+        true
+    }
+
+    /// Makes the code that writes through the cache; returns whether there is some.
+    pub(crate) fn make_ready(&self) -> bool {
+        self.code(Stores::Cached).is_some()
+    }
+
+    /// Runs over `count` samples of rows, a whole number of steps. Returns false if there is no machine code after all.
+    pub(crate) fn samples(
+        &self,
+        frame: &mut CodeFrame<'_>,
+        inputs: &[&[f32]],
+        count: usize,
+        outputs: &mut [Target<'_>],
+        scratch: &mut Scratch,
+    ) -> bool {
+        let Some(code) = self.code(Stores::Cached) else { return false };
+        load_bits(frame, &mut scratch.state, self.program.state());
+        code.run(&Run { inputs, lines: &[], start: 0, count }, outputs, &mut scratch.state, &mut scratch.memory);
         store_bits(frame, &mut scratch.state);
         true
     }
@@ -141,7 +164,7 @@ impl Native {
         lines: &[&[f32]],
         range: std::ops::Range<usize>,
         state: &mut [Lanes],
-        slots: &mut Vec<Lanes>,
+        memory: &mut trochoid_jit::Scratch,
         end: &mut RowEnd,
     ) {
         end.padded.clear();
@@ -153,7 +176,7 @@ impl Native {
         let rows: Vec<&[f32]> = end.padded.iter().map(|chunk| &chunk.0[..STEP]).chain(columns).collect();
         end.results.resize(self.program.outputs(), Chunk::ZERO);
         let mut targets: Vec<Target<'_>> = end.results.iter_mut().map(|chunk| Target::new(&mut chunk.0)).collect();
-        code.run(&Run { inputs: &rows, lines, start: 0, count: STEP }, &mut targets, state, slots);
+        code.run(&Run { inputs: &rows, lines, start: 0, count: STEP }, &mut targets, state, memory);
     }
 }
 

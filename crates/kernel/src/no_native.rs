@@ -1,9 +1,12 @@
 //! Stands in for `native.rs` if machine code is not compiled in.
 
-use crate::code::Code;
+use crate::code::{CHUNK, Code};
 use crate::run::{CodeFrame, KernelInputs, Look};
 use fearless_simd::Level;
 use trochoid_memory::Target;
+
+/// Number of samples that are run at a time.
+pub(crate) const STEP: usize = CHUNK;
 
 /// A type without values, since there is no machine code.
 #[derive(Clone, Debug)]
@@ -26,6 +29,21 @@ impl Native {
         _out: &mut [Target<'_>],
         _start: usize,
         _look: Option<Look<'_>>,
+        _scratch: &mut Scratch,
+    ) -> bool {
+        match *self {}
+    }
+
+    pub(crate) fn make_ready(&self) -> bool {
+        match *self {}
+    }
+
+    pub(crate) fn samples(
+        &self,
+        _frame: &mut CodeFrame<'_>,
+        _inputs: &[&[f32]],
+        _count: usize,
+        _outputs: &mut [Target<'_>],
         _scratch: &mut Scratch,
     ) -> bool {
         match *self {}

@@ -1,6 +1,7 @@
 //! Runs compiled programs.
 
 use crate::audit::{BitRange, ValueRule, WeightAudit};
+use crate::block::Spare;
 use crate::code::{CHUNK, Chunk, Code, CompiledProgram, Plane};
 use crate::native::Scratch;
 use crate::sweep::{is_faulty, sweep};
@@ -41,18 +42,20 @@ impl Chunks {
 /// A program and its chunks, for one thread.
 #[derive(Debug)]
 pub struct Machine<'p> {
-    compiled: &'p CompiledProgram,
-    level: Level,
+    pub(crate) compiled: &'p CompiledProgram,
+    pub(crate) level: Level,
     column: CodeFrame<'p>,
     row: CodeFrame<'p>,
-    main: CodeFrame<'p>,
+    pub(crate) main: CodeFrame<'p>,
     /// Values that vary only along x: rows as wide as the tile, rounded up to whole chunks.
     columns: Vec<Vec<f32>>,
     /// Values that vary only along y.
     lines: Vec<Chunk>,
-    end: RowEnd,
+    pub(crate) end: RowEnd,
     /// Scratch space for machine code.
-    scratch: Scratch,
+    pub(crate) scratch: Scratch,
+    /// Memory of the lists that blocks need.
+    pub(crate) spare: Spare,
 }
 
 /// The end of a row, where it is not as long as a whole chunk, and its results.
@@ -131,6 +134,7 @@ impl<'p> Machine<'p> {
             lines: vec![Chunk::ZERO; compiled.row.channels()],
             end: RowEnd::default(),
             scratch: Scratch::default(),
+            spare: Spare::default(),
         }
     }
 

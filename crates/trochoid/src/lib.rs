@@ -24,7 +24,7 @@
 //! ```
 //!
 //! Other renderers bind their own passes ([`Buffers`]) in place of nodes, or evaluate batches of shading samples
-//! ([`ShadingPlan`]).
+//! ([`Look`]).
 //!
 //! # Features
 //!
@@ -59,6 +59,7 @@ mod judge;
 #[cfg(feature = "io")]
 mod layers;
 mod load;
+mod look;
 #[cfg(feature = "machine")]
 mod machine;
 #[cfg(feature = "io")]
@@ -95,6 +96,7 @@ pub use judge::{Miss, guarantee, held, misses, requirement};
 #[cfg(feature = "io")]
 pub use layers::outputs_lost;
 pub use load::{LoadError, Loaded, load, load_palette, load_within, missing_files, parse, parse_within, registry};
+pub use look::{LookBuilder, LookError};
 #[cfg(feature = "machine")]
 pub use machine::memory_share;
 #[cfg(feature = "io")]
@@ -117,23 +119,25 @@ pub use store::{FolderStore, NoStore, StoreUses};
 #[cfg(feature = "io")]
 pub use stream::FileSink;
 pub use trochoid_engine::{
-    Account, AccuracyLimit, Audit, BindingFault, Blame, BufferFault, Buffers, Cache, Certified, CertifiedPixels,
-    Certifier, Channels, Distribution, EvalError, Evidence, Fate, ForeignError, Frame, Hull, InspectedPixel,
-    Instructions, Interval, Judging, Keep, LeftOut, MemoryAccount, MemoryConsumer, Monitor, NodeReport, Phases,
-    Picture, Pictures, Plan, PlanError, ProofStep, ReferenceError, ReferenceFrame, ReferencePixel, Settings,
-    ShadingPlan, Silent, Sink, State, StoredSample, Storing, Switches, paint,
+    Account, AccuracyLimit, Audit, Batch, BindingFault, Blame, BufferFault, Buffers, Cache, Certified, CertifiedPixels,
+    Certifier, Channels, Distribution, EvalError, Evidence, Fate, ForeignError, Frame, Hull, Illegal, InspectedPixel,
+    Instructions, Interval, Judging, Keep, LeftOut, Look, MemoryAccount, MemoryConsumer, Monitor, NodeReport, Phases,
+    Picture, PictureError, Pictures, Plan, PlanError, ProofStep, ReferenceError, ReferenceFrame, ReferencePixel,
+    Samples, SamplesMut, Settings, ShadeError, Shader, Silent, Sink, Slot, State, StoredSample, Storing, Switches,
+    paint,
 };
 pub use trochoid_graph::{
     Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, ContentKey,
-    Control, CurveHandle, CurveKey, DataPlace, Declaration, Diagnostic, DocumentPlace, Dynamics, End, FORMAT_VERSION,
-    Failure, Figure, Files, FrameTimes, GroupUse, Guarantee, Harmonic, INPUT_ACCEPTS, Interpolation, Item, Key, Kind,
-    Knob, KnobDefault, KnobType, LengthDistribution, List, Means, MemoryUse, NodeError, NodeId, NodeType, Offer,
-    Omission, Output as NodeOutput, OutputSpec, PaletteColor, PaletteUse, Paths, Placing, Port, Precision, Profile,
-    ProfileLine, ProfilePoint, REFUSALS, Reached, Recipes, Refusal, RefusedFile, Registry, Relation, Repair, Right,
-    Role, Segment, Settled, Severity, Source, Spectrum, Stability, StabilityMap, StepErrorGroup, StepErrorRow,
-    StepErrors, Store, StoredEntry, Term, Tolerance, Values, Verdict, Work, counted, escape_frame, expand_frame,
-    expected, folders_to_allow, in_bytes, input_accepts, input_kind, nearest, one_frame_pattern, quoted, quoted_path,
-    refusal, refusals, resolved, schema, smallest_node, smallest_record, split_frame, stand_in,
+    Control, CurveHandle, CurveKey, DataPlace, Declaration, Diagnostic, DocumentKnob, DocumentPlace, Dynamics, End,
+    FORMAT_VERSION, Failure, Figure, Files, FrameTimes, GroupUse, Guarantee, Harmonic, INPUT_ACCEPTS, Interpolation,
+    Item, Key, Kind, Knob, KnobDefault, KnobType, LengthDistribution, List, Means, MemoryUse, NodeError, NodeId,
+    NodeType, Offer, Omission, OpeningFault, Output as NodeOutput, OutputSpec, PaletteColor, PaletteUse, Paths,
+    Placing, Port, Precision, Profile, ProfileLine, ProfilePoint, REFUSALS, Reached, Recipes, Refusal, RefusedFile,
+    Registry, Relation, Repair, Right, Role, Segment, Settled, Severity, Source, Spectrum, Stability, StabilityMap,
+    StepErrorGroup, StepErrorRow, StepErrors, Store, StoredEntry, Term, Tolerance, Values, Verdict, Work, counted,
+    escape_frame, expand_frame, expected, folders_to_allow, in_bytes, input_accepts, input_kind, nearest,
+    one_frame_pattern, quoted, quoted_path, refusal, refusals, resolved, schema, smallest_node, smallest_record,
+    split_frame, stand_in,
 };
 pub use trochoid_image::{
     Format, FormatError, HexError, Plane, Rgb, Shading, Window, WorkingSpace, oklab, oklch, parse_hex, shown_oklch,
@@ -143,7 +147,7 @@ pub use trochoid_image::{
 pub use trochoid_io as io;
 #[cfg(feature = "io")]
 pub use trochoid_io::{clear_partial_files, discard_partial_files};
-pub use trochoid_memory::{Exhausted, Heap, exit_at_once};
+pub use trochoid_memory::{Exhausted, Heap, emptied, exit_at_once};
 
 /// Version of Trochoid.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

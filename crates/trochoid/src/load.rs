@@ -69,7 +69,7 @@ pub fn load_within(path: &Path, set: &[String], access: Access) -> Result<Loaded
 }
 
 /// Reads a file that should be `what`, with the remedy if it is too long.
-fn text_of(path: &Path, most: usize, what: &str, shorter: &str) -> Result<String, LoadError> {
+pub(crate) fn text_of(path: &Path, most: usize, what: &str, shorter: &str) -> Result<String, LoadError> {
     let name = || path.display().to_string();
     trochoid_io::read_text(path, most as u64).map_err(|error| match error {
         trochoid_io::Error::TooLong { found, limit, .. } => {
@@ -139,8 +139,24 @@ pub fn parse_within(
     set: &[String],
     access: Access,
 ) -> Result<Loaded, LoadError> {
+    parse_as(name, text, folder, set, access, registry(), None)
+}
+
+/// Does the same with other node types, and with a size of pictures for documents that state none.
+pub(crate) fn parse_as(
+    name: &str,
+    text: &str,
+    folder: &Path,
+    set: &[String],
+    access: Access,
+    registry: &Registry,
+    size: Option<[u32; 2]>,
+) -> Result<Loaded, LoadError> {
     let invalid = |diagnostic: Box<Diagnostic>| LoadError::Invalid(vec![*diagnostic]);
     let mut document = Document::parse(name, text).map_err(invalid)?;
+    if let Some(size) = size {
+        document.assume_size(size);
+    }
     if let Some(file) = document.palette_file() {
         let path = folder.join(file);
         access.check(&path).map_err(|outside| LoadError::Invalid(vec![document.refused_palette(outside)]))?;
@@ -178,7 +194,7 @@ pub fn parse_within(
         };
         faults.extend(set.err().map(|fault| *fault));
     }
-    let (graph, diagnostics) = check(&document, registry(), folder);
+    let (graph, diagnostics) = check(&document, registry, folder);
     match graph {
         Some(graph) if faults.is_empty() => Ok(Loaded { graph: graph.with_access(access), warnings: diagnostics }),
         _ => Err(LoadError::Invalid(faults.into_iter().chain(diagnostics).collect())),

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::path::Path;
-use trochoid::{Buffers, Cache, CheckedGraph, Kind, Plan, ReferenceFrame, Settings, ShadingPlan, Silent, parse};
+use trochoid::{
+    Buffers, Cache, CheckedGraph, Kind, LookBuilder, Plan, ReferenceFrame, Samples, SamplesMut, Settings, Silent, parse,
+};
 
 const WIDTH: usize = 7;
 const HEIGHT: usize = 3;
@@ -56,10 +58,11 @@ fn bound_passes_are_mixed_in_their_palette() {
         }
     }
     // Single samples, for renderers without images.
-    let shading = ShadingPlan::new(&graph, "beauty", 1, &["light", "depth"], &Settings::default()).unwrap();
+    let look = LookBuilder::new(LOOK).bind("light").bind("depth").build().unwrap();
     let mut out = [0; 3].map(|_| vec![0.0; WIDTH * HEIGHT]);
-    let [r, g, b] = &mut out;
-    shading.evaluate(&buffers, WIDTH * HEIGHT, &mut [r, g, b]).unwrap();
+    let mut channels = out.each_mut().map(|channel| SamplesMut::new(channel));
+    let passes = [Samples::new(&light), Samples::new(&depth)];
+    look.shader().unwrap().shade(WIDTH * HEIGHT, &passes, &mut channels).unwrap();
     for (channel, plane) in out.iter().zip(&picture.planes) {
         assert_eq!(channel, plane.samples());
     }
@@ -78,6 +81,24 @@ fn without_buffers_its_own_passes_agree_with_the_reference() {
             let found = f64::from(frame.pictures[0].planes[channel].samples()[at]);
             assert!((found - truth).abs() < 1e-6 && (truth - formula[channel]).abs() < 1e-5, "({x}, {y}): {found}");
         }
+    }
+}
+
+#[test]
+fn batches_allocate_nothing() {
+    let (light, depth) = (pass(5, 1.0), pass(8, 100.0));
+    for expecting in [0, usize::MAX] {
+        let look = LookBuilder::new(LOOK).bind("light").bind("depth").expecting(expecting).build().unwrap();
+        let mut shader = look.shader().unwrap();
+        let mut shade = |count: usize| {
+            let mut out = [[0.0; WIDTH * HEIGHT]; 3];
+            let mut channels = out.each_mut().map(|channel| SamplesMut::new(channel));
+            shader.shade(count, &[Samples::new(&light), Samples::new(&depth)], &mut channels).unwrap();
+        };
+        shade(1);
+        let counted = allocation_counter::measure(|| (1..=WIDTH * HEIGHT).for_each(&mut shade));
+        assert_eq!(counted.count_total, 0, "{expecting} samples expected");
+        assert!(allocation_counter::measure(|| drop(vec![0; 9])).count_total > 0, "they are counted");
     }
 }
 

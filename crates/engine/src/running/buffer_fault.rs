@@ -4,6 +4,7 @@ use trochoid_graph::Kind;
 
 /// Reason that a buffer is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BufferFault {
     /// The node is bound but has no buffer.
     #[error("no buffer is given: add it with Buffers::with")]
@@ -59,7 +60,7 @@ pub enum BufferFault {
 }
 
 /// Returns a test of the samples that a buffer of a kind may hold, and its description.
-pub(super) fn rule(kind: Kind) -> (fn(&f32) -> bool, &'static str) {
+pub(crate) fn rule(kind: Kind) -> (fn(&f32) -> bool, &'static str) {
     match kind {
         Kind::Color => (|v| v.is_finite() && *v >= 0.0, "finite numbers ≥ 0"),
         Kind::Weights(_) => (|v| (0.0..=1.0).contains(v), "numbers in [0, 1]"),

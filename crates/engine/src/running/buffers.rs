@@ -76,8 +76,8 @@ impl<'b> Buffers<'b> {
         Ok(())
     }
 
-    /// Returns copies of the caller's planes over a tile with −0 turned into 0, by index among `slots`, or the first
-    /// illegal value as an error.
+    /// Returns copies of the caller's masks and colors over a tile with −0 turned into 0, by index among `slots`, or the first
+    /// illegal value as an error. Fields keep their zeros, which nothing checks, in every tile.
     pub(crate) fn normalized(
         &self,
         plan: &Plan<'_>,
@@ -88,13 +88,16 @@ impl<'b> Buffers<'b> {
         let mut copies = Vec::new();
         for (index, (slot, plane)) in slots.iter().zip(planes).enumerate().filter(|(_, (s, _))| plan.bound[s.node.0]) {
             let node = plan.graph.node(slot.node);
+            let kind = node.kinds[slot.output];
             let mut copy = Vec::with_capacity(tile.area());
             for y in 0..tile.height() {
                 let row = plane.row(y, tile.width());
-                check(&node.name, node.kinds[slot.output], slot.channel, row, plane.start + y * plane.stride)?;
+                check(&node.name, kind, slot.channel, row, plane.start + y * plane.stride)?;
                 copy.extend(row.iter().map(|v| v + 0.0));
             }
-            copies.push((index, copy));
+            if !matches!(kind, Kind::Field(_)) {
+                copies.push((index, copy));
+            }
         }
         Ok(copies)
     }

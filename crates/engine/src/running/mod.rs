@@ -3,8 +3,8 @@
 //!
 //! `run` evaluates a frame: `prepare` prepares its stages within the limit that `memory` checks, `fill` fills their
 //! planes for a `tile` of a `tile_size`, in one of several `steps`, and `bands` receive the finished rows. The other
-//! modules produce something other than a picture: `certify` bounds on its errors, `inspect` one pixel in detail, `points`
-//! batches of a renderer's samples, `reference` the slow f64 result, `examine` faults of input files.
+//! modules produce something other than a picture: `certify` bounds on its errors, `inspect` one pixel in detail,
+//! `reference` the slow f64 result, `examine` faults of input files.
 
 pub(crate) mod bands;
 pub(crate) mod buffer_fault;
@@ -17,7 +17,6 @@ pub(crate) mod frame;
 pub(crate) mod inspect;
 pub(crate) mod keep;
 pub(crate) mod memory;
-pub(crate) mod points;
 pub(crate) mod prepare;
 pub(crate) mod reference;
 pub(crate) mod run;

@@ -189,6 +189,13 @@ impl<'a> Checker<'a> {
         }
     }
 
+    /// Returns the node and the item at a place, such as `stops[1].color`, while they are read.
+    pub(super) fn item_at(&self, place: FaultLocation<'_>) -> Option<(String, String)> {
+        let within: String = self.records.iter().map(|(list, index)| format!("{list}[{index}].")).collect();
+        let index = self.element.map_or(String::new(), |index| format!("[{index}]"));
+        Some((place.node?.into(), within + place.port? + &index))
+    }
+
     fn source(
         &mut self,
         accepts: Accepts,
@@ -196,6 +203,7 @@ impl<'a> Checker<'a> {
         place: FaultLocation<'_>,
         names: &Names<'a>,
     ) -> Option<Source> {
+        self.linked_port(value.offset, place);
         match &value.json {
             Json::String(text) if accepts.takes_color() && is_name(text) => {
                 self.named(text, place, true).map(Source::Color)

@@ -6,6 +6,7 @@ mod groups;
 mod items;
 mod keyed;
 mod kinds;
+mod knobs;
 mod order;
 mod outputs;
 mod palette;
@@ -25,6 +26,7 @@ use crate::{
 use around::{Surroundings, direct_consumers};
 use items::Names;
 use kinds::name_kinds;
+use knobs::KnobUse;
 use palette::Palette;
 use std::collections::HashMap;
 use std::path::Path;
@@ -45,6 +47,7 @@ pub fn check(document: &Document, registry: &Registry, folder: &Path) -> (Option
         diagnostics: Vec::new(),
         space: Default::default(),
         palette: Palette::default(),
+        knob_uses: Vec::new(),
         records: Vec::new(),
         element: None,
     };
@@ -66,6 +69,8 @@ struct Checker<'a> {
     diagnostics: Vec<Diagnostic>,
     space: trochoid_image::WorkingSpace,
     palette: Palette<'a>,
+    /// Ports that take values of the document's knobs.
+    knob_uses: Vec<KnobUse>,
     /// Lists that are being read, each with the index of the record.
     records: Vec<(&'static str, usize)>,
     /// Index of what is read of a list of connections.
@@ -289,7 +294,9 @@ impl<'a> Checker<'a> {
             }
         };
         self.unused(&drafts, &outputs);
-        let palette = self.palette_colors(&|name| names.get(name).map(|(index, _)| NodeId(*index)));
+        let find = |name: &str| names.get(name).map(|(index, _)| NodeId(*index));
+        let palette = self.palette_colors(&find);
+        let knobs = self.document_knobs(&find);
         if self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
             return None;
         }
@@ -316,6 +323,7 @@ impl<'a> Checker<'a> {
             format_place: format_place(document, &root),
             space: self.space,
             palette,
+            knobs,
             document_files: document.paths().map(Path::to_path_buf).collect(),
             first: top.first,
             last: top.last,

@@ -116,10 +116,8 @@ impl<'a> Checker<'a> {
             self.error(place, found, "the name of a color of the palette", remedy);
             return None;
         };
-        if let (Some(node), Some(item)) = (place.node, place.port) {
-            let within: String = self.records.iter().map(|(list, index)| format!("{list}[{index}].")).collect();
-            let index = self.element.map_or(String::new(), |index| format!("[{index}]"));
-            self.palette.uses.push(Use { color, node: node.into(), item: within + item + &index, is_whole });
+        if let Some((node, item)) = self.item_at(place) {
+            self.palette.uses.push(Use { color, node, item, is_whole });
         }
         Some(self.palette.colors[color].color.clone())
     }

@@ -6,7 +6,7 @@ mod include;
 mod palette;
 mod view;
 
-use crate::spanned::{Json, LineIndex, Spanned, line_and_column, parse, shorten};
+use crate::spanned::{Entry, Json, LineIndex, Spanned, line_and_column, parse, shorten};
 use crate::{Diagnostic, Severity};
 use include::Include;
 use std::collections::HashMap;
@@ -93,6 +93,21 @@ impl Document {
         document.find_includes(&root, "");
         document.root = root;
         Ok(document)
+    }
+
+    /// Gives the document a size of pictures if it states no format.
+    pub fn assume_size(&mut self, [width, height]: [u32; 2]) {
+        let Json::Object(entries) = &mut self.root.json else { return };
+        if entries.iter().any(|entry| entry.key == "format") {
+            return;
+        }
+        let side = |key: &str, side: u32| Entry {
+            key: key.into(),
+            offset: 0,
+            value: Spanned { offset: 0, json: Json::Number(side.into()) },
+        };
+        let json = Json::Object(vec![side("width", width), side("height", height)]);
+        entries.push(Entry { key: "format".into(), offset: 0, value: Spanned { offset: 0, json } });
     }
 
     /// Returns the name of the document.

@@ -39,6 +39,17 @@ pub(crate) struct Expanded<'d> {
     pub(crate) moved: HashMap<usize, String>,
     /// Names of the nodes that pick weights which references name by their index, such as `parts.2`.
     pub(crate) picks: BTreeSet<String>,
+    /// Knobs of the document, in its order.
+    pub(crate) knobs: Vec<LinkedKnob>,
+}
+
+/// Knob of a document, and how often links and formulas take its value.
+#[derive(Clone, Debug)]
+pub(crate) struct LinkedKnob {
+    pub(crate) name: String,
+    /// Offset of its value, wherever links have brought it.
+    pub(crate) offset: usize,
+    pub(crate) taken: usize,
 }
 
 /// Fault of a group, of its use, or of a link.
@@ -96,6 +107,7 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
         uses: Vec::new(),
         moved: HashMap::new(),
         picks: BTreeMap::new(),
+        taken: BTreeMap::new(),
         top,
         names_weights,
         followed: Vec::new(),
@@ -123,6 +135,7 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
                 expander.check_range(knob, &value);
             }
         }
+        expander.taken.clear();
         let mut flat = Vec::new();
         expander.nodes(&own, &scope, &mut flat);
         for entry in entries.iter().filter(|entry| !is_new(entry)) {
@@ -147,15 +160,20 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
                 .cloned(),
         );
     }
-    let Expander { faults, uses, moved, picks, .. } = expander;
+    let Expander { faults, uses, moved, picks, taken, knobs, .. } = expander;
+    let knob = |knob: &GroupKnob<'_>| {
+        let taken = taken.get(knob.name).copied().unwrap_or_default();
+        Some(LinkedKnob { name: knob.name.into(), offset: knob.default?.offset, taken })
+    };
+    let knobs = knobs.iter().filter_map(knob).collect();
     let root = Spanned { offset: root.offset, json: Json::Object(expanded) };
     let picks = picks.into_keys().collect();
-    Expanded { root: Cow::Owned(root), faults, uses, groups, is_whole, moved, picks }
+    Expanded { root: Cow::Owned(root), faults, uses, groups, is_whole, moved, picks, knobs }
 }
 
 fn unchanged(root: &Spanned) -> Expanded<'_> {
-    let (faults, uses, groups, moved, picks) = Default::default();
-    Expanded { root: Cow::Borrowed(root), faults, uses, groups, is_whole: true, moved, picks }
+    let (faults, uses, groups, moved, picks, knobs) = Default::default();
+    Expanded { root: Cow::Borrowed(root), faults, uses, groups, is_whole: true, moved, picks, knobs }
 }
 
 /// Whether a value has a link somewhere.
@@ -185,6 +203,8 @@ struct Expander<'d> {
     moved: HashMap<usize, String>,
     /// Nodes that pick weights, by name.
     picks: BTreeMap<String, Picked>,
+    /// How often the values of the document's knobs are taken.
+    taken: BTreeMap<&'d str, usize>,
     /// Nodes of the document.
     top: Vec<&'d Entry>,
     /// Whether any node names its weights.

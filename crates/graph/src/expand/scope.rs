@@ -225,6 +225,9 @@ impl<'d> Expander<'d> {
             }
             _ => {
                 let default = knob.default?;
+                if scope.of.is_none() {
+                    *self.taken.entry(knob.name).or_default() += 1;
+                }
                 let label = format!("knobs.{name}");
                 self.deeper(default.offset, (scope, &label), |expander| expander.linked(default, scope))
             }

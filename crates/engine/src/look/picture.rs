@@ -1,0 +1,72 @@
+//! Pictures of a look from the passes of another renderer.
+
+use super::illegal::{clamp, divide};
+use super::samples::{Samples, checked};
+use super::{Illegal, Look, Slot};
+use crate::{Buffers, Cache, EvalError, Frame, Monitor, Plan, PlanError, ShadeError};
+use std::borrow::Cow;
+use trochoid_image::Format;
+
+/// Why a look has no picture.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PictureError {
+    /// The passes have a wrong number or length.
+    #[error(transparent)]
+    Passes(#[from] ShadeError),
+    /// The picture cannot be planned.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// The picture cannot be evaluated.
+    #[error(transparent)]
+    Evaluate(#[from] EvalError),
+}
+
+impl Look {
+    /// Evaluates a picture of a format, whose passes are in slices: one for each channel of each slot, row by row from the
+    /// top. Unlike samples, pictures may need filters, and nodes that make passes of their own.
+    ///
+    /// Passes with a stride of 1 are read where they are. `cache` keeps from picture to picture what does not change.
+    ///
+    /// # Errors
+    /// Passes are missing, too short or illegal, files cannot be read, memory does not suffice, or the monitor cancels.
+    pub fn picture(
+        &self,
+        format: Format,
+        passes: &[Samples<'_>],
+        cache: &mut Cache,
+        monitor: &dyn Monitor,
+    ) -> Result<Frame, PictureError> {
+        let inner = &*self.inner;
+        let area = format.window().area();
+        let is_used = |channel: usize| self.slots().iter().any(|slot| slot.is_used && slot.has(channel));
+        checked("inputs", passes, is_used, self.inputs(), area)?;
+        let graph;
+        let graph = if inner.graph.format() == format {
+            &inner.graph
+        } else {
+            graph = inner.graph.clone().with_format(format);
+            &graph
+        };
+        let used: Vec<&Slot> = self.slots().iter().filter(|slot| slot.is_used).collect();
+        let bound: Vec<&str> = used.iter().map(|slot| slot.name.as_str()).collect();
+        let plan = Plan::new(graph, &[&inner.output], inner.frame, &bound, &inner.settings)?;
+        let planes: Vec<(&str, Vec<Cow<'_, [f32]>>)> = used
+            .into_iter()
+            .map(|slot| {
+                let channels = &passes[slot.first..slot.first + slot.channels()];
+                let mut channels: Vec<Cow<'_, [f32]>> = channels.iter().map(|pass| pass.plane(area)).collect();
+                if self.illegal == Illegal::Clamp {
+                    channels.iter_mut().for_each(|channel| clamp(slot.kind, channel.to_mut()));
+                    divide(slot.kind, &mut channels);
+                }
+                (slot.name.as_str(), channels)
+            })
+            .collect();
+        let buffers = planes.iter().fold(Buffers::new(), |buffers, (name, channels)| {
+            let channels: Vec<&[f32]> = channels.iter().map(|plane| &**plane).collect();
+            buffers.with(name, &channels)
+        });
+        Ok(plan.evaluate(&buffers, cache, monitor)?)
+    }
+}

@@ -1,0 +1,211 @@
+//! Makes looks from documents.
+
+use crate::load::{LoadError, Loaded, parse_as, registry, text_of};
+use crate::{Access, CheckedGraph, Illegal, Look, OpeningFault, PlanError, Registry, Settings};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use trochoid_graph::MAX_BYTES;
+
+/// Why a look cannot be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LookError {
+    /// The document cannot be read or is invalid.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// No output is named, and the document has not exactly one.
+    #[error("found {} outputs ({}); expected the name of one of them", .found.len(), .found.join(", "))]
+    Output {
+        /// The document's outputs.
+        found: Vec<String>,
+    },
+    /// An input is no node, and no color or number that can take its place.
+    #[error("cannot bind \"{name}\": {fault}")]
+    Open {
+        /// Name of the input.
+        name: String,
+        /// Reason.
+        fault: OpeningFault,
+    },
+    /// The output cannot be planned.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+}
+
+/// Makes a [`Look`] from a document: which output, with which inputs, at which frame.
+///
+/// ```
+/// use trochoid::{LookBuilder, Samples, SamplesMut};
+///
+/// let document = r##"{
+///   "trochoid": 1,
+///   "palette": { "deep": "#274e53", "foam": "#ece6c2" },
+///   "nodes": {
+///     "light": { "type": "ScreenX" },
+///     "water": { "type": "Mix", "a": "palette.deep", "b": "palette.foam", "weight": "light" }
+///   },
+///   "outputs": { "beauty": { "color": "water" } }
+/// }"##;
+/// let look = LookBuilder::new(document).bind("light").bind("palette.foam").build()?;
+/// // On any thread:
+/// let mut shader = look.shader()?;
+/// let (light, foam, mut rgb) = ([0.0, 0.5, 1.0], [1.0, 0.9, 0.8], [0.0; 9]);
+/// let [r, g, b] = foam.each_ref().map(Samples::uniform);
+/// let (red, rest) = rgb.split_at_mut(3);
+/// let (green, blue) = rest.split_at_mut(3);
+/// shader.shade(3, &[Samples::new(&light), r, g, b], &mut [red, green, blue].map(SamplesMut::new))?;
+/// assert_eq!([rgb[2], rgb[5], rgb[8]], foam);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct LookBuilder {
+    name: String,
+    text: Arc<str>,
+    folder: PathBuf,
+    access: Option<Access>,
+    registry: &'static Registry,
+    set: Vec<String>,
+    output: Option<String>,
+    inputs: Vec<String>,
+    frame: i64,
+    samples: Option<usize>,
+    illegal: Illegal,
+    settings: Settings,
+}
+
+impl LookBuilder {
+    /// Begins with the text of a document, whose paths are relative to the current folder.
+    pub fn new(text: impl Into<Arc<str>>) -> Self {
+        Self {
+            name: "look".into(),
+            text: text.into(),
+            folder: PathBuf::from("."),
+            access: None,
+            registry: registry(),
+            set: Vec::new(),
+            output: None,
+            inputs: Vec::new(),
+            frame: 1,
+            samples: None,
+            illegal: Illegal::Refuse,
+            settings: Settings::default(),
+        }
+    }
+
+    /// Begins with a document in a file.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn open(path: &Path) -> Result<Self, LookError> {
+        let text = text_of(path, MAX_BYTES, "a document", "split the scene into several documents")?;
+        let folder = path.parent().unwrap_or(Path::new("."));
+        Ok(Self::new(text).named(&path.display().to_string()).within(folder))
+    }
+
+    /// Sets the name by which messages call the document.
+    #[must_use]
+    pub fn named(self, name: &str) -> Self {
+        Self { name: name.into(), ..self }
+    }
+
+    /// Sets the folder that the document's paths are relative to. Files in it may be read.
+    #[must_use]
+    pub fn within(self, folder: &Path) -> Self {
+        Self { folder: folder.into(), ..self }
+    }
+
+    /// Sets which files the document may read and write, instead of those of [`load`](crate::load).
+    #[must_use]
+    pub fn with_access(self, access: Access) -> Self {
+        Self { access: Some(access), ..self }
+    }
+
+    /// Sets the node types, for documents with some of your own: [`registry`](crate::registry)`().with(&MINE)`.
+    #[must_use]
+    pub fn with_registry(self, registry: &'static Registry) -> Self {
+        Self { registry, ..self }
+    }
+
+    /// Names the output; a document with one output needs no name.
+    #[must_use]
+    pub fn output(self, name: &str) -> Self {
+        Self { output: Some(name.into()), ..self }
+    }
+
+    /// Adds an input, for which you supply samples: a node by its name, or a color or number that changes from batch to
+    /// batch. Those are a color of the palette, `palette.NAME`; a knob of the document that ports take as it is,
+    /// `knobs.NAME`; or a literal at a port, `NODE.PORT`, such as `water.weight` or `water.stops[1].color`.
+    #[must_use]
+    pub fn bind(mut self, name: &str) -> Self {
+        self.inputs.push(name.into());
+        self
+    }
+
+    /// Sets a value of the document, such as `water.smooth=true`, `knobs.storm=0.5` or `palette.foam=#fff`, in the forms of
+    /// [`load`](crate::load).
+    #[must_use]
+    pub fn set(mut self, assignment: &str) -> Self {
+        self.set.push(assignment.into());
+        self
+    }
+
+    /// Sets the frame, for documents with keys; 1 unless told.
+    #[must_use]
+    pub fn frame(self, frame: i64) -> Self {
+        Self { frame, ..self }
+    }
+
+    /// Tells how many samples the look will shade in all, so that machine code is made only where it pays (from
+    /// [`Settings::compile_from`] on). Unless told, it is made.
+    #[must_use]
+    pub fn expecting(self, samples: usize) -> Self {
+        Self { samples: Some(samples), ..self }
+    }
+
+    /// Sets what happens to illegal samples; unless told, they are refused.
+    #[must_use]
+    pub fn illegal(self, illegal: Illegal) -> Self {
+        Self { illegal, ..self }
+    }
+
+    /// Sets how it is planned and run.
+    #[must_use]
+    pub fn settings(self, settings: Settings) -> Self {
+        Self { settings, ..self }
+    }
+
+    /// Loads the document. One without a format gets one of a single pixel.
+    ///
+    /// # Errors
+    /// The document is invalid.
+    pub fn load(&self) -> Result<Loaded, LookError> {
+        let access = self.access.clone().unwrap_or_else(|| Access::usual(&self.folder));
+        let Self { name, text, folder, set, registry, .. } = self;
+        Ok(parse_as(name, text, folder, set, access, registry, Some([1, 1]))?)
+    }
+
+    /// Makes the look. It takes well under a millisecond for a small document, and a few tenths of one more for machine
+    /// code.
+    ///
+    /// # Errors
+    /// The document is invalid, or has no such output or inputs.
+    pub fn build(&self) -> Result<Look, LookError> {
+        let mut graph: CheckedGraph = self.load()?.graph;
+        let output = match (&self.output, graph.outputs()) {
+            (Some(name), _) => name.clone(),
+            (None, [only]) => only.name.clone(),
+            (None, all) => return Err(LookError::Output { found: all.iter().map(|spec| spec.name.clone()).collect() }),
+        };
+        for name in self.inputs.iter().filter(|name| name.contains('.')) {
+            graph = graph.with_open(name).map_err(|fault| LookError::Open { name: name.clone(), fault })?;
+        }
+        let mut settings = self.settings.clone();
+        if self.samples.is_none_or(|samples| samples >= settings.compile_from) {
+            settings.compile_from = 0;
+        } else {
+            settings.compile_from = usize::MAX;
+        }
+        let inputs: Vec<&str> = self.inputs.iter().map(String::as_str).collect();
+        Ok(Look::new(graph, &output, self.frame, &inputs, &settings)?.with_illegal(self.illegal))
+    }
+}
