@@ -48,6 +48,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("trochoid-cli", &["trochoid", "trochoid-diagram", "trochoid-palette", "trochoid-terminal"]),
     ("trochoid-tests", &["trochoid", "trochoid-diagram"]),
     ("trochoid-bench", &["trochoid", "trochoid-sea"]),
+    ("trochoid-foreign", &["trochoid"]),
+    ("trochoid-capi", &["trochoid", "trochoid-foreign"]),
+    ("trochoid-own-node", &["trochoid", "trochoid-graph"]),
     ("trochoid-files-tests", &["trochoid-image", "trochoid-io"]),
 ];
 

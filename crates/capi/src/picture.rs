@@ -1,0 +1,127 @@
+//! Pictures.
+
+use crate::batch::{trochoid_in, trochoid_out};
+use crate::error::{Fault, trochoid_error};
+use crate::look::trochoid_look;
+use crate::options::size_t;
+use crate::status::{guarded, trochoid_status};
+use std::ffi::c_void;
+use std::sync::atomic::{AtomicBool, Ordering};
+use trochoid::{Cache, Format, Monitor, Samples};
+use trochoid_foreign::{Input, Output};
+
+/// Is told how many of all tiles are done, from any thread; returns 0 to go on, and anything else to
+/// cancel.
+pub type trochoid_progress = Option<unsafe extern "C" fn(done: size_t, total: size_t, user: *mut c_void) -> i32>;
+
+/// What was counted on a picture. Set struct_size before the call.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct trochoid_report {
+    /// Size of this structure in bytes.
+    pub struct_size: size_t,
+    /// Number of pixels.
+    pub pixels: u64,
+    /// Number of colors in the palette: those that the output mixes.
+    pub control_count: u64,
+    /// Number of pixels outside of the palette's hull: 0, unless the library is broken. Not counted
+    /// where colors come from inputs.
+    pub hull_exits: u64,
+    /// Number of values that are NaN.
+    pub nan_count: u64,
+    /// Seconds that it took.
+    pub seconds: f64,
+}
+
+/// Tells C about progress.
+struct Teller {
+    progress: trochoid_progress,
+    user: *mut c_void,
+    stopped: AtomicBool,
+}
+
+// SAFETY: the header says that the callback is called from any thread, and `user` is only handed on to it.
+unsafe impl Sync for Teller {}
+
+impl Monitor for Teller {
+    fn progress(&self, done: usize, total: usize) {
+        if let Some(progress) = self.progress
+            // SAFETY: a function of the caller, called as it is declared.
+            && unsafe { progress(done, total, self.user) } != 0
+        {
+            self.stopped.store(true, Ordering::Relaxed);
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.stopped.load(Ordering::Relaxed)
+    }
+}
+
+/// Makes a picture of width x height pixels. in has an entry for each channel of each input, whose
+/// samples are the pixels row by row from the top, and out one for each channel of the output. Runs on
+/// all cores. progress, report and error may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trochoid_picture(
+    look: *const trochoid_look,
+    width: u32,
+    height: u32,
+    r#in: *const trochoid_in,
+    out: *const trochoid_out,
+    progress: trochoid_progress,
+    user: *mut c_void,
+    report: *mut trochoid_report,
+    error: *mut *mut trochoid_error,
+) -> trochoid_status {
+    guarded(|| {
+        // SAFETY: all pointers are as the header says, as for the functions above.
+        unsafe {
+            if !error.is_null() {
+                error.write(std::ptr::null_mut());
+            }
+            let Some(look) = look.as_ref().map(|look| &look.look) else {
+                return Fault::invalid("found NULL; expected a look").tell(error);
+            };
+            if (r#in.is_null() && look.inputs() > 0) || out.is_null() {
+                return Fault::invalid("found NULL; expected the channels of the inputs and of the output").tell(error);
+            }
+            let format = match Format::new(width, height, 1) {
+                Ok(format) => format,
+                Err(fault) => return Fault::invalid(fault.to_string()).tell(error),
+            };
+            let area = format.window().area();
+            let mut planes: Vec<Vec<f32>> = Vec::with_capacity(look.inputs());
+            for slot in look.slots() {
+                for channel in slot.first..slot.first + slot.channels() {
+                    let count = if slot.is_used { area } else { 0 };
+                    planes.push(Input::from(r#in.add(channel).read()).copied(count));
+                }
+            }
+            let passes: Vec<Samples<'_>> = planes.iter().map(|plane| Samples::new(plane)).collect();
+            let teller = Teller { progress, user, stopped: AtomicBool::new(false) };
+            let started = std::time::Instant::now();
+            let frame = match look.picture(format, &passes, &mut Cache::new(), &teller) {
+                Ok(frame) => frame,
+                Err(failed) => return Fault::from(failed).tell(error),
+            };
+            let seconds = started.elapsed().as_secs_f64();
+            let picture = &frame.pictures[0];
+            for (channel, plane) in picture.planes.iter().enumerate() {
+                Output::from(out.add(channel).read()).take(plane.samples());
+            }
+            if !report.is_null() {
+                let counted = trochoid_report {
+                    struct_size: (&raw const (*report).struct_size).read(),
+                    pixels: picture.audit.pixels,
+                    control_count: picture.control_count as u64,
+                    hull_exits: picture.audit.hull_exits,
+                    nan_count: picture.audit.nan_count,
+                    seconds,
+                };
+                let size = counted.struct_size.min(size_of::<trochoid_report>());
+                std::ptr::copy_nonoverlapping((&raw const counted).cast::<u8>(), report.cast::<u8>(), size);
+            }
+            trochoid_status::TROCHOID_OK
+        }
+    })
+}
