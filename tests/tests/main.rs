@@ -35,6 +35,7 @@ mod memory;
 mod merging;
 mod painter;
 mod palette;
+mod passes_told;
 mod patches;
 mod pipes;
 mod portable;

@@ -17,6 +17,7 @@ const DOUBLE: &[&str] = &[
     "Clouds",
     "Constant",
     "CrestFoam",
+    "CryptoMask",
     "Curvature",
     "Decompose",
     "Depth",

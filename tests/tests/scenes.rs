@@ -77,7 +77,7 @@ fn the_schema_refuses_what_it_should() {
 /// Returns a scene at a format that is small enough for tests; one that reads pictures without `fit` keeps its own.
 fn small(graph: &CheckedGraph, width: u32, height: u32) -> CheckedGraph {
     let fixed = |node: &CheckedNode| {
-        let reads = matches!(node.ty.declaration().name, "Read" | "ViewFromPasses");
+        let reads = matches!(node.ty.declaration().name, "Read" | "ViewFromPasses" | "CryptoMask");
         reads && !node.record.settle(graph.frames().0 as f64).is_set("fit")
     };
     if graph.nodes().iter().any(fixed) {

@@ -262,9 +262,10 @@ pub trait Stage {
     }
 
     /// Returns remarks about the node's files at a frame for users, in sentences, which `trochoid check` shows. Never called
-    /// for files that do not exist.
-    fn file_notes(&self, frame: &FrameContext) -> Vec<String> {
-        let _ = frame;
+    /// for files that do not exist. Has the handles of connected nodes that need neither files nor other nodes, such as
+    /// cameras.
+    fn file_notes(&self, prepare: &Prepare<'_>) -> Vec<String> {
+        let _ = prepare;
         Vec::new()
     }
 

@@ -36,7 +36,7 @@
 //! |---|---|
 //! | `scene` | cameras, lights, meshes, Render, and all passes of a view |
 //! | `sea` | seas, spray, and what they carry; implies `scene` |
-//! | `io` | Read, Decompose, Texture, ViewFromPasses, writing of files, and [`certificate`]; implies `scene` |
+//! | `io` | Read, Decompose, Texture, ViewFromPasses, CryptoMask, writing of files, and [`certificate`]; implies `scene` |
 //! | `jit` | machine code for pointwise programs; without it they run as compiled kernels, with bit-identical results |
 //!
 //! The feature `machine`, which is off by default, provides `memory_share`, a memory limit for this machine.

@@ -82,7 +82,7 @@ fn holds(name: &str, items: &[Item]) -> Result<(), String> {
     let nodes = document["nodes"].as_object().unwrap();
     let is = |node: &Value, ty: &str| node["type"] == ty;
     // A document that reads pictures keeps their size.
-    if !nodes.values().any(|node| is(node, "Read") || is(node, "ViewFromPasses")) {
+    if !nodes.values().any(|node| ["Read", "ViewFromPasses", "CryptoMask"].iter().any(|ty| is(node, ty))) {
         (document["format"]["width"], document["format"]["height"]) = (json!(16), json!(9));
     }
     let nodes = document["nodes"].as_object().unwrap();

@@ -27,11 +27,34 @@ type Values<'f> = &'f dyn Fn(f32, f32) -> f32;
 const MESH: &str = "v -9 -2.25 9\nv 9 2.25 9\nv 9 2.25 -9\nv -9 -2.25 -9\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
                     vn 0 1 0\nvn 0.6 0.8 0\nf 1/1/1 2/2/2 3/3/2 4/4/1\n";
 
-/// Returns a folder with the files that golden cases read: the 4 × 3 pictures `read.exr` and `passes.exr`, and
-/// `mesh.obj`.
+/// Writes a cryptomatte of 4 × 3 pixels with three ranks: the hull before the sea on the left, behind it on the right, and
+/// the mast before both.
+fn write_cryptomatte(path: &Path) {
+    let manifest = r#"{"hull":"2c1f9a4a","mast":"1b24764f","sea":"93ca1dde"}"#;
+    let [hull, mast, sea] = [0x2c1f_9a4a, 0x1b24_764f, 0x93ca_1dde].map(f32::from_bits);
+    let plane = |f: &dyn Fn(usize, usize) -> f32| -> Vec<f32> { (0..12).map(|i| f(i % 4, i / 4)).collect() };
+    let planes = [
+        ("CryptoObject00.r", plane(&|x, _| if x < 2 { hull } else { sea })),
+        ("CryptoObject00.g", plane(&|_, _| 0.5)),
+        ("CryptoObject00.b", plane(&|x, _| if x < 2 { sea } else { hull })),
+        ("CryptoObject00.a", plane(&|x, _| (x as f32 + 1.0) / 10.0)),
+        ("CryptoObject01.r", plane(&|_, _| mast)),
+        ("CryptoObject01.g", plane(&|_, y| y as f32 / 30.0)),
+    ];
+    let channels = planes.iter().map(|(name, plane)| ExrChannel::float(*name, Samples::contiguous(plane))).collect();
+    let attributes = [("name", "CryptoObject"), ("hash", "MurmurHash3_32"), ("conversion", "uint32_to_float32")];
+    let attributes = attributes.into_iter().chain([("manifest", manifest)]);
+    let metadata = attributes.map(|(name, value)| (format!("cryptomatte/d593dd7/{name}"), value.into())).collect();
+    let image = ExrImage { channels, metadata, ..ExrImage::new(Window::sized(4, 3)) };
+    trochoid::io::write_exr(path, &image).unwrap();
+}
+
+/// Returns a folder with the files that golden cases read: the 4 × 3 pictures `read.exr`, `passes.exr` and `crypto.exr`,
+/// and `mesh.obj`.
 pub(crate) fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("mesh.obj"), MESH).unwrap();
+    write_cryptomatte(&folder.path().join("crypto.exr"));
     let plane = |f: Values<'_>| -> Vec<f32> { (0..12).map(|i| f((i % 4) as f32, (i / 4) as f32)).collect() };
     let write = |name: &str, channels: &[(&str, Values<'_>)]| {
         let planes: Vec<(&str, Vec<f32>)> = channels.iter().map(|(name, f)| (*name, plane(f))).collect();

@@ -2,7 +2,7 @@
 
 use super::kept::Grid;
 use super::knobs::{FitBy, Knobs};
-use super::{Fit, Holding, Reading, limits};
+use super::{Fit, FoundPass, Holding, Reading, limits};
 use crate::files::shared::KEPT;
 use std::path::Path;
 use trochoid_graph::{Choice, FrameContext, Kind, MemoryContext, MemoryUse, NodeError};
@@ -28,6 +28,12 @@ pub(crate) fn memory_of_picture(knobs: Knobs<'_>, context: &MemoryContext<'_>, l
 /// Returns the memory of a view of passes for its file.
 pub(crate) fn memory_of_passes(file: &str, context: &MemoryContext<'_>) -> MemoryUse {
     in_use(cost_of_passes(context.frame, &context.frame.path(file)))
+}
+
+/// Returns the memory of channels that are read on demand, and of nothing else in their parts.
+pub(crate) fn memory_on_demand(parts: &[FoundPass]) -> MemoryUse {
+    let whole = parts.iter().map(|found| 4 * found.info.data.area() as u64 * found.channels.len() as u64);
+    MemoryUse::held(whole.map(|bytes| bytes.min(KEPT as u64)).sum(), REMEDY)
 }
 
 fn in_use(cost: Result<Cost, NodeError>) -> MemoryUse {

@@ -162,7 +162,7 @@ impl Reading<'_> {
         let plane = |channel: &usize| KeptPlane {
             channel: *channel,
             samples: Vec::with_capacity(grid.count()),
-            exact: exact.map(|_| Vec::with_capacity(grid.count())),
+            exact: exact.as_ref().map(|_| Vec::with_capacity(grid.count())),
         };
         let mut planes: Vec<KeptPlane> = made.targets.iter().map(plane).collect();
         let mut colors = (kind == Kind::Color).then(ColorCollector::default);
@@ -182,9 +182,9 @@ impl Reading<'_> {
                 })?;
             }
             if let Some(recipe) = &made.recipe {
-                if let Some(exact) = exact.filter(|_| grid.has_row(y)) {
+                if let Some(exact) = exact.as_ref().filter(|_| grid.has_row(y)) {
                     let stored: Vec<&[f32]> = lines[..made.at.len()].iter().map(|line| &line[..]).collect();
-                    for (plane, line) in planes.iter_mut().zip(exact(&stored)) {
+                    for (plane, line) in planes.iter_mut().zip(exact([info.data.x0, y], &stored)) {
                         if let Some(exact) = &mut plane.exact {
                             exact.extend(grid.across.kept.iter().map(|x| line[*x]));
                         }

@@ -3,6 +3,8 @@
 mod average;
 mod color;
 mod cost;
+mod crypto_mask;
+mod cryptomatte;
 mod decompose;
 mod kept;
 mod knobs;
@@ -10,22 +12,24 @@ mod layer;
 mod legal;
 mod on_demand;
 mod palette;
+mod planar;
 pub(crate) mod read;
 mod reading;
 mod recipe;
 mod shared;
 mod stream;
 mod texture;
+mod turned;
 mod view_from_passes;
 
-pub(crate) use cost::{memory_of_passes, memory_of_picture};
+pub(crate) use cost::{memory_of_passes, memory_of_picture, memory_on_demand};
 pub(crate) use kept::{KeptPlane, PartialPicture};
 pub(crate) use layer::{Fit, Layer, index_of_nearest};
 pub(crate) use legal::Rule;
 pub(crate) use on_demand::{FoundPass, Opened, find_pass};
 pub(crate) use palette::{controls, walked};
 pub(crate) use reading::{Planes, Reading};
-pub(crate) use recipe::Recipe;
+pub(crate) use recipe::{ExactLines, Recipe};
 pub(crate) use shared::SharedFile;
 pub(crate) use stream::{Accuracy, Rows, Stored, Stream};
 
@@ -85,4 +89,5 @@ pub(crate) static NODES: &[NodeType] = &[
     NodeType::of::<decompose::Decompose>(),
     NodeType::of::<texture::Texture>(),
     NodeType::of::<view_from_passes::ViewFromPasses>(),
+    NodeType::of::<crypto_mask::CryptoMask>(),
 ];

@@ -4,7 +4,7 @@ use super::reading::selected;
 use super::{decode, filled, header, shared};
 use std::path::Path;
 use trochoid_graph::{FrameContext, ItemName, NodeError, Prepare};
-use trochoid_io::{Error, ExrReader, Picture, PictureInfo, Selection};
+use trochoid_io::{Error, ExrReader, Picture, PictureInfo, SampleType, Selection};
 
 /// Channels by name.
 pub(crate) struct Names<'a> {
@@ -108,6 +108,44 @@ pub(crate) struct FoundPass {
 }
 
 impl FoundPass {
+    /// Finds channels of one part by their full names, in this order.
+    ///
+    /// # Errors
+    /// The file cannot be read, or lacks one of them.
+    pub(crate) fn of_channels(
+        frame: &FrameContext,
+        path: &Path,
+        part: usize,
+        channels: Vec<String>,
+    ) -> Result<Self, NodeError> {
+        let selection = Selection::channels(channels).with_part(part);
+        let info = header(frame, path, &selection)?;
+        filled(path, info.part, info.data)?;
+        let is_exr = trochoid_io::kind(path)?.is_exr();
+        Ok(Self { channels: (0..info.channels.len()).collect(), info, selection, is_exr })
+    }
+
+    /// Returns the pass with channels of another one behind its own; `None` if they are in another part of the file, or
+    /// no 32-bit floats.
+    ///
+    /// # Errors
+    /// As [`FoundPass::of_channels`].
+    pub(crate) fn with(
+        &self,
+        frame: &FrameContext,
+        path: &Path,
+        other: &Self,
+        at: &[usize],
+    ) -> Result<Option<Self>, NodeError> {
+        let is_float = |index: &usize| other.info.channels[*index].sample_type == SampleType::Float;
+        if !self.is_exr || self.info.part != other.info.part || !at.iter().all(is_float) {
+            return Ok(None);
+        }
+        let mut channels = self.names().full(&self.channels);
+        channels.extend(other.names().full(at));
+        Self::of_channels(frame, path, self.info.part, channels).map(Some)
+    }
+
     pub(crate) fn names(&self) -> Names<'_> {
         Names::from(&self.info)
     }

@@ -16,13 +16,13 @@ pub(crate) trait Recipe: Send + Sync {
 
     /// Returns what `apply` rounds to f32, for recipes of which the references take that: one line for each channel of
     /// the output, from one for each stored channel. The references of other recipes take what `apply` gives.
-    fn exact(&self) -> Option<ExactLines> {
+    fn exact(&self) -> Option<ExactLines<'_>> {
         None
     }
 }
 
-/// Function from lines of legal stored samples to lines of an output.
-pub(crate) type ExactLines = fn(&[&[f32]]) -> Vec<Vec<f64>>;
+/// Function from lines of legal stored samples, and the position of their first pixel, to lines of an output.
+pub(crate) type ExactLines<'a> = Box<dyn Fn([i64; 2], &[&[f32]]) -> Vec<Vec<f64>> + 'a>;
 
 /// Divides weights by their sum; two weights make a mask, which is the second.
 pub(crate) struct Normalized(pub(crate) SumNormalizer);
@@ -37,8 +37,8 @@ impl Recipe for Normalized {
         Ok(repaired)
     }
 
-    fn exact(&self) -> Option<ExactLines> {
-        Some(parts)
+    fn exact(&self) -> Option<ExactLines<'_>> {
+        Some(Box::new(|_, lines| parts(lines)))
     }
 }
 

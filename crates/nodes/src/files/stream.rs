@@ -110,7 +110,7 @@ impl Stream {
             self.read(&mut scratch.held, channel, x, y, sample)?;
         }
         let lines: Vec<&[f32]> = stored.iter().map(|sample| &sample[..]).collect();
-        Ok(Some(exact(&lines).into_iter().flatten().collect()))
+        Ok(Some(exact([x, y], &lines).into_iter().flatten().collect()))
     }
 
     /// Returns how samples differ from the references.

@@ -180,10 +180,10 @@ impl Stage for BezierModel {
         Ok(())
     }
 
-    fn file_notes(&self, frame: &FrameContext) -> Vec<String> {
+    fn file_notes(&self, prepare: &Prepare<'_>) -> Vec<String> {
         let Some(model) = &self.model else { return Vec::new() };
         // What is wrong with the file is reported as its error.
-        let read = named(frame, model).and_then(|path| read_model(&path));
+        let read = named(prepare.frame, model).and_then(|path| read_model(&path));
         let (Ok(read), Ok(mut patches)) = (read, self.inline()) else { return Vec::new() };
         patches.extend(read);
         joints(&patches)

@@ -34,10 +34,12 @@ mod field {
 
 mod files {
     mod color;
+    mod crypto_mask;
     mod decompose;
     mod kept;
     mod layer;
     mod legal;
+    mod passes_of_a_ray;
     mod read;
     mod stream;
     mod texture;

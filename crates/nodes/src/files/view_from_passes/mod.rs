@@ -1,48 +1,74 @@
 //! ViewFromPasses: a view from another renderer's passes.
 
+mod reading;
+
 use crate::files::knobs::FitBy;
-use crate::files::{
-    Accuracy, Fit, FoundPass, Opened, Recipe, Rows, Rule, SharedFile, Stored, Stream, find_pass, memory_of_passes,
-};
+use crate::files::planar::{Convention, DepthIs, Misses};
+use crate::files::turned::{Fourth, Turned, unit};
+use crate::files::{Accuracy, Rule, Stream, memory_of_passes};
 use crate::geometry::Up;
 use crate::view::named;
-use std::path::{Path, PathBuf};
+use reading::Reading;
+use std::path::PathBuf;
 use trochoid_graph::*;
-use trochoid_image::Window;
 use trochoid_scene::{Camera, DVec3, Projection};
 
 /// A view made from another renderer's passes, or from a painted normal map.
 ///
 /// # Formula
-/// Depth d, or +∞ where d ≥ `far`. Position p and normal n/|n|, with (x, y, z) → (x, z, −y) if `up` is z; packed
-/// normals are 2v − 1. Height is p.y − `level`. Coverage as stored; without a coverage pass, 1 where d < `far`,
-/// otherwise 0.
+/// Depth d·`scale`, or +∞ at misses; of a distance along the ray, its part along the camera's axis, plus `near`: times
+/// (p − c)·f/|p − c|, with the camera at c and its axis f, at the stored position p if that is in the same part as 32-bit
+/// floats, otherwise at the middle of the pixel. Position p·`scale` and normal n/|n|, with (x, y, z) → (x, z, −y) if `up` is z; packed
+/// normals are 2v − 1. Height is p.y − `level`. Coverage as stored; without a coverage pass, 0 at misses, otherwise 1.
 ///
 /// # Edge cases
-/// A degenerate normal points up. Without coverage and depth, everything is covered. Each channel depends only on its
-/// own pass, so uncovered pixels keep the position stored in the file. NaN, and coverage outside [0, 1], are refused
-/// with their location, or repaired and counted.
+/// Misses by "auto": a depth of 0, or of `far` or more; in a file without depth, the normal (0, 0, 0) unless normals are
+/// packed. "far" and "zero" are one of the two alone, "none" is neither. Without coverage, depth and normal, everything is
+/// covered. If `depth_is` is unset, the kind is told by comparing depths with positions as seen from a connected
+/// perspective camera, in up to 1024 pixels; where nothing can be told, depth is planar. `trochoid check` says what was
+/// found.
+///
+/// A degenerate normal points up. Each channel depends only on its own pass, so uncovered pixels keep the position stored
+/// in the file. NaN, and coverage outside [0, 1], are refused with their location, or repaired and counted.
 ///
 /// # Source
-/// Blender writes 10¹⁰ (65504 in half) as the depth of the sky, and has z upward.
+/// Blender 5.0 (Cycles) writes 10¹⁰ (65504 in half) as the depth of the sky, planar depth, and has z upward. Mitsuba 3,
+/// manual of the integrator aov: depth is the distance from the pinhole; all that is missed is 0. In its files the
+/// distance begins at the near clipping plane, as measured with 3.9.1.
 #[derive(Clone, Node)]
-#[node(stage, end = Front, revision = 1, example = r#""depth": "depth""#, outputs = Out, role = Passes)]
-#[also_called("Passes", "AOV", "AOVs", "RenderPasses", "Cryptomatte", "ReadPasses")]
+#[node(stage, end = Front, revision = 2, example = r#""depth": "depth""#, outputs = Out, role = Passes)]
+#[also_called("Passes", "AOV", "AOVs", "RenderPasses", "ReadPasses")]
 pub(crate) struct ViewFromPasses {
     /// EXR file; a normal map may be a PNG. #### or %04d stands for the frame number; write \# and \% for literal
     /// signs.
     #[knob(path)]
     file: String,
-    /// Layer, part or channel with the planar depth in meters.
+    /// Layer, part or channel with the depth.
     depth: Option<String>,
-    /// Layer or part with the world-space position in meters.
+    /// Layer or part with the world-space position.
     position: Option<String>,
     /// Layer or part with the world-space normal; RGB selects the main layer, as in a painted normal map.
     normal: Option<String>,
     /// Layer, part or channel with the coverage, for example Combined.A.
     coverage: Option<String>,
-    /// Axis that points up in the file; z for Blender.
-    up: Up,
+    /// Renderer whose conventions hold for `up` and `depth_is` where they are not set: "blender" has z up and planar
+    /// depth, "mitsuba" has y up and distances.
+    convention: Option<Convention>,
+    /// Axis that points up in the file; if unset, that of the convention, otherwise y.
+    up: Option<Up>,
+    /// What depth measures: the distance along the camera's axis ("planar") or along the ray ("distance"). If unset, as the
+    /// convention has it; otherwise it is told from positions and the camera.
+    depth_is: Option<DepthIs>,
+    /// Planar depth at which distances along the ray begin: Mitsuba measures them from the near clipping plane. If unset, it is
+    /// told from positions and the camera, otherwise 0.01 units with "mitsuba", and 0 without.
+    #[knob(range = 0.0..=1e9, unit = "m")]
+    near: Option<f64>,
+    /// Which pixels see nothing: "auto", those with a depth of 0 or of `far` and more ("zero", "far": one of the two), or
+    /// "none".
+    misses: Misses,
+    /// Meters in one unit of the file's depth and position; 0.01 for centimeters.
+    #[knob(default = 1.0, range = 1e-6..=1e6, unit = "m")]
+    scale: f64,
     /// Normals are stored as (n + 1)/2, as in painted normal maps.
     #[knob(default = false)]
     packed: bool,
@@ -57,7 +83,7 @@ pub(crate) struct ViewFromPasses {
     /// Sets illegal values to the nearest legal one, and counts them.
     #[knob(default = false)]
     repair: bool,
-    /// Camera of the passes; if not connected, parallel rays along −Z.
+    /// Camera of the passes, in meters with y up; if not connected, parallel rays along −Z.
     camera: Optional<port::Camera>,
 }
 
@@ -101,9 +127,6 @@ const POSITION: ChannelSet =
 const NORMAL: ChannelSet = ChannelSet::of(&[Channel::NormalX, Channel::NormalY, Channel::NormalZ]);
 const COVERAGE: ChannelSet = ChannelSet::of(&[Channel::Coverage]);
 
-/// Length below which a normal is only rounding error.
-const DEGENERATE: f64 = 1e-6;
-
 impl ViewFromPasses {
     /// Returns depth, position, normal and coverage.
     fn passes(&self) -> [PassKnob<'_>; 4] {
@@ -124,9 +147,33 @@ impl ViewFromPasses {
         let any = |set: ChannelSet| set.iter().any(|channel| wanted(Out::View, channel as usize));
         let [depth, position, normal, _] = self.passes().map(|pass| pass.name.is_some() && any(pass.channels));
         let coverage_wanted = any(COVERAGE) || wanted(Out::Coverage, 0);
-        // Without a coverage pass, coverage follows from depth.
-        let instead = self.depth.is_some() && self.coverage.is_none() && coverage_wanted;
-        [depth || instead, position, normal, self.coverage.is_some() && coverage_wanted]
+        let instead = |from| coverage_wanted && self.covers_by() == Some(from);
+        [depth || instead(Self::DEPTH), position, normal || instead(Self::NORMAL), instead(Self::COVERAGE)]
+    }
+
+    /// Returns the pass that tells what is covered; `None` if everything is.
+    fn covers_by(&self) -> Option<ItemName> {
+        match (&self.coverage, &self.depth, &self.normal) {
+            (Some(_), ..) => Some(Self::COVERAGE),
+            (None, Some(_), _) => Some(Self::DEPTH),
+            (None, None, Some(_)) if self.misses.has_no_normal(self.packed) => Some(Self::NORMAL),
+            _ => None,
+        }
+    }
+
+    /// Whether positions, as seen from a connected camera, may count for depth.
+    fn positions_count(&self, depth: PassKnob<'_>, position: PassKnob<'_>) -> bool {
+        let is_open = self.stated() != Some(DepthIs::Planar);
+        is_open && depth.name.is_some() && position.name.is_some() && !self.camera.sources().is_empty()
+    }
+
+    fn up(&self) -> Up {
+        self.up.or(self.convention.map(Convention::up)).unwrap_or(Up::Y)
+    }
+
+    /// Returns what depth measures, if the document says it.
+    fn stated(&self) -> Option<DepthIs> {
+        self.depth_is.or(self.convention.map(Convention::depth_is))
     }
 }
 
@@ -135,6 +182,12 @@ impl Node for ViewFromPasses {
         if self.passes().iter().all(|pass| pass.name.is_none()) {
             let remedy = "name the layer of at least one pass";
             check.error(Self::FILE, "no pass", "depth, position, normal or coverage", remedy);
+        }
+        let knob = if self.depth_is.is_some() { Self::DEPTH_IS } else { Self::CONVENTION };
+        let is_distance = self.depth.is_some() && self.stated() == Some(DepthIs::Distance);
+        if is_distance && self.camera.sources().is_empty() {
+            let remedy = "connect \"camera\", or set \"depth_is\": \"planar\"";
+            check.error(knob, "depth along the ray without a camera", "the camera of the passes", remedy);
         }
     }
 }
@@ -176,7 +229,19 @@ impl Stage for ViewFromPasses {
             let found = if pass.is_vector() { reading.vector(pass)?.0 } else { reading.scalar(pass)? };
             reading.fit(found.info.display)?;
         }
+        let [depth, position, ..] = self.passes();
+        if self.is_read(wanted)[0] && self.positions_count(depth, position) {
+            reading.vector(position)?;
+        }
         Ok(())
+    }
+
+    fn file_notes(&self, prepare: &Prepare<'_>) -> Vec<String> {
+        let Ok(path) = named(prepare.frame, &self.file) else { return Vec::new() };
+        let reading = Reading { node: self, frame: prepare.frame, path: &path };
+        // What is wrong with the file is reported as its error.
+        let told = reading.told(prepare).unwrap_or_default();
+        told.and_then(|told| told.note(self.stated())).into_iter().collect()
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
@@ -184,28 +249,27 @@ impl Stage for ViewFromPasses {
         let reading = Reading { node: self, frame: prepare.frame, path: &path };
         let camera = prepare.handle_of(&self.camera).or_else(level_camera);
         let mut view = PreparedView { passes: Vec::new(), camera };
-        let [depth, position, normal, coverage] = self.passes();
+        let [_, position, normal, coverage] = self.passes();
         let [with_depth, with_position, with_normal, with_coverage] = self.is_read(prepare.wanted);
         if with_depth {
-            let mut channels = vec![Channel::Depth];
-            channels.extend(coverage.name.is_none().then_some(Channel::Coverage));
-            let sky = Box::new(Sky { far: self.far });
-            let found = reading.scalar(depth)?;
-            view.passes.push(reading.pass(prepare, &found, &found.channels, Rule::Field, Some(sky), channels)?);
+            view.passes.push(reading.depth(prepare)?);
         }
         let mut vector = |pass: PassKnob<'_>, turned: Turned| {
             let (found, at) = reading.vector(pass)?;
-            let channels = pass.channels.iter().collect();
+            let mut channels: Vec<Channel> = pass.channels.iter().collect();
+            channels.extend(matches!(turned.fourth, Fourth::Coverage).then_some(Channel::Coverage));
             view.passes.push(reading.pass(prepare, &found, &at, Rule::Field, Some(Box::new(turned)), channels)?);
             Ok::<(), NodeError>(())
         };
-        let up = self.up;
+        let up = self.up();
         if with_position {
-            vector(position, Turned { up, unpack: |v| v, finish: |p| p, level: Some(self.level) })?;
+            let (scale, fourth) = (self.scale, Fourth::Height(self.level));
+            vector(position, Turned { up, unpack: |v| v, finish: |p| p, scale, fourth })?;
         }
         if with_normal {
             let unpack = if self.packed { |v| 2.0 * v - 1.0 } else { |v| v };
-            vector(normal, Turned { up, unpack, finish: unit, level: None })?;
+            let fourth = if self.covers_by() == Some(Self::NORMAL) { Fourth::Coverage } else { Fourth::None };
+            vector(normal, Turned { up, unpack, finish: unit, scale: 1.0, fourth })?;
         }
         if with_coverage {
             let found = reading.scalar(coverage)?;
@@ -236,142 +300,6 @@ fn level_camera() -> Option<Handle> {
         roll: 0.0,
         projection: Projection::Orthographic { height: 1.0 },
     }))
-}
-
-/// Returns n/|n|, or up if n is degenerate.
-fn unit(n: [f64; 3]) -> [f64; 3] {
-    let length = n.iter().map(|v| v * v).sum::<f64>().sqrt();
-    if length > DEGENERATE && length.is_finite() { n.map(|v| v / length) } else { [0.0, 1.0, 0.0] }
-}
-
-/// Recipe for depth with the sky at infinity, and for the coverage that follows from it.
-struct Sky {
-    far: f64,
-}
-
-impl Recipe for Sky {
-    fn apply(&self, _at: [i64; 2], lines: &mut [&mut [f32]]) -> Result<u64, NodeError> {
-        let mut lines = lines.iter_mut();
-        let (Some(depth), mut coverage) = (lines.next(), lines.next()) else { return Ok(0) };
-        for (index, depth) in depth.iter_mut().enumerate() {
-            let sky = f64::from(*depth) >= self.far;
-            if let Some(coverage) = &mut coverage {
-                coverage[index] = if sky { 0.0 } else { 1.0 };
-            }
-            if sky {
-                *depth = f32::INFINITY;
-            }
-        }
-        Ok(0)
-    }
-}
-
-/// Recipe for three components: unpacks them, rotates them so that y is up, and finishes them; also computes the
-/// height above a level.
-struct Turned {
-    up: Up,
-    unpack: fn(f64) -> f64,
-    finish: fn([f64; 3]) -> [f64; 3],
-    level: Option<f64>,
-}
-
-impl Recipe for Turned {
-    fn apply(&self, _at: [i64; 2], lines: &mut [&mut [f32]]) -> Result<u64, NodeError> {
-        let [x, y, z, height @ ..] = lines else { return Ok(0) };
-        for ((x, y), z) in x.iter_mut().zip(&mut **y).zip(&mut **z) {
-            let [a, b, c] = [*x, *y, *z].map(|v| (self.unpack)(f64::from(v)));
-            let turned = self.up.to_y_up([a, b, c]);
-            // Adding 0 turns −0 into 0.
-            [*x, *y, *z] = (self.finish)(turned).map(|v| v as f32 + 0.0);
-        }
-        if let ([height], Some(level)) = (height, self.level) {
-            height.iter_mut().zip(&**y).for_each(|(height, y)| *height = (f64::from(*y) - level) as f32);
-        }
-        Ok(0)
-    }
-}
-
-/// Reads the passes of one frame.
-struct Reading<'a> {
-    node: &'a ViewFromPasses,
-    frame: &'a FrameContext,
-    path: &'a Path,
-}
-
-impl Reading<'_> {
-    fn fit(&self, display: Window) -> Result<Fit, NodeError> {
-        Fit::new(
-            self.node.fit.map(FitBy::from),
-            PassFit::WORDS,
-            display,
-            [self.frame.format, self.frame.document_format],
-            self.path,
-        )
-    }
-
-    fn find(&self, pass: PassKnob<'_>) -> Result<FoundPass, NodeError> {
-        find_pass(self.frame, self.path, pass.item, pass.name())
-    }
-
-    fn fault(&self, pass: PassKnob<'_>, found: &FoundPass, expected: &str) -> NodeError {
-        let (name, channels) = (pass.name(), found.names().some(&found.channels));
-        let found = format_args!("{name} with the channels {channels}");
-        BadData::new(found, expected, "").of_item(pass.item).in_file(self.path).into()
-    }
-
-    /// Returns the pass of these stored channels.
-    fn pass(
-        &self,
-        prepare: &Prepare<'_>,
-        found: &FoundPass,
-        at: &[usize],
-        rule: Rule,
-        recipe: Option<Box<dyn Recipe>>,
-        channels: Vec<Channel>,
-    ) -> Result<Pass, NodeError> {
-        let fit = self.fit(found.info.display)?;
-        let stored = Stored {
-            path: self.path.into(),
-            part: found.info.part,
-            names: found.names().full(at),
-            data: found.info.data,
-            rule,
-            repair: self.node.repair,
-        };
-        let rows = match Opened::new(prepare, self.path, found)? {
-            Opened::Exr(reader) => {
-                let (file, places) = SharedFile::of(prepare, self.path, &reader, at)?;
-                Rows::File(file, places)
-            }
-            Opened::Picture(picture) => {
-                Rows::Memory(at.iter().map(|&index| picture.channels[index].plane.clone()).collect())
-            }
-        };
-        Ok(Pass { stream: Stream::new(stored, rows, recipe, channels.len(), fit), channels })
-    }
-
-    /// Finds a pass of one channel.
-    fn scalar(&self, knob: PassKnob<'_>) -> Result<FoundPass, NodeError> {
-        let found = self.find(knob)?;
-        if found.channels.len() != 1 {
-            let expected = "one; name the channel, for example \"Combined.A\"";
-            return Err(self.fault(knob, &found, expected));
-        }
-        Ok(found)
-    }
-
-    /// Finds a pass of three channels, and their positions.
-    fn vector(&self, knob: PassKnob<'_>) -> Result<(FoundPass, Vec<usize>), NodeError> {
-        let found = self.find(knob)?;
-        let (names, all) = (found.names(), &found.channels);
-        let named = names.among(all, ["X", "Y", "Z"]).or_else(|| names.among(all, ["R", "G", "B"]));
-        let at = match named {
-            Some(at) => at.to_vec(),
-            None if all.len() == 3 => all.clone(),
-            None => return Err(self.fault(knob, &found, "X, Y and Z, or R, G and B")),
-        };
-        Ok((found, at))
-    }
 }
 
 /// Channels of a view, read on demand.
@@ -421,9 +349,19 @@ impl Prepared for PreparedView {
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
-        if !self.passes.iter().all(|pass| pass.stream.accuracy() == Accuracy::Exact) {
-            return Err(NoBound("its passes are blended"));
+        for pass in &self.passes {
+            match pass.stream.accuracy() {
+                Accuracy::Exact => {}
+                Accuracy::Blended => return Err(NoBound("its passes are blended")),
+                Accuracy::Rounded => {
+                    for (index, channel) in pass.channels.iter().enumerate() {
+                        let truth = |at| pass.stream.reference(at).map_or(f64::NAN, |values| values[index]);
+                        bounding.bound_at(outputs, Out::View, *channel as usize, truth);
+                    }
+                }
+            }
         }
+        // Coverage is 0 or 1, and all else is as stored.
         bounding.exact(outputs);
         Ok(())
     }
