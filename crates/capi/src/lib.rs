@@ -5,6 +5,7 @@
 
 #![allow(non_camel_case_types, reason = "names of C")]
 // The contract of each function is in its documentation, which becomes the header.
+#![allow(rustdoc::broken_intra_doc_links, reason = "they are comments of C, where brackets are no links")]
 #![allow(clippy::missing_safety_doc, reason = "it would be the same sentence everywhere")]
 
 mod batch;
