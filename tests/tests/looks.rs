@@ -287,6 +287,29 @@ fn batches_that_do_not_fit_are_refused() {
     assert!(matches!(short, Err(PictureError::Passes(ShadeError::Short { found: 8, expected: 9, .. }))));
 }
 
+/// A document without a format means its lengths in pixels as one of the picture's size does.
+#[test]
+fn pictures_of_documents_without_a_format_are_no_drafts() {
+    let of = |format: &str| {
+        let text = format!(
+            r##"{{ "trochoid": 1, {format} "nodes": {{
+                "light": {{ "type": "ScreenX" }},
+                "moved": {{ "type": "Warp", "image": "light", "dx": 3, "reach": 8 }},
+                "soft": {{ "type": "Blur", "image": "moved", "size": 5 }}
+            }}, "outputs": {{ "soft": {{ "weights": "soft" }} }} }}"##
+        );
+        let look = LookBuilder::new(text).bind("light").build().unwrap();
+        let format = Format::new(WIDTH as u32, HEIGHT as u32, 1).unwrap();
+        let light = noise(1, 1.0);
+        let frame = look.picture(format, &[Samples::new(&light)], &mut Cache::new(), &Silent).unwrap();
+        bits(frame.pictures[0].planes[0].samples())
+    };
+    let stated = of(&format!(r#""format": {{ "width": {WIDTH}, "height": {HEIGHT} }},"#));
+    assert_eq!(of(""), stated);
+    // Larger than the document, it is scaled with it.
+    assert_ne!(of(r#""format": { "width": 1, "height": 1 },"#), stated);
+}
+
 #[test]
 fn an_unbound_pass_is_named() {
     let look = Look::new(shaded(), "out", 1, &["depth"], &Settings::default()).unwrap();

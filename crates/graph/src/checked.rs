@@ -204,8 +204,8 @@ pub struct CheckedGraph {
     pub(crate) name: String,
     pub(crate) folder: PathBuf,
     pub(crate) format: Format,
-    /// The document's own format, from which `format` differs in proxies and previews.
-    pub(crate) document_format: Format,
+    /// The document's own format, from which `format` differs in proxies and previews; `None` if it states none.
+    pub(crate) document_format: Option<Format>,
     pub(crate) format_place: [usize; 2],
     pub(crate) space: WorkingSpace,
     pub(crate) palette: Vec<PaletteColor>,
@@ -346,7 +346,7 @@ impl CheckedGraph {
             frame,
             time: (frame - self.first) as f64 / self.fps,
             format: self.format,
-            document_format: self.document_format,
+            document_format: self.document_format.unwrap_or(self.format),
             space: self.space,
             folder: self.folder.clone(),
             memory_limit,

@@ -13,7 +13,8 @@ pub struct FrameContext {
     pub time: f64,
     /// Format of the pictures that are made.
     pub format: Format,
-    /// The document's own format, from which [`format`](Self::format) may differ. Sizes of files are compared with it.
+    /// The document's own format, from which [`format`](Self::format) may differ. Sizes of files are compared with it. It is the same if the
+    /// document states none.
     pub document_format: Format,
     /// Working space of the document.
     pub space: WorkingSpace,

@@ -319,7 +319,7 @@ impl<'a> Checker<'a> {
             name: document.name().into(),
             folder: folder.into(),
             format: top.format?,
-            document_format: top.format?,
+            document_format: top.format.filter(|_| !document.has_no_size),
             format_place: format_place(document, &root),
             space: self.space,
             palette,

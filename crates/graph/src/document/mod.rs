@@ -35,6 +35,8 @@ pub struct Document {
     includes: Vec<Include>,
     /// Offsets of outputs that were added to look at nodes.
     views: Vec<usize>,
+    /// Whether the size of pictures was assumed.
+    pub(crate) has_no_size: bool,
 }
 
 /// First offset of assignments: offset − `ASSIGNED` is the index of one.
@@ -89,18 +91,21 @@ impl Document {
             files: Vec::new(),
             includes: Vec::new(),
             views: Vec::new(),
+            has_no_size: false,
         };
         document.find_includes(&root, "");
         document.root = root;
         Ok(document)
     }
 
-    /// Gives the document a size of pictures if it states no format.
+    /// Gives the document a size of pictures if it states no format. Then pictures of any size are as it means them, and
+    /// none is a scaled draft.
     pub fn assume_size(&mut self, [width, height]: [u32; 2]) {
         let Json::Object(entries) = &mut self.root.json else { return };
         if entries.iter().any(|entry| entry.key == "format") {
             return;
         }
+        self.has_no_size = true;
         let side = |key: &str, side: u32| Entry {
             key: key.into(),
             offset: 0,
