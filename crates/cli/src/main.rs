@@ -12,6 +12,7 @@ mod check;
 mod decompose;
 mod edit;
 mod explain;
+mod export;
 mod failure;
 mod files;
 mod fit;
@@ -87,6 +88,8 @@ enum Command {
     Check(check::Args),
     /// Draw a document's graph, with its control colors, as SVG
     Graph(graph::Args),
+    /// Write what is computed point by point as a shader: GLSL, OSL or MaterialX
+    Export(export::Args),
     /// Render an output small: as a movie (MP4), an animated WebP, one PNG or a sequence of them
     Preview(preview::Args),
     /// Draw a contact sheet: frames, documents, or values of a knob, side by side with captions
@@ -136,6 +139,7 @@ fn main() -> ExitCode {
         Command::Job(args) => job::run(args),
         Command::Check(args) => check::run(args),
         Command::Graph(args) => graph::run(args),
+        Command::Export(args) => export::run(args),
         Command::Preview(args) => preview::run(args),
         Command::Sheet(args) => sheet::run(args),
         Command::Stability(args) => stability::run(args),

@@ -21,6 +21,7 @@ pub use look::{Batch, Illegal, Look, PictureError, Samples, SamplesMut, ShadeErr
 pub use planning::explain::{Account, Channels, Evidence, Fate, ProofStep};
 pub use planning::left_out::LeftOut;
 pub use planning::plan::{BindingFault, Plan, PlanError};
+pub use planning::pointwise::PointwiseProgram;
 pub use rules::interval::Interval;
 pub use running::buffer_fault::BufferFault;
 pub use running::buffers::Buffers;

@@ -9,8 +9,8 @@ use trochoid_io::{OpenFile, open_file};
 /// Number of bytes at the start and at the end of a file that are searched for a mark.
 const LOOKED_AT: u64 = 4096;
 
-/// Start of the mark of pages (in `generator`), graph drawings (in a comment) and animations (in `CreatorTool`); the
-/// version follows.
+/// Start of the mark of pages (in `generator`), graph drawings and shaders (in a comment) and animations (in
+/// `CreatorTool`); the version follows.
 pub const GENERATOR: &str = "Trochoid ";
 
 /// First columns of the table of a report, whose header is its mark, since CSV has no comments.
@@ -69,6 +69,8 @@ pub enum Form {
     Page,
     /// Table of a report as CSV.
     Table,
+    /// Shader for another program: GLSL, OSL or MaterialX.
+    Shader,
     /// Plan as JSON.
     Plan,
     /// Palette as JSON.
@@ -111,7 +113,7 @@ impl Form {
 /// because nothing can be lost.
 ///
 /// EXR and PNG have metadata `trochoid:…`, which are found even if the rest is cut off. Reports, certificates, plans and
-/// palettes have their own keys, palettes of GIMP and tables of colors a comment; pages, graph drawings and animations name
+/// palettes have their own keys, palettes of GIMP, tables of colors and shaders a comment; pages, graph drawings and animations name
 /// their generator; a table has our header. All other files, including documents, are foreign.
 pub fn is_ours(path: &Path, form: Form) -> bool {
     open_file(path).is_ok_and(|found| found.length == 0 || form_of(path, found).is_ok_and(|found| found == Some(form)))
@@ -135,6 +137,7 @@ fn form_of(path: &Path, found: OpenFile) -> std::io::Result<Option<Form>> {
             _ if is_mp4 => says(&tail, "free").then_some(Form::Mp4),
             b'R' => says(&tail, "<xmp:CreatorTool>").then_some(Form::WebP),
             _ if says(&head, "<meta name=\"generator\" content=\"") => Some(Form::Page),
+            _ if says(&head, "<!-- ") && head.windows(10).any(|window| window == b"<materialx") => Some(Form::Shader),
             _ => says(&tail, "<!-- ").then_some(Form::Svg),
         });
     }
@@ -152,6 +155,9 @@ fn form_of(path: &Path, found: OpenFile) -> std::io::Result<Option<Form>> {
     }
     if head.starts_with(b"# ") && head[2..].starts_with(GENERATOR.as_bytes()) {
         return Ok(Some(Form::Cube));
+    }
+    if head.starts_with(b"// ") && head[3..].starts_with(GENERATOR.as_bytes()) {
+        return Ok(Some(Form::Shader));
     }
     if head.starts_with(b"GIMP Palette") {
         return Ok(says(&head, "# ").then_some(Form::Gimp));
@@ -199,7 +205,7 @@ mod tests {
     use super::*;
     use trochoid_io::{ExrChannel, ExrImage, PngImage};
 
-    const FORMS: [Form; 16] = [
+    const FORMS: [Form; 17] = [
         Form::Exr,
         Form::Png,
         Form::Preview,
@@ -211,6 +217,7 @@ mod tests {
         Form::Svg,
         Form::Page,
         Form::Table,
+        Form::Shader,
         Form::Plan,
         Form::Certificate,
         Form::Report,
@@ -236,6 +243,8 @@ mod tests {
             (r#"{"trochoid_plan": 1, "set": {}}"#, Form::Plan),
             (&format!("{TABLE}is_method\r\n"), Form::Table),
             (&format!("# {GENERATOR}0.1.0\nTITLE \"a\"\n"), Form::Cube),
+            (&format!("// {GENERATOR}0.1.0\nfloat a() {{ return 0.0; }}\n"), Form::Shader),
+            (&format!("<?xml version=\"1.0\"?>\n<!-- {GENERATOR}0.1.0 -->\n<materialx/>"), Form::Shader),
             (&page, Form::Page),
             (&svg, Form::Svg),
             (&webp, Form::WebP),
@@ -254,6 +263,8 @@ mod tests {
             r#"{"trochoid": "1", "nodes": {}}"#,
             "scene,output\n",
             "<svg/>",
+            "<materialx/>",
+            "// about Trochoid 1",
             "<!-- about Trochoid 1 --><svg/>",
             "RIFF....WEBP",
             "....ftypisom....free",

@@ -111,13 +111,14 @@ fn info_describes_what_render_wrote() {
 fn help_and_version_are_results() {
     let scene = Scene::new(SCENE);
     scene.run(&["--version"]).code(0).says(&["trochoid "]);
-    let all: [&[&str]; 6] = [
+    let all: [&[&str]; 7] = [
         &["--help"],
         &["render", "--help"],
         &["check", "-h"],
         &["nodes", "--help"],
         &["info", "--help"],
         &["stability", "--help"],
+        &["export", "--help"],
     ];
     for arguments in all {
         let run = scene.run(arguments).code(0).says(&["Usage: trochoid", "Examples:"]);

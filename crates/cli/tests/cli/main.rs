@@ -11,6 +11,7 @@ mod commands;
 mod edit;
 mod examine;
 mod explain;
+mod export;
 mod files;
 mod fit;
 #[cfg(target_os = "linux")]

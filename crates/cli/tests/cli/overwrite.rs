@@ -4,7 +4,7 @@ use crate::scene::{READS, SCENE, Scene};
 use std::fs;
 
 /// Commands, and a file that each writes.
-const WRITERS: [(&[&str], &str); 11] = [
+const WRITERS: [(&[&str], &str); 13] = [
     (&["render", "a.json"], "out/beauty.0002.exr"),
     (&["render", "a.json"], "out/mask.0003.png"),
     (&["render", "a.json", "--report", "r.json"], "r.json"),
@@ -15,6 +15,8 @@ const WRITERS: [(&[&str], &str); 11] = [
     (&["preview", "a.json", "--frames", "1", "-o", "p.png"], "p.png"),
     (&["plan", "a.json", "--tolerance", "1/8", "-o", "p.json"], "p.json"),
     (&["graph", "a.json", "-o", "g.svg"], "g.svg"),
+    (&["export", "a.json", "--to", "glsl", "--bind", "across", "-o", "g.glsl"], "g.glsl"),
+    (&["export", "a.json", "--to", "materialx", "--bind", "across", "-o", "g.mtlx"], "g.mtlx"),
     (&["stability", "sea.json", "-o", "m.png"], "m.png"),
 ];
 

@@ -12,5 +12,6 @@ mod lower;
 mod optimize;
 pub(crate) mod plan;
 mod planner;
+pub(crate) mod pointwise;
 pub(crate) mod schedule;
 pub(crate) mod shading;

@@ -132,7 +132,7 @@ impl<'g> Planner<'g, '_> {
     }
 
     /// Returns the knobs at the frame of every node that the roots depend on, without looking past bound nodes.
-    fn reachable(&self, roots: &[NodeId]) -> Vec<Option<Settled>> {
+    pub(super) fn reachable(&self, roots: &[NodeId]) -> Vec<Option<Settled>> {
         let mut settled: Vec<Option<Settled>> = vec![None; self.graph.nodes().len()];
         let mut open = roots.to_vec();
         while let Some(id) = open.pop() {
@@ -160,7 +160,7 @@ impl<'g> Planner<'g, '_> {
         lowered.stands_in[id.0] == id && self.stage(lowered, id).is_some()
     }
 
-    fn slot_interval(&self, lowered: &LoweredGraph, slot: &Slot, channel: usize) -> Interval {
+    pub(super) fn slot_interval(&self, lowered: &LoweredGraph, slot: &Slot, channel: usize) -> Interval {
         let by_kind = match self.graph.node(slot.node).kinds[slot.output] {
             Kind::Color | Kind::Layers(_) => Interval::COLOR,
             Kind::Weights(_) => Interval::MASK,
