@@ -1,6 +1,7 @@
 //! `trochoid edit`: runs the editor, which is a separate program so that no other command depends on a window system.
 
 use crate::failure::{FAILED, Failure};
+use crate::host;
 use std::env::consts::EXE_SUFFIX;
 use std::ffi::OsString;
 use std::path::Path;
@@ -8,6 +9,10 @@ use std::process::Command;
 use trochoid::quoted_path;
 
 pub(crate) fn run() -> Result<(), Failure> {
+    if host::is_there() {
+        let found = "found edit within another program, which it would replace; expected another command";
+        return Err(Failure::usage(found, "run the program trochoid"));
+    }
     let own = std::env::current_exe()
         .map_err(|error| Failure::new(FAILED, format!("the folder of this program cannot be found: {error}")))?;
     let editor = own.with_file_name(format!("trochoid-editor{EXE_SUFFIX}"));

@@ -1,14 +1,22 @@
 //! Files that a document may read and write, and files that a run may overwrite.
 
 use crate::failure::{Failure, once};
-use crate::remedies;
+use crate::{remedies, shell};
 use std::path::{Path, PathBuf};
-use std::sync::Once;
+use std::sync::atomic::{AtomicBool, Ordering};
 use trochoid::io::Target;
 use trochoid::{
     Access, CheckedGraph, Diagnostic, Form, InputFiles, LoadError, Loaded, RefusedFile, check_destination,
     check_replaced_by, quoted_path, refusals, refused_files,
 };
+
+/// Whether this run has warned of `--allow` paths.
+static WARNED: AtomicBool = AtomicBool::new(false);
+
+/// Begins another run in this process.
+pub(crate) fn warn_anew() {
+    WARNED.store(false, Ordering::Relaxed);
+}
 
 /// Options for the files that a document may access.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -38,10 +46,11 @@ impl AccessOptions {
         trochoid::load_within(path, set, self.access(path.parent().unwrap_or(Path::new("."))))
     }
 
-    /// Warns of `--allow` paths that do not exist, once per process.
+    /// Warns of `--allow` paths that do not exist, once per run.
     pub(crate) fn warn(&self) {
-        static WARNED: Once = Once::new();
-        WARNED.call_once(|| trochoid_terminal::warn_of_missing(&self.allow));
+        if !WARNED.swap(true, Ordering::Relaxed) {
+            shell::tell(&trochoid_terminal::missing(&self.allow));
+        }
     }
 
     /// Returns the faults of files that a document may not access, each with a remedy that covers all of them.

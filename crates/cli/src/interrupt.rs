@@ -1,7 +1,7 @@
-//! Ctrl-C as a flag that long work polls.
+//! Ctrl-C as a flag that long work polls. A host has its own way to stop.
 
 use crate::failure::{FAILED, Failure, INTERRUPTED, INTERRUPTION};
-use crate::shell;
+use crate::{host, shell};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -16,6 +16,9 @@ static ASKED: AtomicBool = AtomicBool::new(false);
 /// # Errors
 /// The system does not accept the handler.
 pub(crate) fn watch() -> Result<(), Failure> {
+    if host::is_there() {
+        return Ok(());
+    }
     let asked = || {
         if ASKED.swap(true, Ordering::Relaxed) {
             // After a second signal the process does not wait for running work.
@@ -41,5 +44,5 @@ fn end(messages: &[String]) -> ! {
 
 /// Returns whether the user has asked to stop.
 pub(crate) fn asked() -> bool {
-    ASKED.load(Ordering::Relaxed)
+    ASKED.load(Ordering::Relaxed) || host::cancelled()
 }

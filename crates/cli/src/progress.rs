@@ -1,9 +1,9 @@
-//! Progress of a run: a bar on terminals, or lines for programs.
+//! Progress of a run: a bar on terminals, lines for programs, or calls of a host.
 
 mod lines;
 
 use crate::failure::Failure;
-use crate::{interrupt, shell};
+use crate::{host, interrupt, shell};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use lines::Lines;
 pub(crate) use lines::{Form, failed};
@@ -26,7 +26,8 @@ pub(crate) struct Progress {
 impl Progress {
     /// Creates a bar for this many frames, on stderr, visible only if that is a terminal.
     pub(crate) fn new(frames: usize, hidden: bool) -> Self {
-        let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let target =
+            if hidden || host::is_there() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(frames as u64 * STEPS), target);
         let template = "{bar:20} {percent:>3} %  {elapsed} elapsed, {left} left  {wide_msg}";
         if let Ok(style) = ProgressStyle::with_template(template) {
@@ -89,6 +90,7 @@ impl Progress {
 
     /// Tells the share that is done.
     fn share(&self) {
+        host::progress(self.bar.position(), self.bar.length().unwrap_or_default());
         if let Some(lines) = &self.lines {
             lines.share(self.frame, self.bar.position() as f64 / self.bar.length().unwrap_or(1).max(1) as f64);
         }

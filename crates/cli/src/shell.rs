@@ -1,9 +1,11 @@
-//! Printing: results on stdout, everything else on stderr, with colors on terminals only.
+//! Printing: results on stdout, everything else on stderr, with colors on terminals only. A host gets both instead.
 
 use crate::failure::{FAILED, Failure};
+use crate::host;
 use anstyle::Style;
+use std::fmt::Display;
 use std::io::{ErrorKind, Write};
-pub(crate) use trochoid_terminal::{printable, tell};
+pub(crate) use trochoid_terminal::printable;
 
 /// Style of headings.
 pub(crate) const HEADING: Style = Style::new().bold();
@@ -13,12 +15,23 @@ pub(crate) const HEADING: Style = Style::new().bold();
 /// # Errors
 /// The text cannot be written for another reason, such as a full disk.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    if host::takes_text(text) {
+        return Ok(());
+    }
     let mut out = anstream::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::new(FAILED, format!("stdout: cannot be written: {error}")))
         }
         _ => Ok(()),
+    }
+}
+
+/// Prints messages on stderr.
+pub(crate) fn tell<'m, M: Display + 'm>(messages: impl IntoIterator<Item = &'m M, IntoIter: Clone>) {
+    let messages = messages.into_iter();
+    if !host::takes_messages(messages.clone()) {
+        trochoid_terminal::tell(messages);
     }
 }
 

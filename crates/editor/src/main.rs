@@ -5,7 +5,7 @@
 
 use clap::Parser;
 use std::process::ExitCode;
-use trochoid_terminal::{EditArgs, FAILED, INVALID, MemoryArgs, tell, warn_of_missing};
+use trochoid_terminal::{EditArgs, FAILED, INVALID, MemoryArgs, missing, tell};
 
 #[global_allocator]
 static HEAP: trochoid::Heap = trochoid::Heap;
@@ -30,7 +30,7 @@ fn main() -> ExitCode {
         }
     };
     memory.bound();
-    warn_of_missing(&edit.allow);
+    tell(&missing(&edit.allow));
     match trochoid_editor::open(edit.graph.as_deref(), &edit.allow) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -1,8 +1,8 @@
 use std::path::PathBuf;
 use trochoid::quoted_path;
 
-/// Warns about paths given to `--allow` that do not exist.
-pub fn warn_of_missing(allow: &[PathBuf]) {
+/// Returns warnings about paths given to `--allow` that do not exist.
+pub fn missing(allow: &[PathBuf]) -> Vec<String> {
     let missing = allow.iter().filter(|path| !path.exists());
     let texts = missing.map(|path| {
         format!(
@@ -11,5 +11,5 @@ pub fn warn_of_missing(allow: &[PathBuf]) {
             quoted_path(path)
         )
     });
-    crate::tell(&texts.collect::<Vec<_>>());
+    texts.collect()
 }

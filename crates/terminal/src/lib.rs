@@ -6,8 +6,8 @@ mod allow;
 mod memory;
 mod tell;
 
-pub use allow::warn_of_missing;
-pub use memory::{MemoryArgs, SizeError, enough_memory, size};
+pub use allow::missing;
+pub use memory::{Limited, MemoryArgs, SizeError, enough_memory, size};
 pub use tell::{printable, tell};
 
 /// Exit code if input or output failed, input data is invalid, or the evaluation failed.

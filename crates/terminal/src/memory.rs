@@ -70,6 +70,29 @@ impl MemoryArgs {
         }
         Heap::on_exhaustion(end);
     }
+
+    /// Limits what is planned in this process until the result is dropped, if the option is given. The process does not end
+    /// when memory runs out.
+    #[must_use]
+    pub fn limit_for_now(&self) -> Limited {
+        let before = Heap::allowed();
+        if let Some(bytes) = self.memory {
+            Heap::bound(usize::try_from(bytes).unwrap_or(usize::MAX));
+        }
+        Limited { before }
+    }
+}
+
+/// A limit that ends when this is dropped.
+#[derive(Debug)]
+pub struct Limited {
+    before: usize,
+}
+
+impl Drop for Limited {
+    fn drop(&mut self) {
+        Heap::bound(self.before);
+    }
 }
 
 fn end(exhausted: Exhausted) -> ! {

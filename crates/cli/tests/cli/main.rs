@@ -14,6 +14,7 @@ mod explain;
 mod export;
 mod files;
 mod fit;
+mod hosted;
 #[cfg(target_os = "linux")]
 mod hostile;
 mod job;
