@@ -1,12 +1,17 @@
 //! `trochoid recolor`: paints recipes in other colors.
+//!
+//! The JSON output has `pictures`, a list of `{recipe, file, colors, outside, within}`: the number of pixels outside of the
+//! hull of the colors, null if images contribute, and the largest difference of a channel from a render in the same
+//! colors, in the working space.
 
 use crate::decompose::outputs_at;
 use crate::failure::{FAILED, Failure};
 use crate::files::OverwriteOptions;
 use crate::palette::named::{self, Named};
 use crate::progress::Progress;
-use crate::{frames, interrupt};
+use crate::{frames, interrupt, shell};
 use painting::{Painting, Written};
+use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use trochoid::{Form, PaletteColor, RecipeError, RecipeReader, WorkingSpace, expand_frame, nearest};
@@ -51,8 +56,11 @@ pub(crate) struct Args {
     #[command(flatten)]
     over: OverwriteOptions,
     /// Print nothing on stdout, and show no progress
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     quiet: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
 }
 
 /// Recolors recipes.
@@ -79,7 +87,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     interrupt::watch()?;
     let mut progress = Progress::new(recipes.len(), args.quiet);
     // Palettes by working space: recipes of one run usually share it.
-    let mut palettes = Vec::new();
+    let (mut palettes, mut all) = (Vec::new(), Vec::new());
     for (index, ((path, frame), out)) in recipes.iter().zip(&outs).enumerate() {
         progress.begin(index, frame.unwrap_or(index as i64 + 1));
         let recipe = opened(path)?;
@@ -91,13 +99,20 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         let colors = colors(args, path, &recipe, palette.unwrap_or_default(), frame.unwrap_or(1))?;
         let painting = Painting { recipe: &recipe, colors: &colors, is_deep: args.deep, is_float: args.float };
         let written = painting.write(out, args.over, &progress)?;
-        let line = line(path, out, &recipe, &written);
-        if !args.quiet {
-            progress.print(&line)?;
+        if args.json {
+            all.push(json!({
+                "recipe": path.display().to_string(),
+                "file": out.display().to_string(),
+                "colors": recipe.info().names.len(),
+                "outside": written.outside,
+                "within": written.bound,
+            }));
+        } else if !args.quiet {
+            progress.print(&line(path, out, &recipe, &written))?;
         }
     }
     progress.finish();
-    Ok(())
+    if args.json { shell::print_json(&json!({ "pictures": all })) } else { Ok(()) }
 }
 
 /// Returns the paths of the recipes, each with its frame if the command line says it.

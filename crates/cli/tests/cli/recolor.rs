@@ -54,6 +54,18 @@ fn a_picture_is_painted_again_in_its_own_colors_and_in_others() {
 }
 
 #[test]
+fn what_was_painted_is_told_as_json() {
+    let scene = made();
+    scene.run(&["decompose", "land.png", "--palette", "a.json", "--out", "r.exr"]).code(0);
+    let json = scene.run(&["recolor", "r.exr", "--out", "{name}.png", "--json"]).code(0).json();
+    let painted = &json["pictures"][0];
+    assert_eq!((&painted["recipe"], &painted["file"]), (&"r.exr".into(), &"r.png".into()));
+    assert_eq!((&painted["colors"], &painted["outside"]), (&5.into(), &0.into()));
+    assert!((0.0..1.0 / 255.0).contains(&painted["within"].as_f64().unwrap()), "{json}");
+    scene.run(&["recolor", "r.exr", "--out", "s.png", "--json", "--quiet"]).fails(2, &["--quiet"]);
+}
+
+#[test]
 fn weights_are_masks_whose_sum_is_exactly_1() {
     let scene = made();
     for (out, more) in [("h.exr", &[][..]), ("f.exr", &["--float"]), ("s.exr", &["--softness", "0"])] {
