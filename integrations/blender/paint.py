@@ -1,0 +1,194 @@
+"""Paints passes by a document. This module needs no Blender, and runs in any thread.
+
+A document with the knob `plate` is rendered as the command `render` does, with the file of the passes as the knob's value. Of
+any other, passes take the place of the nodes that have their names, as arrays.
+"""
+
+import json
+import threading
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import trochoid
+
+from . import colors, passes, plate
+
+# Commands run one at a time in a process.
+COMMANDS = threading.Lock()
+
+
+class Unpaintable(Exception):
+    """There is no picture. The message says why, and what to do."""
+
+
+@dataclass
+class Request:
+    """What to paint."""
+
+    document: Path
+    # What tells whether the document's file has changed.
+    stamp: str
+    output: str
+    # Its layer in files; empty if it is the main one.
+    layer: str
+    # Working space of the document.
+    space: str
+    # What was changed, as `set` takes it.
+    set: dict
+    frame: int
+    # File with the passes, and their view layer.
+    plate: Path
+    view_layer: str
+    # Whether the document names that file itself, by its knob.
+    has_plate: bool
+    # Folders that the document may reach besides its own.
+    allow: list
+    # Width and height: of the render, and those that the document states, or 0.
+    render_size: tuple
+    size: tuple
+    # Passes by the names of the nodes that they are bound to.
+    bound: dict = field(default_factory=dict)
+    # Length of Blender's unit in meters.
+    scale: float = 1.0
+    # Frame at which the passes were rendered.
+    rendered: int | None = None
+
+
+@dataclass
+class Painting:
+    """A picture."""
+
+    request: Request
+    # Rows from the top, in linear light with the primaries of Rec. 709.
+    pixels: np.ndarray
+    # What was counted, for people.
+    told: str
+    # The picture as PNG; None if the program renders one.
+    png: bytes | None = None
+
+
+def go_on(_done, _total):
+    return True
+
+
+def paint(request, progress=go_on):
+    """Paints. Raises Unpaintable or trochoid.Cancelled."""
+    begun = time.perf_counter()
+    try:
+        painting = rendered(request, progress) if request.has_plate else composed(request, progress)
+    except trochoid.Cancelled:
+        raise
+    except trochoid.InvalidDocument as error:
+        raise Unpaintable("\n".join(sentence(fault) for fault in error.diagnostics) or str(error)) from error
+    except (trochoid.Error, ValueError, KeyError, OSError) as error:
+        raise Unpaintable(str(error)) from error
+    painting.told += f", {time.perf_counter() - begun:.2f} s"
+    if request.rendered not in (None, request.frame):
+        painting.told += f", passes of frame {request.rendered}"
+    return painting
+
+
+def composed(request, progress):
+    """Paints with passes as arrays."""
+    look = look_of(request)
+    inputs = {slot.name: taken(request, slot) for slot in look.slots if slot.is_used}
+    picture = look.picture(inputs, size=request.render_size, progress=progress)
+    pixels = colors.to_linear(request.space, picture.numpy()).astype(np.float32)
+    audit = picture.audit
+    return Painting(request, pixels, counts(audit.hull_exits, audit.pixels), picture.png())
+
+
+def look_of(request):
+    """Returns the document with its inputs."""
+    options = {
+        "output": request.output,
+        "inputs": list(request.bound),
+        "set": request.set,
+        "frame": request.frame,
+        # Light goes beyond what a mask may hold.
+        "illegal": "clamp",
+    }
+    if request.size[0]:
+        return trochoid.Look.load(request.document, **options)
+    # Without a format of its own, what it gives in pixels is in those of the render.
+    data = json.loads(request.document.read_text(encoding="utf-8-sig"))
+    data["format"] = dict(zip(("width", "height"), request.render_size))
+    return trochoid.Look(data, folder=request.document.parent, name=str(request.document), **options)
+
+
+def taken(request, slot):
+    """Returns the samples of an input: a pass, as documents mean it."""
+    known = request.bound[slot.name]
+    try:
+        values = plate.read_pass(request.plate, request.view_layer, known, request.render_size)
+    except plate.Missing as error:
+        remedy = f"switch on {known.label} in the view layer, and render again"
+        raise Unpaintable(f'node "{slot.name}": found no pass {known.names[0]} in the render; {remedy} ({error})') from error
+    values = passes.fitted(known, passes.converted(known, values, request.scale), slot.channels)
+    if values is None:
+        found = f"found the pass {known.names[0]} of {len(known.channels)} channels; expected {slot.channels}"
+        remedy = "rename the node, or switch the pass off in the panel"
+        raise Unpaintable(f'node "{slot.name}": {found}: {remedy}')
+    return values
+
+
+def rendered(request, progress):
+    """Paints as the command `render` does."""
+    file = request.plate.with_suffix(".painted.exr")
+    told = render(request, file, progress)["outputs"][request.output]
+    pixels = plate.read(file, request.layer, "RGB", request.size)
+    if request.space == "acescg":
+        pixels = colors.to_linear(request.space, pixels).astype(np.float32)
+    return Painting(request, pixels, counts(told["hull_exits"], told["pixels"]))
+
+
+def render(request, file, progress=go_on):
+    """Renders the document to a file, and returns what is counted."""
+    with COMMANDS:
+        frames = trochoid.render(
+            request.document,
+            frames=request.frame,
+            output=request.output,
+            out=str(file).replace("#", "\\#").replace("%", "\\%"),
+            set=request.set,
+            allow=request.allow,
+            overwrite=True,
+            progress=progress,
+        )
+    return frames[0]
+
+
+def write(painting, file):
+    """Writes a painting to a file, as the program makes it. Raises Unpaintable."""
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        if painting.png is not None:
+            file.write_bytes(painting.png)
+        else:
+            render(painting.request, file)
+    except (trochoid.Error, OSError) as error:
+        raise Unpaintable(f"{file}: {error}") from error
+
+
+def counts(outside, pixels):
+    return f"hull, {outside} of {pixels} pixels outside"
+
+
+def sentence(fault):
+    """Returns a diagnostic of Trochoid as text."""
+    return f"{place(fault)}{message(fault)}; {fault['remedy']}" if fault.get("remedy") else place(fault) + message(fault)
+
+
+def place(fault):
+    """Returns where a fault is: `line 7: node "beauty", weight: `."""
+    parts = [f"line {fault['line']}"] if fault.get("line") else []
+    if fault.get("node"):
+        port = f", {fault['port']}" if fault.get("port") else ""
+        parts.append(f'node "{fault["node"]}"{port}')
+    return "".join(f"{part}: " for part in parts)
+
+
+def message(fault):
+    return f"found {fault['found']}; expected {fault['expected']}"
