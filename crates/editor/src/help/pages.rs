@@ -16,8 +16,8 @@ macro_rules! chapters {
 }
 
 chapters! {
-    "index" "getting-started" "documents" "editor" "commands" "certificates" "files" "farm" "embedding" "palette"
-    "colored-light" "night" "repainting" "upscaled-passes" "thin-lines" "section" "toon-foam" "definitions"
+    "index" "getting-started" "documents" "editor" "commands" "certificates" "files" "farm" "embedding" "blender"
+    "palette" "colored-light" "night" "repainting" "upscaled-passes" "thin-lines" "section" "toon-foam" "definitions"
     "scenes" "internals"
 }
 
