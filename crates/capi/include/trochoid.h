@@ -71,7 +71,7 @@ typedef enum {
 } trochoid_illegal;
 
 /**
- * Kind of an input or of the output.
+ * Kind of an input.
  */
 typedef enum {
   /**
@@ -232,7 +232,7 @@ typedef struct {
 
 /**
  * Is told how many of all tiles are done, from any thread; returns 0 to go on, and anything else to
- * cancel.
+ * cancel. It must not throw.
  */
 typedef int32_t (*trochoid_progress)(size_t done, size_t total, void *user);
 
@@ -249,7 +249,8 @@ typedef struct {
    */
   uint64_t pixels;
   /**
-   * Number of colors in the palette: those that the output mixes.
+   * Number of colors that the output mixes: those of the document, and a color of each pixel where
+   * they come from an input.
    */
   uint64_t control_count;
   /**
@@ -282,8 +283,8 @@ uint32_t trochoid_abi(void);
 const char *trochoid_version(void);
 
 /**
- * Returns the error as a text: one line for each fault, with its place and what to do. It lives as
- * long as the error.
+ * Returns the error as a text: every fault, with its place and what to do. It lives as long as the
+ * error.
  */
 const char *trochoid_error_text(const trochoid_error *error);
 
@@ -381,7 +382,8 @@ void trochoid_shader_release(trochoid_shader *shader);
  * allocated after the first batch. The results are those of pictures, bit for bit.
  *
  * If a sample of an input is illegal, returns TROCHOID_BUFFER, and writes to bad, unless that is NULL,
- * where it is. What is in out then is undefined.
+ * where it is. What is in out then is undefined. If the samples of an input that is used or of the
+ * output are NULL, or the stride of the output is 0, returns TROCHOID_INVALID, and writes nothing.
  */
 trochoid_status trochoid_shade(trochoid_shader *shader,
                                size_t count,

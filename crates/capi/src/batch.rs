@@ -1,5 +1,6 @@
 //! Samples of C.
 
+use trochoid::Look;
 use trochoid_foreign::{Input, Output};
 
 /// Where the samples of an input channel are.
@@ -33,4 +34,12 @@ impl From<trochoid_out> for Output {
     fn from(trochoid_out { samples, stride }: trochoid_out) -> Self {
         Self { samples, stride }
     }
+}
+
+/// Whether all channels that are read or written lead to samples, and no two results to one place.
+pub(crate) fn are_there(look: &Look, inputs: &[Input], outputs: &[Output]) -> bool {
+    let used = look.slots().iter().filter(|slot| slot.is_used);
+    let mut read = used.flat_map(|slot| &inputs[slot.first..slot.first + slot.channels()]);
+    read.all(|input| !input.samples.is_null())
+        && outputs.iter().all(|output| !output.samples.is_null() && output.stride != 0)
 }

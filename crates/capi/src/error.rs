@@ -79,8 +79,8 @@ impl From<PictureError> for Fault {
     }
 }
 
-/// Returns the error as a text: one line for each fault, with its place and what to do. It lives as
-/// long as the error.
+/// Returns the error as a text: every fault, with its place and what to do. It lives as long as the
+/// error.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trochoid_error_text(error: *const trochoid_error) -> *const c_char {
     // SAFETY: null or an error of this library.

@@ -1,6 +1,6 @@
 //! Pictures.
 
-use crate::batch::{trochoid_in, trochoid_out};
+use crate::batch::{are_there, trochoid_in, trochoid_out};
 use crate::error::{Fault, trochoid_error};
 use crate::look::trochoid_look;
 use crate::options::size_t;
@@ -11,7 +11,7 @@ use trochoid::{Cache, Format, Monitor, Samples};
 use trochoid_foreign::{Input, Output};
 
 /// Is told how many of all tiles are done, from any thread; returns 0 to go on, and anything else to
-/// cancel.
+/// cancel. It must not throw.
 pub type trochoid_progress = Option<unsafe extern "C" fn(done: size_t, total: size_t, user: *mut c_void) -> i32>;
 
 /// What was counted on a picture. Set struct_size before the call.
@@ -22,7 +22,8 @@ pub struct trochoid_report {
     pub struct_size: size_t,
     /// Number of pixels.
     pub pixels: u64,
-    /// Number of colors in the palette: those that the output mixes.
+    /// Number of colors that the output mixes: those of the document, and a color of each pixel where
+    /// they come from an input.
     pub control_count: u64,
     /// Number of pixels outside of the palette's hull: 0, unless the library is broken. Not counted
     /// where colors come from inputs.
@@ -89,13 +90,24 @@ pub unsafe extern "C" fn trochoid_picture(
                 Ok(format) => format,
                 Err(fault) => return Fault::invalid(fault.to_string()).tell(error),
             };
+            if !report.is_null() && (&raw const (*report).struct_size).read() == 0 {
+                return Fault::invalid("found a report with a struct_size of 0; expected sizeof(trochoid_report)")
+                    .tell(error);
+            }
+            let inputs: Vec<Input> = (0..look.inputs()).map(|channel| Input::from(r#in.add(channel).read())).collect();
+            let outputs: Vec<Output> =
+                (0..look.channels()).map(|channel| Output::from(out.add(channel).read())).collect();
+            if !are_there(look, &inputs, &outputs) {
+                let text =
+                    "found NULL, or an output with a stride of 0; expected samples in every channel that is used";
+                return Fault::invalid(text).tell(error);
+            }
             let area = format.window().area();
             let mut planes: Vec<Vec<f32>> = Vec::with_capacity(look.inputs());
             for slot in look.slots() {
-                for channel in slot.first..slot.first + slot.channels() {
-                    let count = if slot.is_used { area } else { 0 };
-                    planes.push(Input::from(r#in.add(channel).read()).copied(count));
-                }
+                let count = if slot.is_used { area } else { 0 };
+                let channels = &inputs[slot.first..slot.first + slot.channels()];
+                planes.extend(channels.iter().map(|input| input.copied(count)));
             }
             let passes: Vec<Samples<'_>> = planes.iter().map(|plane| Samples::new(plane)).collect();
             let teller = Teller { progress, user, stopped: AtomicBool::new(false) };
@@ -106,8 +118,8 @@ pub unsafe extern "C" fn trochoid_picture(
             };
             let seconds = started.elapsed().as_secs_f64();
             let picture = &frame.pictures[0];
-            for (channel, plane) in picture.planes.iter().enumerate() {
-                Output::from(out.add(channel).read()).take(plane.samples());
+            for (output, plane) in outputs.iter().zip(&picture.planes) {
+                output.take(plane.samples());
             }
             if !report.is_null() {
                 let counted = trochoid_report {

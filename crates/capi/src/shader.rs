@@ -1,6 +1,6 @@
 //! Shaders.
 
-use crate::batch::{trochoid_in, trochoid_out};
+use crate::batch::{are_there, trochoid_in, trochoid_out};
 use crate::error::{Fault, trochoid_error};
 use crate::look::trochoid_look;
 use crate::options::size_t;
@@ -77,7 +77,8 @@ pub unsafe extern "C" fn trochoid_shader_release(shader: *mut trochoid_shader) {
 /// allocated after the first batch. The results are those of pictures, bit for bit.
 ///
 /// If a sample of an input is illegal, returns TROCHOID_BUFFER, and writes to bad, unless that is NULL,
-/// where it is. What is in out then is undefined.
+/// where it is. What is in out then is undefined. If the samples of an input that is used or of the
+/// output are NULL, or the stride of the output is 0, returns TROCHOID_INVALID, and writes nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trochoid_shade(
     shader: *mut trochoid_shader,
@@ -99,6 +100,9 @@ pub unsafe extern "C" fn trochoid_shade(
         let done = unsafe {
             shader.inputs.extend((0..look.inputs()).map(|channel| Input::from(r#in.add(channel).read())));
             shader.outputs.extend((0..look.channels()).map(|channel| Output::from(out.add(channel).read())));
+            if !are_there(look, &shader.inputs, &shader.outputs) && count > 0 {
+                return trochoid_status::TROCHOID_INVALID;
+            }
             shader.shader.shade(count, &shader.inputs, &shader.outputs)
         };
         match done {

@@ -98,6 +98,42 @@ fn structures_of_any_layout_are_shaded_in_place() {
         let outputs = [0, 1, 2].map(|c| trochoid_out { samples: rgb.wrapping_add(c), stride: -stride });
         let status = trochoid_shade(shader, POINTS, inputs.as_ptr(), outputs.as_ptr(), null_mut());
         assert_eq!(status, trochoid_status::TROCHOID_OK);
+        // What leads nowhere is refused, and nothing is written.
+        let mut nowhere = inputs;
+        nowhere[1].samples = null();
+        let mut same = outputs;
+        same[2].stride = 0;
+        let mut missing = outputs;
+        missing[0].samples = null_mut();
+        for (inputs, outputs) in [(&nowhere, &outputs), (&inputs, &same), (&inputs, &missing)] {
+            let status = trochoid_shade(shader, POINTS, inputs.as_ptr(), outputs.as_ptr(), null_mut());
+            assert_eq!(status, trochoid_status::TROCHOID_INVALID);
+            let status = trochoid_picture(
+                look,
+                20,
+                30,
+                inputs.as_ptr(),
+                outputs.as_ptr(),
+                None,
+                null_mut(),
+                null_mut(),
+                null_mut(),
+            );
+            assert_eq!(status, trochoid_status::TROCHOID_INVALID);
+        }
+        let mut empty: trochoid_report = std::mem::zeroed();
+        let status = trochoid_picture(
+            look,
+            20,
+            30,
+            inputs.as_ptr(),
+            outputs.as_ptr(),
+            None,
+            null_mut(),
+            &raw mut empty,
+            null_mut(),
+        );
+        assert_eq!(status, trochoid_status::TROCHOID_INVALID);
         // The first illegal sample of the first input that has one.
         points[POINTS - 1 - 5].light = f32::NAN;
         points[POINTS - 1 - 3].rim = 2.0;
