@@ -2,8 +2,8 @@
 //! node graph of MaterialX.
 //!
 //! What is written comes from the pointwise program of an output ([`PointwiseProgram`]), never from nodes, so that every
-//! pointwise node can be written, and a new one needs nothing here. [`translate`] is the one place that knows all operations;
-//! a [`translate::Target`] writes their parts in a language.
+//! pointwise node can be written, and a new one needs nothing here. `translate` is the one place that knows all operations;
+//! a `translate::Target` writes their parts in a language.
 //!
 //! Colors of the shader are as safe as those of a picture: masks that come from outside are clamped, weights are divided
 //! by their sum, and only then are colors mixed. The shader computes in 32-bit floats in an order of its own, so its
