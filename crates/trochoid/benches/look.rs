@@ -16,7 +16,7 @@ const LOOK: &str = r##"{
   "trochoid": 1,
   "working_space": "srgb",
   "nodes": {
-    "light": { "type": "ScreenX" }, "rim": { "type": "ScreenX" }, "depth": { "type": "ScreenX" }, "glint": { "type": "ScreenX" },
+    "light": { "type": "ScreenX" }, "rim": { "type": "ScreenX" }, "depth": { "type": "Noise", "scale": 1 }, "glint": { "type": "ScreenX" },
     "lit": { "type": "Clamp", "field": "light", "min": 0.1, "max": 0.9, "smooth": true },
     "far": { "type": "Clamp", "field": "depth", "min": 3, "max": 60 },
     "water": { "type": "Ramp", "weight": "lit", "stops": [
