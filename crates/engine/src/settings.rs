@@ -97,6 +97,8 @@ pub struct Settings {
     /// buffers of the caller. Takes 4 bytes per sample for every channel filled, within the limit of the cache; call
     /// [`Cache::forget_unused`](crate::Cache::forget_unused) after each picture, to make room.
     pub keep: Keep,
+    /// Whether programs record the extremes of weights and of results, for reports.
+    pub(crate) audits: bool,
     /// What stages are prepared for. For bounds, every plane has bounds on its errors beside it, in channels that follow
     /// its own.
     pub(crate) purpose: Purpose,
@@ -127,6 +129,7 @@ impl Default for Settings {
             region: None,
             local: false,
             keep: Keep::Nothing,
+            audits: true,
             purpose: Purpose::Pictures,
             exact: None,
         }

@@ -3,6 +3,9 @@
 use crate::pointers::{Input, Output, PACKED, Pointers};
 use trochoid::{Look, Samples, SamplesMut, ShadeError, Shader, emptied};
 
+/// Number of samples from which looking for overlaps takes less time than copying.
+const FEW: usize = 128;
+
 /// What one thread needs to shade samples in memory of another language.
 #[derive(Debug)]
 pub struct ForeignShader {
@@ -51,14 +54,15 @@ impl ForeignShader {
         }
     }
 
-    /// Shades samples where they are, if each channel's follow one another and nothing overlaps what is written; `None` if
-    /// that is not so.
+    /// Shades samples where they are, if there are many, each channel's follow one another, and nothing overlaps what is
+    /// written; `None` if that is not so.
     ///
     /// # Safety
     /// As for [`shade`](Self::shade), with as many channels as the look has.
     #[allow(unsafe_code)]
     unsafe fn slices(&mut self, count: usize, inputs: &[Input], outputs: &[Output]) -> Option<Result<(), ShadeError>> {
-        if !outputs.iter().all(|out| out.stride == PACKED && is_row(out.samples)) {
+        // Few are copied sooner than it is seen whether they overlap.
+        if count < FEW || !outputs.iter().all(|out| out.stride == PACKED && is_row(out.samples)) {
             return None;
         }
         let written = || outputs.iter().map(|out| bytes(out.samples, count));

@@ -2,7 +2,7 @@
 
 use crate::program::Program;
 use crate::translate::translate;
-use crate::{Lanes, Run, STEP, Scratch, Set, Stores};
+use crate::{Lanes, Run, Scratch, Set, Stores};
 use memmap2::{Mmap, MmapMut};
 use std::sync::atomic::AtomicPtr;
 use trochoid_memory::Target;
@@ -23,6 +23,7 @@ pub struct Code {
     outputs: usize,
     state: usize,
     stores: Stores,
+    step: usize,
 }
 
 /// Entry point of the code. Its arguments are the table of rows, the constants, the state, the slots, and the bytes
@@ -58,14 +59,20 @@ impl Code {
             outputs: program.outputs,
             state: program.state,
             stores,
+            step: translated.step,
         })
+    }
+
+    /// Returns the number of samples that it processes at a time, a divisor of [`STEP`](crate::STEP).
+    pub fn step(&self) -> usize {
+        self.step
     }
 
     /// Runs over some samples, and writes to every target from sample `start` on. Allocates nothing if `scratch` has
     /// served a program that is as large.
     ///
     /// # Panics
-    /// The number of rows does not match the program, a row is too short, the count is not a multiple of [`STEP`], or
+    /// The number of rows does not match the program, a row is too short, the count is not a multiple of its [`step`](Self::step), or
     /// the code was compiled for targets of whole cache lines and a target is not one.
     pub fn run(&self, run: &Run<'_>, out: &mut [Target<'_>], state: &mut [Lanes], scratch: &mut Scratch) {
         let &Run { inputs, lines, start, count } = run;
@@ -73,7 +80,7 @@ impl Code {
         assert_eq!(lines.len(), self.lines, "lines");
         assert_eq!(out.len(), self.outputs, "outputs");
         assert_eq!(state.len(), self.state, "state");
-        assert!(count.is_multiple_of(STEP), "{count} samples are no whole steps");
+        assert!(count.is_multiple_of(self.step), "{count} samples are no whole steps");
         assert!(inputs.iter().all(|row| row.len() >= count), "inputs of {count} samples");
         assert!(lines.iter().all(|row| !row.is_empty()), "lines of one number");
         if count == 0 {

@@ -54,7 +54,7 @@ mod tests;
 pub use code::Code;
 pub use program::{Op, Program, Value};
 
-/// Number of samples that [`Code`] processes at a time: the count of a run is a multiple of it.
+/// Number of samples of which every [`Code`] processes whole multiples; see [`Code::step`].
 pub const STEP: usize = 32;
 
 /// A vector of bits: state that is carried from one run to the next.
@@ -99,6 +99,6 @@ pub struct Run<'a> {
     pub lines: &'a [&'a [f32]],
     /// Position of the first sample in the targets.
     pub start: usize,
-    /// Number of samples, a multiple of [`STEP`].
+    /// Number of samples, a multiple of the code's [`step`](Code::step).
     pub count: usize,
 }

@@ -275,6 +275,9 @@ fn compiled_programs_have_the_bits_of_the_definitions() {
             .collect();
         for set in sets() {
             let code = Code::compile(&program, set, Stores::Cached).unwrap();
+            // Steps of the code may be shorter than the longest.
+            assert!(STEP.is_multiple_of(code.step()), "{}", code.step());
+            let count = count - (STEP - code.step());
             let (start, beyond) = (3, 5);
             let mut out = vec![vec![-7.0f32; start + count + beyond]; OUTPUTS];
             let mut state = [Lanes([0; 16]); STATE];
@@ -283,7 +286,7 @@ fn compiled_programs_have_the_bits_of_the_definitions() {
             let mut targets: Vec<Target<'_>> = out.iter_mut().map(|row| Target::new(row)).collect();
             code.run(&Run { inputs: &inputs, lines: &lines, start, count }, &mut targets, &mut state, &mut scratch);
             spilled += usize::from(!scratch.slots.is_empty());
-            for (at, (expected, ..)) in expected.iter().enumerate() {
+            for (at, (expected, ..)) in expected.iter().take(count).enumerate() {
                 for (channel, expected) in expected.iter().enumerate() {
                     let found = out[channel][start + at];
                     assert_eq!(
@@ -300,7 +303,7 @@ fn compiled_programs_have_the_bits_of_the_definitions() {
             // A gate closes only for a whole vector, so state behind one may include more values than each sample
             // needs.
             if !program.items.iter().any(|item| matches!(item, Item::Gate { .. })) {
-                let all = expected.iter().fold([u32::MAX, 0, 0], |all, (_, seen, _)| {
+                let all = expected.iter().take(count).fold([u32::MAX, 0, 0], |all, (_, seen, _)| {
                     [all[0].min(seen[0]), all[1].max(seen[1]), all[2].max(seen[2])]
                 });
                 assert_eq!(seen, all, "{round} {set:?}");

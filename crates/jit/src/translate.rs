@@ -25,6 +25,8 @@ pub(crate) struct Translated {
     pub(crate) code: Vec<u8>,
     pub(crate) constants: Vec<u32>,
     pub(crate) slots: usize,
+    /// Number of samples processed at a time.
+    pub(crate) step: usize,
 }
 
 /// Translates a program without open gates.
@@ -51,7 +53,8 @@ pub(crate) fn translate(program: &Program, set: Set, stores: Stores) -> Result<T
     translator.whole()?;
     let slots = translator.registers.slots();
     let (code, constants) = translator.asm.finish()?;
-    Ok(Translated { code, constants, slots })
+    let step = if wide { 16 } else { 8 } * parts as usize;
+    Ok(Translated { code, constants, slots, step })
 }
 
 /// Returns the vectors of state that are used most often.

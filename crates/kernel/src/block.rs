@@ -1,7 +1,7 @@
 //! Runs programs over samples without a place in a picture, without allocating.
 
 use crate::code::{BLOCK, Block, CHUNK, Plane};
-use crate::native::{Native, STEP};
+use crate::native::Native;
 use crate::run::{KernelInputs, Machine, PlaneRow};
 use crate::sweep::{is_faulty, sweep};
 use trochoid_memory::{Target, emptied};
@@ -15,7 +15,12 @@ pub(crate) struct Spare {
 }
 
 impl Machine<'_> {
-    /// Runs over `count` samples, a multiple of [`CHUNK`]: one row for each plane in, one for each channel of each root out,
+    /// Returns the number of samples that are run at a time, a divisor of [`CHUNK`].
+    pub fn step(&self) -> usize {
+        self.compiled.native.as_ref().and_then(Native::make_ready).unwrap_or(CHUNK)
+    }
+
+    /// Runs over `count` samples, a multiple of [`step`](Self::step): one row for each plane in, one for each channel of each root out,
     /// in the order of both iterators. Only the first call allocates.
     ///
     /// # Panics
@@ -27,7 +32,7 @@ impl Machine<'_> {
         count: usize,
         outputs: impl Iterator<Item = &'o mut [f32]>,
     ) {
-        assert!(count.is_multiple_of(CHUNK), "whole chunks");
+        assert!(count.is_multiple_of(self.step()), "whole steps");
         self.all(inputs, count, outputs);
     }
 
@@ -37,9 +42,7 @@ impl Machine<'_> {
     /// The count is 0 or exceeds a block, or as [`rows`](Self::rows).
     pub fn block(&mut self, inputs: &mut [Block], count: usize, outputs: &mut [Block]) {
         assert!((1..=BLOCK).contains(&count), "1 to {BLOCK} samples");
-        let is_native = self.compiled.native.as_ref().is_some_and(Native::make_ready);
-        let step = if is_native { STEP } else { CHUNK };
-        let whole = count.next_multiple_of(step);
+        let whole = count.next_multiple_of(self.step());
         for input in &mut *inputs {
             // Padded with the last sample, which adds nothing new to any audit.
             let last = input.0[count - 1];

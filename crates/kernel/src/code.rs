@@ -158,6 +158,8 @@ pub(crate) struct Code {
     pub(crate) roots: Vec<(usize, usize)>,
     /// Whether a root is a color, by root.
     pub(crate) colors: Vec<bool>,
+    /// Whether the extremes of weights and of results are recorded.
+    pub(crate) audits: bool,
     /// Planes that are checked against the rule of their kind: the plane and the rule, by index.
     pub(crate) checks: Vec<(u32, ValueRule)>,
 }

@@ -21,6 +21,8 @@ pub struct Options<'a> {
     pub everything: bool,
     /// Instruction sets that may be used.
     pub instructions: Instructions,
+    /// Record the extremes of weights and of results, for reports.
+    pub audits: bool,
     /// Run as machine code, if possible.
     pub native: bool,
     /// How a plane varies over the picture.
@@ -73,6 +75,7 @@ pub fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -> Compi
             given: given.clone(),
             fuse: options.fuse,
             everything: false,
+            audits: options.audits,
             checks: Vec::new(),
         });
         for (&at, &(first, count)) in hoisted.iter().zip(&code.roots) {
@@ -87,8 +90,15 @@ pub fn compile(program: &Program, roots: &[u32], options: &Options<'_>) -> Compi
     }
     let checks =
         out.planes.iter().enumerate().filter_map(|(at, slot)| Some((at as u32, (options.rule)(slot)?))).collect();
-    out.main =
-        generate(GeneratorInput { ops, roots, given, fuse: options.fuse, everything: options.everything, checks });
+    out.main = generate(GeneratorInput {
+        ops,
+        roots,
+        given,
+        fuse: options.fuse,
+        everything: options.everything,
+        audits: options.audits,
+        checks,
+    });
     if options.native {
         let (planes, columns, lines) = (out.planes.len(), out.column.channels(), out.row.channels());
         out.native = Native::new(&out.main, planes, columns, lines, options.instructions.level());

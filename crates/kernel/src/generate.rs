@@ -25,6 +25,8 @@ pub(crate) struct GeneratorInput<'a> {
     pub(crate) fuse: bool,
     /// Whether to run also what no root needs.
     pub(crate) everything: bool,
+    /// Whether to record the extremes of weights and of results.
+    pub(crate) audits: bool,
     /// Planes to check against the rules of their kinds.
     pub(crate) checks: Vec<(u32, ValueRule)>,
 }
@@ -57,7 +59,7 @@ pub(crate) fn generate(input: GeneratorInput<'_>) -> Code {
         roots_of.entry(at).or_default().push(root as u32);
     }
     let mut generator = Generator {
-        code: Code { checks: input.checks.clone(), ..Code::default() },
+        code: Code { checks: input.checks.clone(), audits: input.audits, ..Code::default() },
         values: input.given.clone(),
         input: &input,
         order: &order,
@@ -254,7 +256,7 @@ impl Generator<'_> {
 
     /// Returns whether a mask or a partition still has to be audited here; afterwards it counts as audited.
     fn is_unaudited(&mut self, at: u32) -> bool {
-        let is_new = !self.audited.iter().any(|done| done.contains(&at));
+        let is_new = self.input.audits && !self.audited.iter().any(|done| done.contains(&at));
         if is_new && let Some(innermost) = self.audited.last_mut() {
             innermost.insert(at);
         }

@@ -33,6 +33,7 @@
 //!     fuse: true,
 //!     everything: false,
 //!     instructions: Default::default(),
+//!     audits: true,
 //!     native: false,
 //!     variance: &|_| Variance::Pixel,
 //!     rule: &|_| None,

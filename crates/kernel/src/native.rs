@@ -6,15 +6,13 @@ use crate::run::{CodeFrame, KernelInputs, Look, RowEnd, filled};
 use crate::sweep::is_simple;
 use fearless_simd::Level;
 use std::sync::{Arc, OnceLock};
-use trochoid_jit::{Lanes, Op, Program, Run, Set, Stores, Value};
+use trochoid_jit::{Lanes, Op, Program, Run, STEP, Set, Stores, Value};
 use trochoid_memory::Target;
-
-pub(crate) use trochoid_jit::STEP;
 
 /// Number of samples of a row shown to the look callback at a time: they stay in L1.
 const BLOCK: usize = 512;
 
-/// Indices of the state vectors that come before those of the roots.
+/// Indices of the state vectors that come before those of the roots. From [`WEIGHTS`] on, all are audits.
 const FIELDS: usize = 0;
 const MASKS: usize = 1;
 const COLORS: usize = 3;
@@ -134,12 +132,14 @@ impl Native {
         true
     }
 
-    /// Makes the code that writes through the cache; returns whether there is some.
-    pub(crate) fn make_ready(&self) -> bool {
-        self.code(Stores::Cached).is_some()
+    /// Makes the code that writes through the cache; returns the number of samples that it processes at a time, if there
+    /// is some.
+    pub(crate) fn make_ready(&self) -> Option<usize> {
+        self.code(Stores::Cached).map(trochoid_jit::Code::step)
     }
 
-    /// Runs over `count` samples of rows, a whole number of steps. Returns false if there is no machine code after all.
+    /// Runs over `count` samples of rows, a whole number of the code's steps. Returns false if there is no machine code
+    /// after all.
     pub(crate) fn samples(
         &self,
         frame: &mut CodeFrame<'_>,
@@ -202,6 +202,9 @@ fn each(frame: &mut CodeFrame<'_>, mut f: impl FnMut(usize, bool, &mut BitRange)
             f(state, rule == ValueRule::Mask, &mut frame.checks[index]);
         }
     }
+    if !code.audits {
+        return;
+    }
     f(WEIGHTS, true, &mut frame.weights);
     let mut state = ROOTS;
     for root in 0..code.roots.len() {
@@ -241,6 +244,9 @@ fn store_bits(frame: &mut CodeFrame<'_>, state: &mut [Lanes]) {
             bits.largest = state[at].0;
         }
     });
+    if !frame.code.audits {
+        return;
+    }
     for lanes in &state[SUMS..SUMS + 2] {
         for pair in lanes.0.as_chunks::<2>().0 {
             let deviation = f64::from_bits(u64::from(pair[0]) | u64::from(pair[1]) << 32);
@@ -272,6 +278,7 @@ impl<'c> Translation<'c> {
             states.push(state as u32);
             state += if code.is_color(root) { 6 } else { 1 };
         }
+        let state = if code.audits { state } else { WEIGHTS };
         let mut program = Program::new(planes + columns, lines, code.channels(), state);
         let mut inputs: Vec<Value> = (0..planes + columns).map(|i| program.compute(Op::Input(i as u32))).collect();
         let columns = inputs.split_off(planes);
@@ -340,7 +347,9 @@ impl<'c> Translation<'c> {
         let (first, _) = self.code.roots[root as usize];
         let state = self.states[root as usize];
         for (c, value) in color.into_iter().enumerate() {
-            self.program.see(value, Some(state + 2 * c as u32), state + 2 * c as u32 + 1, false);
+            if self.code.audits {
+                self.program.see(value, Some(state + 2 * c as u32), state + 2 * c as u32 + 1, false);
+            }
             self.program.output(value, (first + c) as u32);
         }
         Some(())
@@ -446,7 +455,9 @@ impl<'c> Translation<'c> {
             Instruction::OutRows { root, rows } => {
                 let (first, _) = self.code.roots[*root as usize];
                 for (channel, value) in self.rows(rows)?.into_iter().enumerate() {
-                    self.program.see(value, None, self.states[*root as usize], true);
+                    if self.code.audits {
+                        self.program.see(value, None, self.states[*root as usize], true);
+                    }
                     self.program.output(value, (first + channel) as u32);
                 }
             }

@@ -1,12 +1,9 @@
 //! Stands in for `native.rs` if machine code is not compiled in.
 
-use crate::code::{CHUNK, Code};
+use crate::code::Code;
 use crate::run::{CodeFrame, KernelInputs, Look};
 use fearless_simd::Level;
 use trochoid_memory::Target;
-
-/// Number of samples that are run at a time.
-pub(crate) const STEP: usize = CHUNK;
 
 /// A type without values, since there is no machine code.
 #[derive(Clone, Debug)]
@@ -34,7 +31,7 @@ impl Native {
         match *self {}
     }
 
-    pub(crate) fn make_ready(&self) -> bool {
+    pub(crate) fn make_ready(&self) -> Option<usize> {
         match *self {}
     }
 

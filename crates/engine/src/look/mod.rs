@@ -100,6 +100,8 @@ impl Look {
             let mut settings = settings.clone();
             // A sample has no row and no column.
             settings.switches.hoist = false;
+            // Nor does a batch have a report.
+            settings.audits = false;
             Plan::new(&graph, &[output], frame, bound, &settings)?
         };
         let mut slots: Vec<Slot> = Vec::with_capacity(bound.len());

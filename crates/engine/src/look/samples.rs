@@ -83,35 +83,41 @@ impl<'a> SamplesMut<'a> {
     }
 }
 
-/// Returns how many samples a slice has at a stride.
-fn reached(length: usize, stride: usize) -> usize {
-    match (length, stride) {
-        (0, _) => 0,
-        (_, 0) => usize::MAX,
-        _ => length.div_ceil(stride),
-    }
-}
-
 /// Slices with a stride.
-pub(super) trait Lengths {
-    /// Returns the number of samples.
-    fn length(&self) -> usize;
-}
+pub(super) trait Strided {
+    /// Returns the length of the slice and the stride.
+    fn extent(&self) -> [usize; 2];
 
-impl Lengths for Samples<'_> {
-    fn length(&self) -> usize {
-        reached(self.samples.len(), self.stride)
+    /// Returns the number of samples.
+    fn count(&self) -> usize {
+        match self.extent() {
+            [0, _] => 0,
+            [_, 0] => usize::MAX,
+            [length, stride] => length.div_ceil(stride),
+        }
+    }
+
+    /// Whether there are at least `count` samples. Told without a division, which would take as long as five samples.
+    fn holds(&self, count: usize) -> bool {
+        let [length, stride] = self.extent();
+        count == 0 || (count - 1).checked_mul(stride).is_some_and(|last| last < length)
     }
 }
 
-impl Lengths for SamplesMut<'_> {
-    fn length(&self) -> usize {
-        reached(self.samples.len(), self.stride)
+impl Strided for Samples<'_> {
+    fn extent(&self) -> [usize; 2] {
+        [self.samples.len(), self.stride]
+    }
+}
+
+impl Strided for SamplesMut<'_> {
+    fn extent(&self) -> [usize; 2] {
+        [self.samples.len(), self.stride]
     }
 }
 
 /// Checks that there are as many channels as expected, and in those that are used as many samples.
-pub(super) fn checked<S: Lengths>(
+pub(super) fn checked<S: Strided>(
     what: &'static str,
     channels: &[S],
     is_used: impl Fn(usize) -> bool,
@@ -122,9 +128,8 @@ pub(super) fn checked<S: Lengths>(
         return Err(ShadeError::Channels { what, found: channels.len(), expected });
     }
     for (channel, samples) in channels.iter().enumerate() {
-        let found = samples.length();
-        if found < count && is_used(channel) {
-            return Err(ShadeError::Short { what, channel, found, expected: count });
+        if !samples.holds(count) && is_used(channel) {
+            return Err(ShadeError::Short { what, channel, found: samples.count(), expected: count });
         }
     }
     Ok(())

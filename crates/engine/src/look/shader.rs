@@ -10,7 +10,7 @@ use crate::BufferFault;
 use self_cell::{MutBorrow, self_cell};
 use std::ops::Range;
 use trochoid_graph::Kind;
-use trochoid_kernel::{BLOCK, Block, CHUNK, Chunks, Machine};
+use trochoid_kernel::{BLOCK, Block, Chunks, Machine};
 use trochoid_weights::sums;
 
 type Running<'p> = Machine<'p>;
@@ -84,12 +84,13 @@ impl Shader {
         self.blocks(done..count, &mut slices)
     }
 
-    /// Evaluates whole chunks of samples where they are, if they follow one another or are the same for all; returns how
-    /// many. Blocks do the rest, and all if something is illegal, or −0.
+    /// Evaluates whole steps of samples where they are, if they follow one another or are the same for all; returns how
+    /// many. Blocks do the rest, and all if something is illegal, or −0, or if they are few and no whole number of steps.
     fn in_place(&mut self, count: usize, slices: &mut Slices<'_, '_, '_>) -> usize {
-        let whole = count / CHUNK * CHUNK;
         let Self { engine, blocks } = self;
         engine.with_dependent_mut(|(look, _), machine| {
+            let rest = count % machine.step();
+            let whole = if rest > 0 && count < BLOCK { 0 } else { count - rest };
             let points = look.points();
             let is_plain = look.illegal == Illegal::Refuse && points.partitions.is_empty();
             if whole == 0 || !is_plain || !slices.are_rows(points) {
@@ -99,7 +100,7 @@ impl Shader {
             let mut step = whole;
             for (block, (input, _)) in blocks.inputs.iter_mut().zip(&points.inputs) {
                 if let Some(value) = slices.uniform(*input) {
-                    block.0.fill(value);
+                    block.0[..whole.min(BLOCK)].fill(value);
                     step = step.min(BLOCK);
                 }
             }

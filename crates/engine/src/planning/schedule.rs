@@ -328,6 +328,7 @@ impl Scheduler<'_, '_, '_> {
             hoist,
             fuse: switches.fuse,
             everything: !switches.demand,
+            audits: self.planner.settings.audits,
             instructions: self.planner.settings.instructions,
             native: switches.compile && samples >= self.planner.settings.compile_from,
             variance: &|slot| self.planner.variance(self.lowered, slot),

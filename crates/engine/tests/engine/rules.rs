@@ -56,6 +56,7 @@ fn traced(program: &Program, inputs: &[f32], bounds: &[Bound], instructions: Ins
         fuse: false,
         everything: true,
         instructions,
+        audits: true,
         native: false,
         variance: &|_| Variance::Pixel,
         rule: &|_| None,
