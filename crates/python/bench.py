@@ -1,4 +1,4 @@
-"""Cost of shading samples from Python, for the batches of `cargo bench -p trochoid --bench look`.
+"""Cost of shading samples from Python, for the batches of `cargo bench --workspace --bench look`.
 
     python crates/python/bench.py          with the package installed, built in release mode
 
@@ -6,35 +6,16 @@ prints nanoseconds per sample: the median over many batches, as the benchmark of
 4096 samples as arguments, `bench.py BATCH STRIDED` in the same unit, prints the ratios, too.
 """
 
+import json
 import statistics
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import trochoid
 
-LOOK = {
-    "trochoid": 1,
-    "working_space": "srgb",
-    "nodes": {
-        "light": {"type": "ScreenX"},
-        "rim": {"type": "ScreenX"},
-        "depth": {"type": "ScreenX"},
-        "glint": {"type": "ScreenX"},
-        "lit": {"type": "Clamp", "field": "light", "min": 0.1, "max": 0.9, "smooth": True},
-        "far": {"type": "Clamp", "field": "depth", "min": 3, "max": 60},
-        "water": {
-            "type": "Ramp",
-            "weight": "lit",
-            "stops": [{"at": 0, "color": "#1f4a52"}, {"at": 0.6, "color": "#7f8f90"}, {"at": 1, "color": "#e8e2bf"}],
-        },
-        "rimmed": {"type": "Mix", "a": "water", "b": "#8a9aa4", "weight": "rim"},
-        "sparkle": {"type": "Multiply", "weights": ["glint", "lit", 0.8]},
-        "shining": {"type": "Mix", "a": "rimmed", "b": "#fff2d0", "weight": "sparkle"},
-        "beauty": {"type": "Mix", "a": "shining", "b": "#909fa2", "weight": "far"},
-    },
-    "outputs": {"beauty": {"color": "beauty"}},
-}
+LOOK = json.loads((Path(__file__).parents[1] / "trochoid/benches/look.json").read_text())
 PASSES = ["light", "rim", "depth", "glint"]
 
 

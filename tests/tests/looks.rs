@@ -449,3 +449,32 @@ fn looks_go_to_other_threads() {
         }
     });
 }
+
+#[test]
+fn knobs_that_reach_ports_through_groups_can_be_bound() {
+    let document = r##"{
+        "trochoid": 1,
+        "working_space": "srgb",
+        "knobs": { "calm": 0.25 },
+        "groups": { "Veiled": {
+            "inputs": { "on": "Color" },
+            "knobs": { "veil": { "default": 0.5, "min": 0, "max": 1 } },
+            "nodes": { "mixed": { "type": "Mix", "a": "on", "b": "#ffffff", "weight": "= knobs.veil" } },
+            "outputs": { "color": "mixed" }
+        } },
+        "nodes": {
+            "light": { "type": "ScreenX" },
+            "dark": { "type": "Mix", "a": "#000000", "b": "#204060", "weight": "light" },
+            "far": { "type": "Veiled", "on": "dark", "veil": "= knobs.calm" },
+            "near": { "type": "Veiled", "on": "far", "veil": "= knobs.calm" }
+        },
+        "outputs": { "beauty": { "color": "near" } }
+    }"##;
+    let light = noise(1, 1.0);
+    let bound = LookBuilder::new(document).bind("light").bind("knobs.calm").build().unwrap();
+    for calm in [0.0, 0.3, 1.0] {
+        let found = shade(&mut bound.shader().unwrap(), &[light.clone(), vec![calm; AREA]], AREA).unwrap();
+        let set = LookBuilder::new(document).bind("light").set(&format!("knobs.calm={calm}")).build().unwrap();
+        assert_eq!(found, shade(&mut set.shader().unwrap(), std::slice::from_ref(&light), AREA).unwrap(), "{calm}");
+    }
+}

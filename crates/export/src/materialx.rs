@@ -295,14 +295,14 @@ impl Target for Graph {
         let channels = [0, 1, 2].map(|channel: usize| {
             let index = Ref::Value(channel.to_string());
             let inputs = [("in", COLOR, color), ("index", "integer", &index)];
-            let x = Ref::Node(self.node("extract", &format!("encoded_{channel}"), FLOAT, &inputs));
-            let low = self.binary("divide", &format!("encoded_{channel}_a"), &x, &number(12.92));
-            let above = self.binary("add", &format!("encoded_{channel}_b"), &x, &number(0.055));
-            let part = self.binary("divide", &format!("encoded_{channel}_c"), &above, &number(1.055));
-            let high = self.binary("power", &format!("encoded_{channel}_d"), &part, &number(2.4));
-            self.choose("ifgreater", &format!("encoded_{channel}_e"), [&x, &number(0.04045)], &high, &low)
+            let x = Ref::Node(self.node("extract", &format!("e{channel}"), FLOAT, &inputs));
+            let low = self.binary("divide", &format!("e{channel}_a"), &x, &number(12.92));
+            let above = self.binary("add", &format!("e{channel}_b"), &x, &number(0.055));
+            let part = self.binary("divide", &format!("e{channel}_c"), &above, &number(1.055));
+            let high = self.binary("power", &format!("e{channel}_d"), &part, &number(2.4));
+            self.choose("ifgreater", &format!("e{channel}_e"), [&x, &number(0.04045)], &high, &low)
         });
         let inputs = [0, 1, 2].map(|channel| (["in1", "in2", "in3"][channel], FLOAT, &channels[channel]));
-        Ref::Node(self.node("combine3", "decoded", COLOR, &inputs))
+        Ref::Node(self.node("combine3", "e3", COLOR, &inputs))
     }
 }

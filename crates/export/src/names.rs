@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use trochoid_graph::Kind;
 
 /// Words that no name may be: keywords of GLSL 4.60 and ES 3.20, of OSL 1.14, variables of every OSL shader, functions of
-/// its standard library with names such as nodes have, and those that shaders here or programs around them call.
+/// its standard library with names such as nodes have, macros of its header, and those that shaders here or programs around them call.
 const RESERVED: &[&str] = &[
     "abs",
     "area",
@@ -162,6 +162,12 @@ const RESERVED: &[&str] = &[
     "volume",
     "while",
     "writeonly",
+    "BUILTIN",
+    "BUILTIN_DERIV",
+    "PERCOMP1",
+    "PERCOMP2",
+    "PERCOMP2F",
+    "STDOSL_H",
     "Ci",
     "I",
     "N",
@@ -200,8 +206,8 @@ pub(crate) fn identifier(name: &str) -> String {
     if made.is_empty() {
         return "unnamed".into();
     }
-    // GLSL keeps all names that begin so for itself.
-    if made.starts_with("gl_") || made.starts_with(|first: char| first.is_ascii_digit()) {
+    // GLSL keeps all names that begin with the first for itself; OSL has macros that begin with the second.
+    if made.starts_with("gl_") || made.starts_with("M_") || made.starts_with(|first: char| first.is_ascii_digit()) {
         return format!("n_{made}");
     }
     let is_type = TYPES.iter().any(|ty| made.starts_with(ty) && !made[ty.len()..].starts_with(char::is_lowercase));
@@ -210,7 +216,7 @@ pub(crate) fn identifier(name: &str) -> String {
 
 /// Whether shaders call their own variables so: a letter, and a position in the program.
 fn is_ours(name: &str) -> bool {
-    let rest = name.strip_prefix(['t', 'c', 'w', 'q', 's', 'd', 'r']);
+    let rest = name.strip_prefix(['t', 'c', 'w', 'q', 's', 'd', 'r', 'e']);
     rest.is_some_and(|rest| rest.starts_with(|first: char| first.is_ascii_digit()))
 }
 
@@ -263,6 +269,8 @@ mod tests {
             ("…", "unnamed"),
             ("noise", "noise_in"),
             ("gl_Color", "n_gl_Color"),
+            ("M_PI", "n_M_PI"),
+            ("e3", "e3_in"),
             ("sampler2D", "sampler2D_in"),
             ("material", "material"),
             ("vector_of", "vector_of"),

@@ -12,22 +12,7 @@ fn main() {
 }
 
 /// Water by its light, its rim, the glitter of the sun, and the haze of the distance.
-const LOOK: &str = r##"{
-  "trochoid": 1,
-  "working_space": "srgb",
-  "nodes": {
-    "light": { "type": "ScreenX" }, "rim": { "type": "ScreenX" }, "depth": { "type": "Noise", "scale": 1 }, "glint": { "type": "ScreenX" },
-    "lit": { "type": "Clamp", "field": "light", "min": 0.1, "max": 0.9, "smooth": true },
-    "far": { "type": "Clamp", "field": "depth", "min": 3, "max": 60 },
-    "water": { "type": "Ramp", "weight": "lit", "stops": [
-      { "at": 0, "color": "#1f4a52" }, { "at": 0.6, "color": "#7f8f90" }, { "at": 1, "color": "#e8e2bf" } ] },
-    "rimmed": { "type": "Mix", "a": "water", "b": "#8a9aa4", "weight": "rim" },
-    "sparkle": { "type": "Multiply", "weights": ["glint", "lit", 0.8] },
-    "shining": { "type": "Mix", "a": "rimmed", "b": "#fff2d0", "weight": "sparkle" },
-    "beauty": { "type": "Mix", "a": "shining", "b": "#909fa2", "weight": "far" }
-  },
-  "outputs": { "beauty": { "color": "beauty" } }
-}"##;
+const LOOK: &str = include_str!("look.json");
 
 const PASSES: [&str; 4] = ["light", "rim", "depth", "glint"];
 const COUNTS: [usize; 3] = [16, 256, 4096];

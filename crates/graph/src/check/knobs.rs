@@ -1,36 +1,53 @@
 //! Finds the ports that take the values of a document's knobs.
 
 use super::{Checker, FaultLocation};
+use crate::expand::LinkedKnob;
 use crate::{DocumentKnob, NodeId};
+use std::collections::HashMap;
 
 /// Port that takes the value of a knob as it is.
 pub(super) struct KnobUse {
-    /// Offset of the knob's value.
-    offset: usize,
     node: String,
     item: String,
+}
+
+/// The knobs whose value stands at an offset, and what takes it.
+#[derive(Default)]
+pub(super) struct KnobValue {
+    knobs: usize,
+    uses: Vec<KnobUse>,
+}
+
+/// Returns the places of the values of knobs.
+pub(super) fn values(knobs: &[LinkedKnob]) -> HashMap<usize, KnobValue> {
+    let mut values: HashMap<usize, KnobValue> = HashMap::new();
+    knobs.iter().for_each(|knob| values.entry(knob.offset).or_default().knobs += 1);
+    values
 }
 
 impl Checker<'_> {
     /// Records a port's value that links have brought there from a knob of the document.
     pub(super) fn linked_port(&mut self, offset: usize, place: FaultLocation<'_>) {
-        if self.expanded.knobs.iter().any(|knob| knob.offset == offset)
-            && let Some((node, item)) = self.item_at(place)
-        {
-            self.knob_uses.push(KnobUse { offset, node, item });
+        if !self.knob_values.contains_key(&offset) {
+            return;
+        }
+        let used = self.item_at(place).map(|(node, item)| KnobUse { node, item });
+        if let Some(value) = self.knob_values.get_mut(&offset) {
+            value.uses.extend(used);
         }
     }
 
     /// Returns the document's knobs with the ports that take them.
-    pub(super) fn document_knobs(&mut self, find: &dyn Fn(&str) -> Option<NodeId>) -> Vec<DocumentKnob> {
-        let uses = std::mem::take(&mut self.knob_uses);
-        let all = &self.expanded.knobs;
-        let knob = |knob: &crate::expand::LinkedKnob| {
-            let is_only = all.iter().filter(|other| other.offset == knob.offset).count() == 1;
-            let taking: Vec<&KnobUse> = uses.iter().filter(|used| used.offset == knob.offset).collect();
-            let ports = taking.iter().filter_map(|used| Some((find(&used.node)?, used.item.clone()))).collect();
-            DocumentKnob { name: knob.name.clone(), ports, is_whole: is_only && taking.len() == knob.taken }
+    pub(super) fn document_knobs(&self, find: &dyn Fn(&str) -> Option<NodeId>) -> Vec<DocumentKnob> {
+        let knob = |knob: &LinkedKnob| {
+            let value = &self.knob_values[&knob.offset];
+            let ports = value.uses.iter().filter_map(|used| Some((find(&used.node)?, used.item.clone()))).collect();
+            DocumentKnob {
+                name: knob.name.clone(),
+                ports,
+                is_whole: value.knobs == 1 && value.uses.len() == knob.taken,
+            }
         };
-        all.iter().map(knob).collect()
+        self.expanded.knobs.iter().map(knob).collect()
     }
 }

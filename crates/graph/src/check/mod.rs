@@ -26,7 +26,7 @@ use crate::{
 use around::{Surroundings, direct_consumers};
 use items::Names;
 use kinds::name_kinds;
-use knobs::KnobUse;
+use knobs::KnobValue;
 use palette::Palette;
 use std::collections::HashMap;
 use std::path::Path;
@@ -47,7 +47,7 @@ pub fn check(document: &Document, registry: &Registry, folder: &Path) -> (Option
         diagnostics: Vec::new(),
         space: Default::default(),
         palette: Palette::default(),
-        knob_uses: Vec::new(),
+        knob_values: knobs::values(&expanded.knobs),
         records: Vec::new(),
         element: None,
     };
@@ -70,7 +70,7 @@ struct Checker<'a> {
     space: trochoid_image::WorkingSpace,
     palette: Palette<'a>,
     /// Ports that take values of the document's knobs.
-    knob_uses: Vec<KnobUse>,
+    knob_values: HashMap<usize, KnobValue>,
     /// Lists that are being read, each with the index of the record.
     records: Vec<(&'static str, usize)>,
     /// Index of what is read of a list of connections.

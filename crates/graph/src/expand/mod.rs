@@ -367,6 +367,8 @@ impl<'d> Expander<'d> {
                 self.error(entry.offset, found, format!("a {}", input.accepts), "connect it, as the group asks for it");
             }
         }
+        // To look at a value is not to take it.
+        let taken = std::mem::take(&mut self.taken);
         for knob in &group.knobs {
             match self.knob(within, knob.name, entry.offset) {
                 Some(value) => self.check_range(knob, &value),
@@ -377,6 +379,7 @@ impl<'d> Expander<'d> {
                 None => {}
             }
         }
+        self.taken = taken;
     }
 
     fn check_range(&mut self, knob: &GroupKnob<'d>, value: &Spanned) {
