@@ -18,7 +18,8 @@ pub struct ForeignShader {
 impl ForeignShader {
     /// Makes it of a shader.
     pub fn new(shader: Shader) -> Self {
-        Self { shader, inputs: Vec::new(), outputs: Vec::new() }
+        let (inputs, outputs) = (shader.look().inputs(), shader.look().channels());
+        Self { shader, inputs: Vec::with_capacity(inputs), outputs: Vec::with_capacity(outputs) }
     }
 
     /// Returns the look.

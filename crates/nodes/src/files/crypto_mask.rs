@@ -18,7 +18,7 @@ use trochoid_image::Window;
 ///
 /// # Edge cases
 /// IDs are those of the manifest in the file's header, and a name that it lacks is refused. Without a manifest, or with one
-/// in another file, which is not read, they are computed from the names: then a misspelt name is an empty mask, and
+/// in another file, which is not read, they are computed from the names: then a misspelled name is an empty mask, and
 /// `trochoid check` says so. Coverages up to 0.001 outside of [0, 1] count as rounded; others, and NaN, are refused with
 /// their location, or repaired and counted. IDs are never blended: `"bilinear"` blends the mask.
 ///
