@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use trochoid::{
     Batch, BufferFault, Buffers, Cache, CheckedGraph, Format, Illegal, Kind, Look, LookBuilder, LookError,
-    OpeningFault, PictureError, PlanError, Samples, SamplesMut, Settings, ShadeError, Shader, Silent, Switches,
+    PictureError, Samples, SamplesMut, Settings, ShadeError, Shader, Silent, Switches,
 };
 
 const WIDTH: usize = 61;
@@ -311,19 +311,36 @@ fn pictures_of_documents_without_a_format_are_no_drafts() {
 }
 
 #[test]
-fn an_unbound_pass_is_named() {
-    let look = Look::new(shaded(), "out", 1, &["depth"], &Settings::default()).unwrap();
-    match look.shader() {
-        // The pass that is missing: the light, or the view that it needs.
-        Err(error @ PlanError::Unbound { .. }) => {
-            let text = error.to_string();
-            assert!(
-                ["\"view\" (a Render)", "\"light\" (a NonSpecular)"].iter().any(|name| text.contains(name)),
-                "{text}"
-            );
-        }
-        other => panic!("{:?}", other.map(|_| ())),
+fn nodes_in_the_way_of_batches_are_named() {
+    let look = Look::new(shaded(), "out", 1, &["paint"], &Settings::default()).unwrap();
+    let told = look.shader().map(|_| ()).unwrap_err();
+    // The passes that colors are computed from, not the view that they need in their turn.
+    let names: Vec<_> = told.faults.iter().filter_map(|fault| fault.node.as_deref()).collect();
+    assert_eq!(names, ["light", "depth"], "{told}");
+    let text = told.to_string();
+    for words in [
+        "node \"light\": found a NonSpecular, which needs more than one sample",
+        "node \"depth\": found a Depth, which",
+        "on the way to \"out\"",
+        "remedy: bind \"light\" as an input, or make a picture",
+    ] {
+        assert!(text.contains(words), "{text}");
     }
+    assert!(told.faults.iter().all(|fault| fault.line > 1 && fault.column > 1), "{text}");
+    // Once they are inputs, nothing is in the way.
+    let bound: Vec<&str> = names.iter().copied().chain(["paint"]).collect();
+    assert!(Look::new(shaded(), "out", 1, &bound, &Settings::default()).unwrap().shader().is_ok());
+    // An output that no name of an input means.
+    let nodes = r##"
+        "camera": { "type": "Camera" }, "sea": { "type": "GerstnerSea", "count": 0 },
+        "view": { "type": "Render", "camera": "camera", "surfaces": ["sea"] },
+        "out": { "type": "Mix", "a": "#000", "b": "#fff", "weight": "view.coverage" }"##;
+    let covered = graph(r#""width": 8, "height": 8"#, nodes, r#""out": { "color": "out" }"#);
+    let told =
+        Look::new(covered.clone(), "out", 1, &[], &Settings::default()).unwrap().shader().map(|_| ()).unwrap_err();
+    assert!(told.to_string().contains("remedy: bind the nodes that take it as an input, or make a picture"), "{told}");
+    assert!(Look::new(covered, "out", 1, &["out"], &Settings::default()).unwrap().shader().is_ok());
+    let look = Look::new(shaded(), "out", 1, &["depth"], &Settings::default()).unwrap();
     // A picture makes the missing passes itself.
     let depth = noise(2, 70.0);
     let format = Format::new(WIDTH as u32, HEIGHT as u32, 1).unwrap();
@@ -337,7 +354,7 @@ fn an_unbound_pass_is_named() {
 const LOOK: &str = r##"{
     "trochoid": 1,
     "working_space": "srgb",
-    "palette": { "deep": "#274e53", "foam": "#ece6c2" },
+    "palette": { "deep": "#274e53", "foam": "#ece6c2", "spare": "#101a33" },
     "knobs": { "calm": 0.25, "half": 0.5, "bound": 2, "unused": 1 },
     "nodes": {
         "light": { "type": "ScreenX" },
@@ -346,7 +363,8 @@ const LOOK: &str = r##"{
         "gleam": { "type": "Mix", "a": "water", "b": "palette.foam", "weight": "= knobs.calm" },
         "sheen": { "type": "Blend", "colors": ["gleam", "palette.foam"], "weights": "calmer" },
         "calmer": { "type": "Clamp", "field": "= knobs.calm", "max": 2 },
-        "cut": { "type": "Clamp", "field": 0.5, "max": "= knobs.bound * (1 + 0 * knobs.half)" }
+        "cut": { "type": "Clamp", "field": 0.5, "max": "= knobs.bound * (1 + 0 * knobs.half)" },
+        "camera": { "type": "Camera" }
     },
     "outputs": { "beauty": { "color": "sheen" }, "cut": { "weights": "cut" } }
 }"##;
@@ -402,30 +420,123 @@ fn colors_and_numbers_change_without_a_new_plan() {
     assert_eq!(found, [[0.0, 0.25, 0.75, 1.0]]);
 }
 
+/// Returns the message of the only fault of a look with some inputs.
+fn refused(builder: &LookBuilder) -> String {
+    let error = builder.build().map(|_| ()).unwrap_err();
+    assert_eq!(error.diagnostics().len(), 1, "{error}");
+    error.to_string()
+}
+
 #[test]
 fn what_cannot_be_bound_is_told() {
-    let error = |name: &str| LookBuilder::new(LOOK).output("beauty").bind(name).build().map(|_| ()).unwrap_err();
     for (name, words) in [
-        ("lihgt", "no node has that name"),
-        ("palette.foan", "did you mean \"foam\"?"),
-        ("knobs.clam", "did you mean \"calm\"?"),
-        ("knobs.half", "is used in a formula"),
-        ("knobs.bound", "is used in a formula"),
-        ("knobs.unused", "not at all"),
-        ("watre.weight", "did you mean \"water\"?"),
-        ("water.stops[3].color", "is no port with a color or number of its own"),
-        ("water.stops[1].at", "is no port"),
-        ("water.weight", "is no port with a color or number of its own"),
-        ("water.stops", "is no port"),
-        (".", "no node"),
+        ("lihgt", "look: inputs[0]: found \"lihgt\"; expected a node of the document, palette.NAME"),
+        ("lihgt", "did you mean \"light\"?"),
+        ("sky", "nodes of the document: light, water, gleam, sheen, calmer, cut, camera"),
+        ("foam", "did you mean \"palette.foam\"?"),
+        ("palette.foan", "look: inputs[0]: found \"palette.foan\"; expected a color of the document's palette"),
+        ("palette.foan", "did you mean \"palette.foam\"?"),
+        ("palete.foam", "did you mean \"palette.foam\"?"),
+        ("palette.zzz", "colors of the palette: deep, foam, spare"),
+        ("palette.spare", "found \"palette.spare\", which nothing in the document takes"),
+        ("knobs.clam", "did you mean \"knobs.calm\"?"),
+        ("knobs.half", "look:5:38: knobs.half: found the input \"knobs.half\", which is used in a formula"),
+        ("knobs.bound", "which is used in a formula"),
+        ("knobs.unused", "which nothing in the document takes"),
+        ("watre.weight", "did you mean \"water.weight\"?"),
+        ("gleam.wieght", "did you mean \"gleam.weight\"?"),
+        ("gleam.zzz", "look:10:9: node \"gleam\": found the input \"gleam.zzz\"; expected a port of this Mix"),
+        ("gleam.zzz", "such ports: gleam.b, gleam.weight"),
+        ("water.stops[3].color", "which the document does not set"),
+        ("water.stops[3].color", "did you mean \"water.stops[0].color\"?"),
+        ("water.stops[1].at", "a knob, which is the same for all samples"),
+        ("water.stops[1].at", "set it instead: water.stops[1].at=VALUE"),
+        ("water.weight", "look:8:46: node \"water\", weight: found the input \"water.weight\", which is connected"),
+        ("water.weight", "remedy: bind \"light\""),
+        ("water.stops", "a list"),
+        (
+            "camera",
+            "look:14:9: node \"camera\": found the input \"camera\", a Camera; expected a node that makes a Color",
+        ),
+        (".", "expected a node of the document"),
     ] {
-        let text = error(name).to_string();
+        let text = refused(&LookBuilder::new(LOOK).output("beauty").bind(name));
         assert!(text.contains(words), "{name}: {text}");
+        assert!(!["plan", "buffer"].iter().any(|word| text.contains(word)), "{text}");
     }
-    assert!(matches!(error("palette.x"), LookError::Open { fault: OpeningFault::NoColor { .. }, .. }));
-    let two = LookBuilder::new(LOOK).bind("light").build().map(|_| ()).unwrap_err();
-    assert!(two.to_string().contains("found 2 outputs (beauty, cut)"), "{two}");
+    let two = refused(&LookBuilder::new(LOOK).bind("light"));
+    assert!(two.contains("look: output: found none of 2 outputs; expected the name of one"), "{two}");
+    let other = refused(&LookBuilder::new(LOOK).output("beuaty"));
+    assert!(other.contains("output: found \"beuaty\"") && other.contains("did you mean \"beauty\"?"), "{other}");
     assert!(matches!(LookBuilder::new("{").build(), Err(LookError::Load(_))));
+}
+
+/// What is asked of a sound document has all its faults told at once, in the form of a document's.
+#[test]
+fn all_faults_of_a_look_are_told_at_once() {
+    let asked = LookBuilder::new(LOOK).output("beuaty").bind("lihgt").bind("light").bind("palette.foan");
+    let asked = asked.bind("water.weight").set("watre.weight=1").set("gleam.weight=0.5");
+    let error = asked.build().map(|_| ()).unwrap_err();
+    assert!(matches!(error, LookError::Asked(_)), "{error}");
+    let told: Vec<_> = error.diagnostics().iter().map(trochoid::Diagnostic::to_json).collect();
+    let places: Vec<_> = told.iter().map(|fault| (fault["port"].as_str(), fault["node"].as_str())).collect();
+    assert_eq!(
+        places,
+        [
+            (None, None),
+            (Some("output"), None),
+            (Some("inputs[0]"), None),
+            (Some("inputs[2]"), None),
+            (Some("weight"), Some("water"))
+        ],
+        "{error}"
+    );
+    assert_eq!(
+        (&told[0]["file"], &told[2]["line"], &told[4]["line"]),
+        (&"watre.weight=1".into(), &0.into(), &8.into())
+    );
+    assert_eq!(told[3]["remedy"], "did you mean \"palette.foam\"?");
+    // One whose document is invalid has the document's faults.
+    let invalid = LookBuilder::new(LOOK.replace("\"light\",", "\"lihgt\",")).output("beauty").bind("zzz");
+    let error = invalid.build().map(|_| ()).unwrap_err();
+    assert!(matches!(error, LookError::Load(_)) && error.diagnostics()[0].line == 8, "{error}");
+}
+
+/// Of an input and a value, one would have no effect; so would one of two inputs.
+#[test]
+fn what_is_asked_twice_is_refused() {
+    let look = || LookBuilder::new(LOOK).output("beauty").bind("light").bind("palette.foam");
+    let sheen = |builder: LookBuilder| builder.bind("knobs.calm").bind("water.stops[1].color");
+    for (builder, words) in [
+        (look().bind("light"), "inputs[2]: found \"light\", which is inputs[0] already; expected each input once"),
+        (look().bind("gleam.b"), "\"gleam.b\", which is the input \"palette.foam\" already"),
+        (look().bind("water.stops[1].color").bind("water.stops[1].color[0]"), "\"water.stops[1].color\" already"),
+        (
+            look().set("palette.foam=#fff"),
+            "error: palette.foam=#fff: found a value for \"palette.foam\", whose place inputs[1], \"palette.foam\", takes",
+        ),
+        (sheen(look()).set("knobs.calm=0.5"), "a value for \"knobs.calm\", whose place inputs[2]"),
+        (sheen(look()).set("water.stops[1].color=#000"), "whose place inputs[3]"),
+        (look().set("light.type=ScreenY"), "a value for \"light.type\", whose place inputs[0], \"light\", takes"),
+    ] {
+        let text = refused(&builder);
+        assert!(text.contains(words) && text.contains("leave one of them out"), "{text}");
+    }
+    // A list around an input, and other values, have effects.
+    let sets =
+        ["water.stops=[{ \"at\": 0, \"color\": \"#000\" }, { \"at\": 1, \"color\": \"#fff\" }]", "knobs.bound=3"];
+    let look = sets.iter().fold(sheen(look()), |builder, set| builder.set(set));
+    assert_eq!(look.build().unwrap().slots().len(), 4);
+    // The number of thresholds is that of the weights that are supplied.
+    let bands = r##"{ "trochoid": 1, "nodes": {
+        "deep": { "type": "ScreenX" }, "bands": { "type": "Bands", "field": "deep", "thresholds": [0.5] },
+        "parts": { "type": "Multiply", "weights": ["deep", 0.5] } },
+        "outputs": { "bands": { "weights": "bands" } } }"##;
+    let look = LookBuilder::new(bands).bind("bands").set("bands.thresholds=[0.2, 0.4]").build().unwrap();
+    assert_eq!(look.slots()[0].kind, Kind::Weights(3));
+    // Nodes by their names, without a builder.
+    let twice = Look::new(shaded(), "out", 1, &["light", "depth", "light"], &Settings::default()).unwrap_err();
+    assert!(twice.to_string().contains("cannot bind \"light\": it is bound already"), "{twice}");
 }
 
 #[test]

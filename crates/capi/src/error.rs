@@ -3,7 +3,7 @@
 use crate::status::{or_panic, trochoid_status};
 use serde_json::{Value, json};
 use std::ffi::{CString, c_char};
-use trochoid::{Diagnostic, EvalError, LoadError, LookError, PictureError, PlanError};
+use trochoid::{Diagnostic, EvalError, LoadError, LookError, NotPointwise, PictureError};
 
 /// What went wrong. Made by functions that fail; release it with trochoid_error_release().
 pub struct trochoid_error {
@@ -51,17 +51,15 @@ impl From<LookError> for Fault {
             LookError::Load(LoadError::Io(_)) => trochoid_status::TROCHOID_IO,
             _ => trochoid_status::TROCHOID_INVALID,
         };
-        let diagnostics = match &error {
-            LookError::Load(LoadError::Invalid(all)) => all.iter().map(Diagnostic::to_json).collect(),
-            _ => Vec::new(),
-        };
+        let diagnostics = error.diagnostics().iter().map(Diagnostic::to_json).collect();
         Self { status, message: error.to_string(), diagnostics }
     }
 }
 
-impl From<PlanError> for Fault {
-    fn from(error: PlanError) -> Self {
-        Self::invalid(error.to_string())
+impl From<NotPointwise> for Fault {
+    fn from(error: NotPointwise) -> Self {
+        let diagnostics = error.faults.iter().map(Diagnostic::to_json).collect();
+        Self { diagnostics, ..Self::invalid(error.to_string()) }
     }
 }
 

@@ -168,8 +168,13 @@ fn faults_are_told_in_text_and_json() {
     assert_eq!((&json["status"], &json["diagnostics"][0]["node"]), (&2.into(), &"water".into()), "{json}");
     assert!(json["diagnostics"][0]["line"].as_u64() > Some(1), "{json}");
 
-    let names = [c"palette.foan"].map(CStr::as_ptr);
-    assert!(told(WATER, &options(&names)).1.contains("did you mean \"foam\"?"));
+    let names = [c"rim", c"palette.foan", c"lihgt"].map(CStr::as_ptr);
+    let (status, text, json) = told(WATER, &options(&names));
+    assert!(text.contains("did you mean \"palette.foam\"?") && text.contains("did you mean \"light\"?"), "{text}");
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let faults = json["diagnostics"].as_array().unwrap();
+    assert_eq!((status, faults.len()), (trochoid_status::TROCHOID_INVALID, 2), "{json}");
+    assert_eq!((&faults[0]["port"], &faults[1]["found"]), (&"inputs[1]".into(), &"\"lihgt\"".into()), "{json}");
     let nothing = [null()];
     assert!(told(WATER, &options(&nothing)).1.contains("inputs[0] is NULL"));
     let larger = trochoid_options { struct_size: 4096, ..trochoid_options_default() };

@@ -17,7 +17,7 @@ mod rules;
 mod running;
 mod settings;
 
-pub use look::{Batch, Illegal, Look, PictureError, Samples, SamplesMut, ShadeError, Shader, Slot};
+pub use look::{Batch, Illegal, Look, NotPointwise, PictureError, Samples, SamplesMut, ShadeError, Shader, Slot};
 pub use planning::explain::{Account, Channels, Evidence, Fate, ProofStep};
 pub use planning::left_out::LeftOut;
 pub use planning::plan::{BindingFault, Plan, PlanError};

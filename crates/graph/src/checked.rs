@@ -40,8 +40,12 @@ pub struct PaletteUse {
 pub struct DocumentKnob {
     /// Name in the document.
     pub name: String,
+    /// Place of its value, in the document.
+    pub place: DocumentPlace,
     /// Ports that take its value as it is: node, and port such as `a`, `colors[2]` or `stops[1].color`.
     pub ports: Vec<(NodeId, String)>,
+    /// Whether anything takes it.
+    pub is_used: bool,
     /// Whether nothing else takes it: no formula, no knob of a node, no output.
     pub is_whole: bool,
 }

@@ -94,7 +94,6 @@ pub use node::{
     SharedResult, Stage, Variance,
 };
 pub use node_error::{BadData, DataPlace, Failure, NodeError};
-pub use opening::OpeningFault;
 pub use profile::{FrameTimes, Profile, ProfileLine, ProfilePoint, Reached};
 pub use program::{Color, Op, Partition, Program, Scalar, Slot, Type};
 pub use recipe::{Control, Recipes};

@@ -3,7 +3,7 @@
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyMemoryError, PyOSError, PyValueError};
 use pyo3::prelude::*;
-use trochoid::{BufferFault, Diagnostic, EvalError, LoadError, Look, LookError, PictureError, ShadeError};
+use trochoid::{BufferFault, Diagnostic, EvalError, LoadError, LookError, PictureError, ShadeError};
 use trochoid_cli::Outcome;
 
 create_exception!(trochoid, Error, PyException, "Base class of what Trochoid raises.");
@@ -13,6 +13,21 @@ create_exception!(
     Error,
     "The document is invalid.\n\n`diagnostics` lists every fault and warning, as dictionaries with \"severity\", \"file\", \
      \"line\", \"column\", \"node\", \"port\", \"found\", \"expected\" and \"remedy\"."
+);
+create_exception!(
+    trochoid,
+    InvalidLook,
+    Error,
+    "The document is sound, but has not what the look asks of it.\n\n`diagnostics` lists every fault of the output, the \
+     inputs and the values that are set, in the form of InvalidDocument. Where \"line\" is 0, \"port\" is the argument, such \
+     as \"inputs[1]\"."
+);
+create_exception!(
+    trochoid,
+    NotPointwise,
+    Error,
+    "The output needs a picture: nodes that are no inputs need more than one sample at a time.\n\n`diagnostics` has a fault \
+     for each of these nodes, in the form of InvalidDocument."
 );
 create_exception!(
     trochoid,
@@ -35,6 +50,8 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
     module.add("Error", py.get_type::<Error>())?;
     module.add("InvalidDocument", py.get_type::<InvalidDocument>())?;
+    module.add("InvalidLook", py.get_type::<InvalidLook>())?;
+    module.add("NotPointwise", py.get_type::<NotPointwise>())?;
     module.add("IllegalSample", py.get_type::<IllegalSample>())?;
     module.add("CommandError", py.get_type::<CommandError>())?;
     module.add("Cancelled", py.get_type::<Cancelled>())
@@ -58,20 +75,27 @@ pub(crate) fn of_load(py: Python<'_>, error: LoadError) -> PyErr {
     let text = error.to_string();
     match error {
         LoadError::Io(_) => PyOSError::new_err(text),
-        LoadError::Invalid(faults) => {
-            with(py, InvalidDocument::new_err(text), |value| value.setattr("diagnostics", dictionaries(py, &faults)?))
-        }
+        LoadError::Invalid(faults) => listed(py, InvalidDocument::new_err(text), &faults),
     }
 }
 
 pub(crate) fn of_look(py: Python<'_>, error: LookError) -> PyErr {
     match error {
         LookError::Load(error) => of_load(py, error),
-        error => PyValueError::new_err(error.to_string()),
+        error => listed(py, InvalidLook::new_err(error.to_string()), error.diagnostics()),
     }
 }
 
-fn illegal(py: Python<'_>, text: String, name: &str, slot: Option<usize>, sample: usize) -> PyErr {
+/// Gives an exception its faults.
+fn listed(py: Python<'_>, raised: PyErr, faults: &[Diagnostic]) -> PyErr {
+    with(py, raised, |value| value.setattr("diagnostics", dictionaries(py, faults)?))
+}
+
+pub(crate) fn of_shader(py: Python<'_>, error: &trochoid::NotPointwise) -> PyErr {
+    listed(py, NotPointwise::new_err(error.to_string()), &error.faults)
+}
+
+fn illegal(py: Python<'_>, text: String, name: &str, slot: usize, sample: usize) -> PyErr {
     with(py, IllegalSample::new_err(text), |value| {
         value.setattr("name", name)?;
         value.setattr("slot", slot)?;
@@ -85,7 +109,7 @@ pub(crate) fn of_shade(py: Python<'_>, error: ShadeError, first: usize) -> PyErr
         ShadeError::Illegal { slot, name, sample, fault } => {
             // As counted by the caller.
             let text = format!("\"{name}\": {}", at(fault, first));
-            illegal(py, text, &name, Some(slot), first + sample)
+            illegal(py, text, &name, slot, first + sample)
         }
         error => PyValueError::new_err(error.to_string()),
     }
@@ -99,18 +123,11 @@ fn at(mut fault: BufferFault, first: usize) -> BufferFault {
     fault
 }
 
-pub(crate) fn of_picture(py: Python<'_>, look: &Look, error: PictureError) -> PyErr {
+pub(crate) fn of_picture(py: Python<'_>, error: PictureError) -> PyErr {
     let text = error.to_string();
     match error {
         PictureError::Evaluate(EvalError::Cancelled) => Cancelled::new_err(text),
         PictureError::Passes(error) => of_shade(py, error, 0),
-        PictureError::Evaluate(EvalError::Buffer {
-            node,
-            reason: BufferFault::Value { sample, .. } | BufferFault::Sum { sample, .. },
-        }) => {
-            let slot = look.slots().iter().position(|slot| slot.name == node);
-            illegal(py, text, &node, slot, sample)
-        }
         PictureError::Evaluate(EvalError::TooMuchMemory { .. } | EvalError::Memory { .. }) => {
             PyMemoryError::new_err(text)
         }

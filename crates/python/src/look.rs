@@ -66,7 +66,7 @@ fn word(kind: Kind) -> &'static str {
 /// - `samples`: how many you will shade in all, so that machine code is made only where it pays. Unless told, it is made.
 /// - `illegal`: "refuse" or "clamp" samples that their kind does not allow.
 ///
-/// Raises InvalidDocument.
+/// Raises InvalidDocument, or InvalidLook if the document is sound but has no such output or inputs.
 ///
 ///     >>> look = trochoid.Look(
 ///     ...     {
@@ -164,11 +164,11 @@ impl Look {
         self.look.slots().iter().zip(given).flat_map(of).collect()
     }
 
-    fn shader(&self) -> PyResult<ForeignShader> {
+    fn shader(&self, py: Python<'_>) -> PyResult<ForeignShader> {
         if let Some(idle) = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop() {
             return Ok(idle);
         }
-        let shader = self.look.shader().map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let shader = self.look.shader().map_err(|error| errors::of_shader(py, &error))?;
         Ok(ForeignShader::new(shader))
     }
 
@@ -220,7 +220,7 @@ impl Look {
 
     /// Makes a look of a document in a file, with the arguments of Look.
     ///
-    /// Raises InvalidDocument, and OSError if the file cannot be read.
+    /// Raises InvalidDocument, InvalidLook, and OSError if the file cannot be read.
     ///
     ///     look = trochoid.Look.load("water.json", inputs=["light", "palette.mist"])
     #[staticmethod]
@@ -299,7 +299,8 @@ impl Look {
     /// its last axis if it has several, in the working space of the document; or writes to `out`, which may have any strides
     /// and may be one of the inputs.
     ///
-    /// Other threads run meanwhile; none may write to the arrays. Raises IllegalSample; then what is in `out` is undefined.
+    /// Other threads run meanwhile; none may write to the arrays. Raises NotPointwise, and IllegalSample; then
+    /// what is in `out` is undefined.
     ///
     ///     rgb = look.shade({"light": light, "rim": 0.5, "palette.mist": (0.25, 0.5, 0.75)})
     #[pyo3(signature = (inputs, out=None))]
@@ -357,7 +358,7 @@ impl Look {
         if runs.length == 0 || runs.count() == 0 {
             return Ok(out);
         }
-        let mut shader = self.shader()?;
+        let mut shader = self.shader(py)?;
         // SAFETY: the arrays are kept alive by `given` and `out`, and have these samples by their shapes and strides. No
         // reference to them is made unless nothing overlaps. The documentation forbids to write to them meanwhile.
         #[allow(unsafe_code)]
@@ -418,7 +419,7 @@ impl Look {
             cache.forget_unused();
             made
         })?;
-        let frame = made.map_err(|error| errors::of_picture(py, &self.look, error))?;
+        let frame = made.map_err(|error| errors::of_picture(py, error))?;
         Picture::new(frame, self.look.graph().space(), format)
     }
 }

@@ -43,6 +43,7 @@
 
 mod access;
 pub mod accuracy;
+mod asked;
 #[cfg(feature = "io")]
 pub mod certificate;
 mod costs;
@@ -121,19 +122,19 @@ pub use stream::FileSink;
 pub use trochoid_engine::{
     Account, AccuracyLimit, Audit, Batch, BindingFault, Blame, BufferFault, Buffers, Cache, Certified, CertifiedPixels,
     Certifier, Channels, Distribution, EvalError, Evidence, Fate, ForeignError, Frame, Hull, Illegal, InspectedPixel,
-    Instructions, Interval, Judging, Keep, LeftOut, Look, MemoryAccount, MemoryConsumer, Monitor, NodeReport, Phases,
-    Picture, PictureError, Pictures, Plan, PlanError, ProofStep, ReferenceError, ReferenceFrame, ReferencePixel,
-    Samples, SamplesMut, Settings, ShadeError, Shader, Silent, Sink, Slot, State, StoredSample, Storing, Switches,
-    paint,
+    Instructions, Interval, Judging, Keep, LeftOut, Look, MemoryAccount, MemoryConsumer, Monitor, NodeReport,
+    NotPointwise, Phases, Picture, PictureError, Pictures, Plan, PlanError, ProofStep, ReferenceError, ReferenceFrame,
+    ReferencePixel, Samples, SamplesMut, Settings, ShadeError, Shader, Silent, Sink, Slot, State, StoredSample,
+    Storing, Switches, paint,
 };
 pub use trochoid_graph::{
     Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, ContentKey,
     Control, CurveHandle, CurveKey, DataPlace, Declaration, Diagnostic, DocumentKnob, DocumentPlace, Dynamics, End,
     FORMAT_VERSION, Failure, Figure, Files, FrameTimes, GroupUse, Guarantee, Harmonic, INPUT_ACCEPTS, Interpolation,
     Item, Key, Kind, Knob, KnobDefault, KnobType, LengthDistribution, List, Means, MemoryUse, NodeError, NodeId,
-    NodeType, Offer, Omission, OpeningFault, Output as NodeOutput, OutputSpec, PaletteColor, PaletteUse, Paths,
-    Placing, Port, Precision, Profile, ProfileLine, ProfilePoint, REFUSALS, Reached, Recipes, Refusal, RefusedFile,
-    Registry, Relation, Repair, Right, Role, Segment, Settled, Severity, Source, Spectrum, Stability, StabilityMap,
+    NodeType, Offer, Omission, Output as NodeOutput, OutputSpec, PaletteColor, PaletteUse, Paths, Placing, Port,
+    Precision, Profile, ProfileLine, ProfilePoint, REFUSALS, Reached, Recipes, Refusal, RefusedFile, Registry,
+    Relation, Repair, Right, Role, Segment, Settled, Severity, Source, Spectrum, Stability, StabilityMap,
     StepErrorGroup, StepErrorRow, StepErrors, Store, StoredEntry, Term, Tolerance, Values, Verdict, Work, counted,
     escape_frame, expand_frame, expected, folders_to_allow, in_bytes, input_accepts, input_kind, nearest,
     one_frame_pattern, quoted, quoted_path, refusal, refusals, resolved, schema, smallest_node, smallest_record,

@@ -35,7 +35,7 @@ pub enum LoadError {
     Invalid(Vec<Diagnostic>),
 }
 
-fn list(diagnostics: &[Diagnostic]) -> String {
+pub(crate) fn list(diagnostics: &[Diagnostic]) -> String {
     diagnostics.iter().map(Diagnostic::to_string).collect::<Vec<_>>().join("\n")
 }
 
@@ -139,7 +139,27 @@ pub fn parse_within(
     set: &[String],
     access: Access,
 ) -> Result<Loaded, LoadError> {
-    parse_as(name, text, folder, set, access, registry(), None)
+    parse_as(name, text, folder, set, access, registry(), None)?.sound()
+}
+
+/// A document with what was found in it.
+pub(crate) struct Parsed {
+    /// The graph, without the assignments that have faults; `None` if the document is invalid.
+    pub(crate) graph: Option<CheckedGraph>,
+    /// Faults of assignments, and of the document if there is no graph.
+    pub(crate) faults: Vec<Diagnostic>,
+    /// Warnings.
+    pub(crate) warnings: Vec<Diagnostic>,
+}
+
+impl Parsed {
+    /// Returns the graph if nothing is wrong.
+    pub(crate) fn sound(self) -> Result<Loaded, LoadError> {
+        match self.graph {
+            Some(graph) if self.faults.is_empty() => Ok(Loaded { graph, warnings: self.warnings }),
+            _ => Err(LoadError::Invalid(self.faults.into_iter().chain(self.warnings).collect())),
+        }
+    }
 }
 
 /// Does the same with other node types, and with a size of pictures for documents that state none.
@@ -151,7 +171,7 @@ pub(crate) fn parse_as(
     access: Access,
     registry: &Registry,
     size: Option<[u32; 2]>,
-) -> Result<Loaded, LoadError> {
+) -> Result<Parsed, LoadError> {
     let invalid = |diagnostic: Box<Diagnostic>| LoadError::Invalid(vec![*diagnostic]);
     let mut document = Document::parse(name, text).map_err(invalid)?;
     if let Some(size) = size {
@@ -195,10 +215,11 @@ pub(crate) fn parse_as(
         faults.extend(set.err().map(|fault| *fault));
     }
     let (graph, diagnostics) = check(&document, registry, folder);
-    match graph {
-        Some(graph) if faults.is_empty() => Ok(Loaded { graph: graph.with_access(access), warnings: diagnostics }),
-        _ => Err(LoadError::Invalid(faults.into_iter().chain(diagnostics).collect())),
-    }
+    Ok(match graph {
+        Some(graph) => Parsed { graph: Some(graph.with_access(access)), faults, warnings: diagnostics },
+        // All in the order of the document, as they were found.
+        None => Parsed { graph: None, faults: faults.into_iter().chain(diagnostics).collect(), warnings: Vec::new() },
+    })
 }
 
 /// Reads the colors of a palette file, in its order, as a document of a working space would: JSON, another document with

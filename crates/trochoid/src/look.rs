@@ -1,7 +1,8 @@
 //! Makes looks from documents.
 
-use crate::load::{LoadError, Loaded, parse_as, registry, text_of};
-use crate::{Access, CheckedGraph, Illegal, Look, OpeningFault, PlanError, Registry, Settings};
+use crate::asked::Asked;
+use crate::load::{LoadError, Loaded, Parsed, list, parse_as, registry, text_of};
+use crate::{Access, Diagnostic, Illegal, Look, PlanError, Registry, Settings};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use trochoid_graph::MAX_BYTES;
@@ -13,23 +14,24 @@ pub enum LookError {
     /// The document cannot be read or is invalid.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// No output is named, and the document has not exactly one.
-    #[error("found {} outputs ({}); expected the name of one of them", .found.len(), .found.join(", "))]
-    Output {
-        /// The document's outputs.
-        found: Vec<String>,
-    },
-    /// An input is no node, and no color or number that can take its place.
-    #[error("cannot bind \"{name}\": {fault}")]
-    Open {
-        /// Name of the input.
-        name: String,
-        /// Reason.
-        fault: OpeningFault,
-    },
+    /// The document is sound, but has not what the look asks of it: every fault of its output, its inputs and the values
+    /// that are set. One without a line is about what the look asks, and its `port` says where: `output`, or `inputs[1]`
+    /// for the second input that is bound.
+    #[error("{}", list(.0))]
+    Asked(Vec<Diagnostic>),
     /// The output cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),
+}
+
+impl LookError {
+    /// Returns every fault, and the warnings beside them; none if a file cannot be read.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        match self {
+            Self::Load(LoadError::Invalid(all)) | Self::Asked(all) => all,
+            Self::Load(LoadError::Io(_)) | Self::Plan(_) => &[],
+        }
+    }
 }
 
 /// Makes a [`Look`] from a document: which output, with which inputs, at which frame.
@@ -179,26 +181,26 @@ impl LookBuilder {
     /// # Errors
     /// The document is invalid.
     pub fn load(&self) -> Result<Loaded, LookError> {
+        Ok(self.parsed()?.sound()?)
+    }
+
+    fn parsed(&self) -> Result<Parsed, LoadError> {
         let access = self.access.clone().unwrap_or_else(|| Access::usual(&self.folder));
         let Self { name, text, folder, set, registry, .. } = self;
-        Ok(parse_as(name, text, folder, set, access, registry, Some([1, 1]))?)
+        parse_as(name, text, folder, set, access, registry, Some([1, 1]))
     }
 
     /// Makes the look. It takes well under a millisecond for a small document, and a few tenths of one more for machine
     /// code.
     ///
     /// # Errors
-    /// The document is invalid, or has no such output or inputs.
+    /// The document is invalid, or has not what the look asks of it: every fault.
     pub fn build(&self) -> Result<Look, LookError> {
-        let mut graph: CheckedGraph = self.load()?.graph;
-        let output = match (&self.output, graph.outputs()) {
-            (Some(name), _) => name.clone(),
-            (None, [only]) => only.name.clone(),
-            (None, all) => return Err(LookError::Output { found: all.iter().map(|spec| spec.name.clone()).collect() }),
-        };
-        for name in self.inputs.iter().filter(|name| name.contains('.')) {
-            graph = graph.with_open(name).map_err(|fault| LookError::Open { name: name.clone(), fault })?;
-        }
+        let Parsed { graph, mut faults, .. } = self.parsed()?;
+        let Some(mut graph) = graph else { return Err(LoadError::Invalid(faults).into()) };
+        let asked = Asked { output: self.output.as_deref(), inputs: &self.inputs, set: &self.set };
+        let output = asked.of(&mut graph, &mut faults);
+        let Some(output) = output.filter(|_| faults.is_empty()) else { return Err(LookError::Asked(faults)) };
         let mut settings = self.settings.clone();
         if self.samples.is_none_or(|samples| samples >= settings.compile_from) {
             settings.compile_from = 0;

@@ -1,6 +1,15 @@
-//! Why a batch is refused.
+//! Why a batch is refused, or cannot be made at all.
 
 use crate::BufferFault;
+use trochoid_graph::Diagnostic;
+
+/// The output needs more than samples one by one: nodes that are neither inputs nor pointwise.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", .faults.iter().map(Diagnostic::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct NotPointwise {
+    /// A fault for each node that is in the way, in the order of the document. Once all of them are inputs, there is none.
+    pub faults: Vec<Diagnostic>,
+}
 
 /// Reason that a batch is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -13,7 +13,7 @@ mod samples;
 mod shader;
 
 pub use batch::Batch;
-pub use error::ShadeError;
+pub use error::{NotPointwise, ShadeError};
 pub use picture::PictureError;
 pub use samples::{Samples, SamplesMut};
 pub use shader::Shader;
@@ -77,8 +77,8 @@ struct Inner {
     kind: Kind,
     frame: i64,
     slots: Vec<Slot>,
-    /// The program over single samples, or the node that needs a picture.
-    points: Result<Points, PlanError>,
+    /// The program over single samples, or the nodes that need a picture.
+    points: Result<Points, NotPointwise>,
 }
 
 impl Look {
@@ -170,9 +170,9 @@ impl Look {
     /// Returns what one thread needs to shade samples.
     ///
     /// # Errors
-    /// The output needs a node that is neither bound nor pointwise, such as a Blur or a Render.
-    pub fn shader(&self) -> Result<Shader, PlanError> {
-        self.inner.points.as_ref().map_err(PlanError::clone)?;
+    /// The output needs nodes that are neither bound nor pointwise, such as a Blur or a Render.
+    pub fn shader(&self) -> Result<Shader, NotPointwise> {
+        self.inner.points.as_ref().map_err(NotPointwise::clone)?;
         Ok(Shader::new(self.clone()))
     }
 }

@@ -3,7 +3,7 @@
 use super::illegal::{clamp, divide};
 use super::samples::{Samples, checked};
 use super::{Illegal, Look, Slot};
-use crate::{Buffers, Cache, EvalError, Frame, Monitor, Plan, PlanError, ShadeError};
+use crate::{BufferFault, Buffers, Cache, EvalError, Frame, Monitor, Plan, PlanError, ShadeError};
 use std::borrow::Cow;
 use trochoid_image::Format;
 
@@ -67,6 +67,21 @@ impl Look {
             let channels: Vec<&[f32]> = channels.iter().map(|plane| &**plane).collect();
             buffers.with(name, &channels)
         });
-        Ok(plan.evaluate(&buffers, cache, monitor)?)
+        plan.evaluate(&buffers, cache, monitor).map_err(|error| self.told(error))
+    }
+
+    /// Returns an error in the words of looks: their inputs have slots.
+    fn told(&self, error: EvalError) -> PictureError {
+        let (node, fault) = match error {
+            EvalError::Buffer { node, reason } => (node, reason),
+            error => return error.into(),
+        };
+        let slot = self.slots().iter().position(|slot| slot.name == node);
+        match (slot, &fault) {
+            (Some(slot), &(BufferFault::Value { sample, .. } | BufferFault::Sum { sample, .. })) => {
+                ShadeError::Illegal { slot, name: node, sample, fault }.into()
+            }
+            _ => EvalError::Buffer { node, reason: fault }.into(),
+        }
     }
 }

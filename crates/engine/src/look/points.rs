@@ -1,9 +1,10 @@
 //! The program of a look over single samples.
 
 use super::Slot;
-use crate::{Plan, PlanError};
+use super::error::NotPointwise;
+use crate::Plan;
 use std::collections::BTreeMap;
-use trochoid_graph::{Kind, NodeId};
+use trochoid_graph::{Diagnostic, Kind, NodeId, Severity};
 use trochoid_kernel::CompiledProgram;
 
 /// An output as a program over samples, and where its planes come from and go to.
@@ -20,12 +21,11 @@ pub(super) struct Points {
 
 impl Points {
     /// Takes the program of a plan that computes nothing apart from its pixels.
-    pub(super) fn new(plan: &Plan<'_>, slots: &[Slot]) -> Result<Self, PlanError> {
+    pub(super) fn new(plan: &Plan<'_>, slots: &[Slot]) -> Result<Self, NotPointwise> {
         let graph = plan.graph;
-        let mut fills = plan.passes.iter().flat_map(|pass| &pass.fills);
-        if let Some(fill) = fills.find(|fill| !plan.bound[fill.node.0]) {
-            let node = graph.node(fill.node);
-            return Err(PlanError::Unbound { name: node.name.clone(), ty: node.ty.declaration().name.into() });
+        let faults = in_the_way(plan);
+        if !faults.is_empty() {
+            return Err(NotPointwise { faults });
         }
         let pass = &plan.passes[0];
         let slot_of = |node: NodeId| {
@@ -54,4 +54,38 @@ impl Points {
     pub(super) fn reads(&self, channel: usize) -> bool {
         self.inputs.iter().any(|(input, _)| *input == channel)
     }
+}
+
+/// Returns a fault for each node whose planes the pixels are computed from, and which is no input. What these nodes need
+/// themselves is not needed once they are inputs.
+fn in_the_way(plan: &Plan<'_>) -> Vec<Diagnostic> {
+    let graph = plan.graph;
+    let read = plan.passes.iter().flat_map(|pass| &pass.program.planes).filter(|plane| !plan.bound[plane.node.0]);
+    let mut nodes: BTreeMap<NodeId, bool> = BTreeMap::new();
+    for plane in read {
+        *nodes.entry(plane.node).or_insert(true) &= plane.output == 0;
+    }
+    let fault = |(id, is_first): (NodeId, bool)| {
+        let node = graph.node(id);
+        let place = &node.place;
+        let way = if is_first { format!("bind \"{}\"", node.name) } else { "bind the nodes that take it".into() };
+        Diagnostic {
+            severity: Severity::Error,
+            file: place.document.to_string(),
+            is_assigned: false,
+            line: place.line,
+            column: place.column,
+            node: Some(node.name.clone()),
+            port: None,
+            found: format!("a {}, which needs more than one sample of what it takes", node.ty.declaration().name),
+            expected: format!(
+                "pointwise nodes and inputs alone on the way to \"{}\"",
+                graph.outputs()[plan.outputs[0].index].name
+            ),
+            remedy: format!("{way} as an input, or make a picture"),
+            means: None,
+            used: None,
+        }
+    };
+    nodes.into_iter().map(fault).collect()
 }

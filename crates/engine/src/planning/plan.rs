@@ -38,14 +38,6 @@ pub enum PlanError {
         /// Reason why it cannot be bound.
         reason: BindingFault,
     },
-    /// A front-end node is not bound; shading samples need all of them bound.
-    #[error("shading samples cannot be evaluated from \"{name}\" (a {ty}): bind it to a buffer")]
-    Unbound {
-        /// The node.
-        name: String,
-        /// Its type.
-        ty: String,
-    },
 }
 
 /// Reason that a buffer cannot be bound.
@@ -57,6 +49,9 @@ pub enum BindingFault {
     /// Buffers cannot hold the node's output.
     #[error("only Colors, masks, Weights and Fields can be bound; bind the passes instead")]
     NoImage,
+    /// The name was given before.
+    #[error("it is bound already: name it once")]
+    Twice,
 }
 
 /// Stage to fill in one pass: which planes, and from which inputs.
@@ -310,7 +305,9 @@ fn bind(graph: &CheckedGraph, names: &[&str]) -> Result<Vec<bool>, PlanError> {
         if !matches!(kind, Some(Kind::Color | Kind::Weights(_) | Kind::Field(_))) {
             return Err(fault(BindingFault::NoImage));
         }
-        bound[id.0] = true;
+        if std::mem::replace(&mut bound[id.0], true) {
+            return Err(fault(BindingFault::Twice));
+        }
     }
     Ok(bound)
 }

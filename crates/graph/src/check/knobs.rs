@@ -2,7 +2,7 @@
 
 use super::{Checker, FaultLocation};
 use crate::expand::LinkedKnob;
-use crate::{DocumentKnob, NodeId};
+use crate::{DocumentKnob, DocumentPlace, NodeId};
 use std::collections::HashMap;
 
 /// Port that takes the value of a knob as it is.
@@ -42,9 +42,12 @@ impl Checker<'_> {
         let knob = |knob: &LinkedKnob| {
             let value = &self.knob_values[&knob.offset];
             let ports = value.uses.iter().filter_map(|used| Some((find(&used.node)?, used.item.clone()))).collect();
+            let origin = self.document.origin(knob.offset);
             DocumentKnob {
                 name: knob.name.clone(),
+                place: DocumentPlace { document: origin.file, line: origin.line, column: origin.column },
                 ports,
+                is_used: knob.taken > 0,
                 is_whole: value.knobs == 1 && value.uses.len() == knob.taken,
             }
         };

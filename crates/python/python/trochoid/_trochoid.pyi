@@ -14,8 +14,10 @@ __all__ = [
     "Error",
     "IllegalSample",
     "InvalidDocument",
+    "InvalidLook",
     "Look",
     "Node",
+    "NotPointwise",
     "Output",
     "Picture",
     "Slot",
@@ -33,6 +35,12 @@ _Progress: TypeAlias = Callable[[int, int], bool | None]
 class Error(Exception): ...
 
 class InvalidDocument(Error):
+    diagnostics: list[dict[str, Any]]
+
+class InvalidLook(Error):
+    diagnostics: list[dict[str, Any]]
+
+class NotPointwise(Error):
     diagnostics: list[dict[str, Any]]
 
 class IllegalSample(Error):
