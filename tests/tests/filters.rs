@@ -133,12 +133,28 @@ fn controls_are_found_through_filters() {
     for (plane, value) in flat.planes.iter().zip([0.5, 0.25, 1.0]) {
         assert!(plane.samples().iter().all(|v| *v == value), "a constant does not change");
     }
-    // If a buffer replaces the image, its pixels are the palette.
+    // If a buffer replaces the image, the corners of the hull of its pixels are the palette.
     let planes = [0.0, 0.5, 1.0]
         .map(|phase: f32| -> Vec<f32> { (0..23 * 17).map(|i| (i as f32 + phase).sin().abs()).collect() });
     let buffers = Buffers::new().with("mix", &planes.each_ref().map(Vec::as_slice));
     let frame = under_all_settings(&graph, 1, &buffers, "bound");
-    assert_eq!((frame.pictures[0].control_count, frame.pictures[0].audit.hull_exits), (23 * 17 + 1, 0));
+    let sound = &frame.pictures[0];
+    assert!(sound.control_count > 16 && sound.audit.hull_exits == 0, "{}", sound.control_count);
+    // The corners of a cube, and much within it.
+    let cube = [1, 2, 4].map(|bit| -> Vec<f32> {
+        (0..23 * 17).map(|i| if i < 8 { f32::from(i & bit > 0) } else { 0.25 + i as f32 / 1024.0 }).collect()
+    });
+    let buffers = Buffers::new().with("mix", &cube.each_ref().map(Vec::as_slice));
+    let frame = under_all_settings(&graph, 1, &buffers, "bound to a cube");
+    assert_eq!((frame.pictures[0].control_count, frame.pictures[0].audit.hull_exits), (8 + 1, 0));
+    // A color that is the same everywhere is one color, however many pixels have it.
+    let flat = [0.5, 0.25, 1.0].map(|value| vec![value; 23 * 17]);
+    let buffers = Buffers::new().with("mix", &flat.each_ref().map(Vec::as_slice));
+    let frame = under_all_settings(&graph, 1, &buffers, "bound to one color");
+    assert_eq!((frame.pictures[0].control_count, frame.pictures[0].audit.hull_exits), (1, 0));
+    let buffers = Buffers::new().with("mix", &[&flat[0], &flat[0], &flat[0]]);
+    let frame = under_all_settings(&graph, 1, &buffers, "bound to another color");
+    assert_eq!((frame.pictures[0].control_count, frame.pictures[0].audit.judged), (2, 23 * 17));
 }
 
 #[test]

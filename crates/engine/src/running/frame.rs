@@ -149,8 +149,8 @@ pub struct Picture {
     pub guarantee: Option<Guarantee>,
     /// Counts on the f32 pixels, before any rounding or encoding.
     pub audit: Audit,
-    /// Number of distinct control colors; an image counts with the vertices of its hull, a bound buffer with its
-    /// pixels.
+    /// Number of distinct control colors. An image, and a color of the caller, count with the corners of the hull of their
+    /// pixels: one that is the same everywhere counts once. Above 64 of one image, equal ones of several count each.
     pub control_count: usize,
     /// Up to 64 of the control colors.
     pub control_colors: Vec<Rgb>,

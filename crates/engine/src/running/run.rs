@@ -257,19 +257,20 @@ impl Plan<'_> {
         let mut count = 0;
         let mut all_listed = true;
         for id in &output.control_stages {
-            if self.bound[id.0] {
+            let controls = if self.bound[id.0] {
+                // As those of an image: the corners of the hull of its colors.
+                let mut own = HullBuilder::new();
                 if let Some([r, g, b]) = buffers.get(&self.graph.node(*id).name) {
-                    builder.add_row(r, g, b);
-                    count += r.len();
-                    all_listed = false;
+                    own.add_row(r, g, b);
                 }
-            } else if let Some(ready) = ready.get(id) {
-                let controls = ready.prepared.controls();
-                builder.add(&controls);
-                count += controls.len();
-                all_listed &= controls.len() <= 64;
-                colors.extend(controls.iter().take(64));
-            }
+                own.corners()
+            } else {
+                ready.get(id).map(|ready| ready.prepared.controls()).unwrap_or_default()
+            };
+            builder.add(&controls);
+            count += controls.len();
+            all_listed &= controls.len() <= 64;
+            colors.extend(controls.iter().take(64));
         }
         colors.sort_by(|a, b| a.iter().zip(b).fold(std::cmp::Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(b))));
         colors.dedup();

@@ -79,6 +79,13 @@ impl HullBuilder {
         self.add(&other.points);
     }
 
+    /// Returns the corners of the hull of all points, sorted.
+    #[must_use]
+    pub fn corners(mut self) -> Vec<Rgb> {
+        self.reduce();
+        self.points
+    }
+
     /// Returns the hull of all points.
     #[must_use]
     pub fn finish(mut self) -> Hull {
