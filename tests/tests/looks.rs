@@ -466,6 +466,10 @@ fn what_cannot_be_bound_is_told() {
     }
     let two = refused(&LookBuilder::new(LOOK).bind("light"));
     assert!(two.contains("look: output: found none of 2 outputs; expected the name of one"), "{two}");
+    let recipe = LOOK.replace("\"cut\": { \"weights\": \"cut\" }", "\"parts\": { \"recipe\": \"gleam\" }");
+    let recipe = refused(&LookBuilder::new(recipe).output("parts"));
+    assert!(recipe.contains("look:16:50: parts: found the recipe of \"gleam\""), "{recipe}");
+    assert!(recipe.contains("remedy: ask for an output with \"color\": \"gleam\""), "{recipe}");
     let other = refused(&LookBuilder::new(LOOK).output("beuaty"));
     assert!(other.contains("output: found \"beuaty\"") && other.contains("did you mean \"beauty\"?"), "{other}");
     assert!(matches!(LookBuilder::new("{").build(), Err(LookError::Load(_))));
@@ -537,6 +541,17 @@ fn what_is_asked_twice_is_refused() {
     // Nodes by their names, without a builder.
     let twice = Look::new(shaded(), "out", 1, &["light", "depth", "light"], &Settings::default()).unwrap_err();
     assert!(twice.to_string().contains("cannot bind \"light\": it is bound already"), "{twice}");
+}
+
+#[test]
+fn pictures_run_on_as_many_threads_as_they_may() {
+    for threads in [1, 3] {
+        let look = LookBuilder::new(LOOK).output("beauty").bind("light").threads(threads).build().unwrap();
+        let light = noise(1, 1.0);
+        let format = Format::new(WIDTH as u32, HEIGHT as u32, 1).unwrap();
+        let frame = look.picture(format, &[Samples::new(&light)], &mut Cache::new(), &Silent).unwrap();
+        assert_eq!(frame.threads, threads);
+    }
 }
 
 #[test]

@@ -65,13 +65,26 @@ impl Asked<'_> {
                 return None;
             }
         };
-        if !known.contains(&name) {
+        let Some(spec) = graph.outputs().iter().find(|spec| spec.name == name) else {
             let remedy = match nearest(name, known.iter().copied()) {
                 Some(near) => format!("did you mean \"{near}\"?"),
                 None => "name one of them".into(),
             };
             let expected = format!("one of the outputs {}", known.join(", "));
             faults.push(fault(graph, "output", format!("\"{name}\""), &expected, &remedy));
+            return None;
+        };
+        if spec.is_recipe {
+            let node = graph.node(spec.node);
+            let color = match spec.output {
+                0 => node.name.clone(),
+                output => format!("{}.{}", node.name, node.ty.declaration().outputs[output].name),
+            };
+            let [line, column] = spec.place;
+            let found = format!("the recipe of \"{color}\", which has its weights over all colors, for a file");
+            let remedy = format!("ask for an output with \"color\": \"{color}\"; add one if there is none");
+            let asked = fault(graph, name, found, "an output with a color, weights or a field", &remedy);
+            faults.push(Diagnostic { line, column, ..asked });
             return None;
         }
         Some(name.into())

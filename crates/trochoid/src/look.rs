@@ -65,6 +65,7 @@ pub struct LookBuilder {
     text: Arc<str>,
     folder: PathBuf,
     access: Option<Access>,
+    allowed: Vec<PathBuf>,
     registry: &'static Registry,
     set: Vec<String>,
     output: Option<String>,
@@ -83,6 +84,7 @@ impl LookBuilder {
             text: text.into(),
             folder: PathBuf::from("."),
             access: None,
+            allowed: Vec::new(),
             registry: registry(),
             set: Vec::new(),
             output: None,
@@ -120,6 +122,13 @@ impl LookBuilder {
     #[must_use]
     pub fn with_access(self, access: Access) -> Self {
         Self { access: Some(access), ..self }
+    }
+
+    /// Lets the document read and write one more file, or all files in a folder.
+    #[must_use]
+    pub fn allow(mut self, path: &Path) -> Self {
+        self.allowed.push(path.into());
+        self
     }
 
     /// Sets the node types, for documents with some of your own: [`registry`](crate::registry)`().with(&MINE)`.
@@ -170,6 +179,13 @@ impl LookBuilder {
         Self { illegal, ..self }
     }
 
+    /// Sets the number of threads that make a picture; 0, which it is unless told, takes all cores.
+    #[must_use]
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.settings.threads = threads;
+        self
+    }
+
     /// Sets how it is planned and run.
     #[must_use]
     pub fn settings(self, settings: Settings) -> Self {
@@ -186,6 +202,7 @@ impl LookBuilder {
 
     fn parsed(&self) -> Result<Parsed, LoadError> {
         let access = self.access.clone().unwrap_or_else(|| Access::usual(&self.folder));
+        let access = self.allowed.iter().fold(access, |access, path| access.allowing(path));
         let Self { name, text, folder, set, registry, .. } = self;
         parse_as(name, text, folder, set, access, registry, Some([1, 1]))
     }
