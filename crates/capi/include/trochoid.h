@@ -71,7 +71,7 @@ typedef enum {
 } trochoid_illegal;
 
 /**
- * Kind of an input.
+ * Kind of an input, or of the output.
  */
 typedef enum {
   /**
@@ -159,6 +159,18 @@ typedef struct {
    * What happens to illegal samples: one of trochoid_illegal.
    */
   uint32_t illegal;
+  /**
+   * Files and folders that the document may read besides its own folder.
+   */
+  const char *const *allow;
+  /**
+   * Number of these.
+   */
+  size_t allow_count;
+  /**
+   * Number of threads that make a picture; 0 for one on each core. Shading runs on the caller's.
+   */
+  size_t threads;
 } trochoid_options;
 
 /**
@@ -249,13 +261,14 @@ typedef struct {
    */
   uint64_t pixels;
   /**
-   * Number of colors that the output mixes: those of the document, and a color of each pixel where
-   * they come from an input.
+   * Number of control colors, which the output mixes: the different ones of the document, and of each
+   * input or file with colors the corners of the hull of its pixels; one if it is the same
+   * everywhere. 0 of an output that is no color.
    */
   uint64_t control_count;
   /**
-   * Number of pixels outside of the palette's hull: 0, unless the library is broken. Not counted
-   * where colors come from inputs.
+   * Number of pixels outside of the hull of the control colors: 0, unless the library is broken. Only
+   * pixels that are judged are counted: look at judged.
    */
   uint64_t hull_exits;
   /**
@@ -266,6 +279,15 @@ typedef struct {
    * Seconds that it took.
    */
   double seconds;
+  /**
+   * Number of pixels that are judged, whether they are in the hull of the control colors: all of a
+   * color, none of an output that is no color.
+   */
+  uint64_t judged;
+  /**
+   * Number of threads that it ran on.
+   */
+  size_t threads;
 } trochoid_report;
 
 #ifdef __cplusplus
@@ -363,8 +385,15 @@ size_t trochoid_look_inputs(const trochoid_look *look);
 size_t trochoid_look_channels(const trochoid_look *look);
 
 /**
+ * Returns the kind of the output: one of trochoid_kind; UINT32_MAX if there is no look. Its weights are
+ * as many as its channels; a mask has one channel for both of its.
+ */
+uint32_t trochoid_look_kind(const trochoid_look *look);
+
+/**
  * Makes a shader of a look: one for each thread. Release it with trochoid_shader_release().
- * TROCHOID_INVALID if the output needs a picture, for example for a blur.
+ * TROCHOID_INVALID if the output needs a picture, for example for a blur: the error tells each node that
+ * is in the way.
  */
 trochoid_status trochoid_shader_new(const trochoid_look *look,
                                     trochoid_shader **shader,
@@ -394,7 +423,7 @@ trochoid_status trochoid_shade(trochoid_shader *shader,
 /**
  * Makes a picture of width x height pixels. in has an entry for each channel of each input, whose
  * samples are the pixels row by row from the top, and out one for each channel of the output. Runs on
- * all cores. progress, report and error may be NULL.
+ * as many threads as the options of the look say, which is one for each core unless told. progress, report and error may be NULL.
  */
 trochoid_status trochoid_picture(const trochoid_look *look,
                                  uint32_t width,

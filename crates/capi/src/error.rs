@@ -1,6 +1,6 @@
 //! Errors for C: a text, and all faults as JSON.
 
-use crate::status::{or_panic, trochoid_status};
+use crate::status::{guarded, or_panic, trochoid_status};
 use serde_json::{Value, json};
 use std::ffi::{CString, c_char};
 use trochoid::{Diagnostic, EvalError, LoadError, LookError, NotPointwise, PictureError};
@@ -38,6 +38,75 @@ impl Fault {
         }
         self.status
     }
+}
+
+/// Runs a function of the interface that explains its faults.
+///
+/// # Safety
+/// `error` is null or a place for a pointer.
+pub(crate) unsafe fn explained(
+    error: *mut *mut trochoid_error,
+    run: impl FnOnce() -> Result<(), Fault>,
+) -> trochoid_status {
+    guarded(|| {
+        if !error.is_null() {
+            // SAFETY: the caller's promise.
+            unsafe { error.write(std::ptr::null_mut()) };
+        }
+        match run() {
+            Ok(()) => trochoid_status::TROCHOID_OK,
+            // SAFETY: the caller's promise.
+            Err(fault) => unsafe { fault.tell(error) },
+        }
+    })
+}
+
+/// Returns what a pointer of C leads to.
+///
+/// # Safety
+/// The pointer is null, or leads to what stays while it is used.
+pub(crate) unsafe fn there<'p, T>(pointer: *const T, expected: &str) -> Result<&'p T, Fault> {
+    // SAFETY: the caller's promise.
+    unsafe { pointer.as_ref() }.ok_or_else(|| Fault::invalid(format!("found NULL; expected {expected}")))
+}
+
+/// Makes something, and writes it where C wants it; null if it cannot be made.
+///
+/// # Safety
+/// `error` and `to` are null or places for pointers.
+pub(crate) unsafe fn hand_over<P: Null>(
+    to: *mut P,
+    what: &str,
+    error: *mut *mut trochoid_error,
+    make: impl FnOnce() -> Result<P, Fault>,
+) -> trochoid_status {
+    let run = || {
+        if to.is_null() {
+            return Err(Fault::invalid(format!("found NULL; expected a place for {what}")));
+        }
+        // SAFETY: not null, and a place for a pointer by the caller's promise.
+        unsafe { to.write(P::NULL) };
+        let made = make()?;
+        // SAFETY: as above.
+        unsafe { to.write(made) };
+        Ok(())
+    };
+    // SAFETY: the caller's promise.
+    unsafe { explained(error, run) }
+}
+
+/// A pointer that is handed over.
+pub(crate) trait Null {
+    /// The one that leads nowhere.
+    const NULL: Self;
+}
+
+impl<T> Null for *const T {
+    const NULL: Self = std::ptr::null();
+}
+
+impl<T> Null for *mut T {
+    const NULL: Self = std::ptr::null_mut();
 }
 
 /// Returns a text for C, which has no zeros within.

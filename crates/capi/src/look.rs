@@ -1,6 +1,6 @@
 //! Looks.
 
-use crate::error::{Fault, trochoid_error};
+use crate::error::{Fault, hand_over, there, trochoid_error};
 use crate::options::{self, size_t, trochoid_options};
 use crate::status::{guarded, or_panic, trochoid_kind, trochoid_status};
 use crate::text::{text, texts};
@@ -38,6 +38,11 @@ impl trochoid_look {
         let names = look.slots().iter().map(|slot| CString::new(slot.name.as_str()).unwrap_or_default()).collect();
         Ok(Self { look, builder, names })
     }
+
+    /// Makes a look with one owner.
+    fn owned(builder: LookBuilder) -> Result<*const Self, Fault> {
+        Ok(Arc::into_raw(Arc::new(Self::new(builder)?)))
+    }
 }
 
 fn kind_of(kind: Kind) -> trochoid_kind {
@@ -47,36 +52,6 @@ fn kind_of(kind: Kind) -> trochoid_kind {
         Kind::Weights(_) => trochoid_kind::TROCHOID_WEIGHTS,
         _ => trochoid_kind::TROCHOID_FIELD,
     }
-}
-
-/// Hands a new look, or its fault, to C.
-///
-/// # Safety
-/// Each pointer is null or a place for a pointer.
-unsafe fn hand_over(
-    made: impl FnOnce() -> Result<trochoid_look, Fault>,
-    to: *mut *const trochoid_look,
-    error: *mut *mut trochoid_error,
-) -> trochoid_status {
-    guarded(|| {
-        // SAFETY: places for pointers, by the caller's promise, where they are not null.
-        unsafe {
-            if !error.is_null() {
-                error.write(std::ptr::null_mut());
-            }
-            if to.is_null() {
-                return Fault::invalid("found NULL; expected a place for the look").tell(error);
-            }
-            to.write(std::ptr::null());
-            match made() {
-                Ok(look) => {
-                    to.write(Arc::into_raw(Arc::new(look)));
-                    trochoid_status::TROCHOID_OK
-                }
-                Err(fault) => fault.tell(error),
-            }
-        }
-    })
 }
 
 /// Makes a look from the text of a document of so many bytes. options may be NULL. Release the look
@@ -99,11 +74,10 @@ pub unsafe extern "C" fn trochoid_look_new(
             Fault::invalid(format!("the document is not UTF-8 from byte {} on: save it as UTF-8", error.valid_up_to()))
         })?;
         // SAFETY: options are null or as the header says.
-        let builder = unsafe { options::apply(&options::read(options)?, LookBuilder::new(text))? };
-        trochoid_look::new(builder)
+        trochoid_look::owned(unsafe { options::apply(&options::read(options)?, LookBuilder::new(text))? })
     };
     // SAFETY: as the header says.
-    unsafe { hand_over(made, look, error) }
+    unsafe { hand_over(look, "the look", error, made) }
 }
 
 /// Does the same with a document in a file.
@@ -121,10 +95,10 @@ pub unsafe extern "C" fn trochoid_look_open(
             path.ok_or_else(|| Fault::invalid("found a path that is NULL or not UTF-8; expected that of a document"))?;
         let builder = LookBuilder::open(Path::new(path))?;
         // SAFETY: options are null or as the header says.
-        trochoid_look::new(unsafe { options::apply(&options::read(options)?, builder)? })
+        trochoid_look::owned(unsafe { options::apply(&options::read(options)?, builder)? })
     };
     // SAFETY: as the header says.
-    unsafe { hand_over(made, look, error) }
+    unsafe { hand_over(look, "the look", error, made) }
 }
 
 /// Makes a look of the same document with further assignments, at a frame. Release it too.
@@ -139,16 +113,16 @@ pub unsafe extern "C" fn trochoid_look_with(
 ) -> trochoid_status {
     let made = || {
         // SAFETY: null or a look of this library.
-        let from = unsafe { from.as_ref() }.ok_or_else(|| Fault::invalid("found NULL; expected a look"))?;
+        let from = unsafe { there(from, "a look")? };
         // SAFETY: as many texts as the caller says.
         let assignments = unsafe { texts(assignments, assignment_count) };
         let assignments =
             assignments.map_err(|index| Fault::invalid(format!("assignments[{index}] is NULL or not UTF-8")))?;
         let builder = assignments.into_iter().fold(from.builder.clone(), |builder, set| builder.set(set));
-        trochoid_look::new(builder.frame(frame))
+        trochoid_look::owned(builder.frame(frame))
     };
     // SAFETY: as the header says.
-    unsafe { hand_over(made, look, error) }
+    unsafe { hand_over(look, "the look", error, made) }
 }
 
 /// Counts one more owner of a look, and returns it. Each owner releases it once.
@@ -220,4 +194,12 @@ pub unsafe extern "C" fn trochoid_look_inputs(look: *const trochoid_look) -> siz
 pub unsafe extern "C" fn trochoid_look_channels(look: *const trochoid_look) -> size_t {
     // SAFETY: null or a look of this library.
     or_panic(0, || unsafe { look.as_ref() }.map_or(0, |look| look.look.channels()))
+}
+
+/// Returns the kind of the output: one of trochoid_kind; UINT32_MAX if there is no look. Its weights are
+/// as many as its channels; a mask has one channel for both of its.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn trochoid_look_kind(look: *const trochoid_look) -> u32 {
+    // SAFETY: null or a look of this library.
+    or_panic(u32::MAX, || unsafe { look.as_ref() }.map_or(u32::MAX, |look| kind_of(look.look.kind()) as u32))
 }

@@ -37,6 +37,12 @@ pub struct trochoid_options {
     pub samples: u64,
     /// What happens to illegal samples: one of trochoid_illegal.
     pub illegal: u32,
+    /// Files and folders that the document may read besides its own folder.
+    pub allow: *const *const c_char,
+    /// Number of these.
+    pub allow_count: size_t,
+    /// Number of threads that make a picture; 0 for one on each core. Shading runs on the caller's.
+    pub threads: size_t,
 }
 
 /// C's name of `usize`, for the header.
@@ -54,6 +60,9 @@ const DEFAULT: trochoid_options = trochoid_options {
     frame: 1,
     samples: 0,
     illegal: trochoid_illegal::TROCHOID_REFUSE as u32,
+    allow: std::ptr::null(),
+    allow_count: 0,
+    threads: 0,
 };
 
 /// Returns options with every default.
@@ -114,6 +123,9 @@ pub(crate) unsafe fn apply(options: &trochoid_options, mut builder: LookBuilder)
     for assignment in list(options.assignments, options.assignment_count, "assignments")? {
         builder = builder.set(assignment);
     }
+    for path in list(options.allow, options.allow_count, "allow")? {
+        builder = builder.allow(Path::new(path));
+    }
     if options.samples > 0 {
         builder = builder.expecting(usize::try_from(options.samples).unwrap_or(usize::MAX));
     }
@@ -126,5 +138,5 @@ pub(crate) unsafe fn apply(options: &trochoid_options, mut builder: LookBuilder)
             )));
         }
     };
-    Ok(builder.frame(options.frame).illegal(illegal))
+    Ok(builder.frame(options.frame).illegal(illegal).threads(options.threads))
 }

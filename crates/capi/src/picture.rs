@@ -1,10 +1,10 @@
 //! Pictures.
 
 use crate::batch::{are_there, trochoid_in, trochoid_out};
-use crate::error::{Fault, trochoid_error};
+use crate::error::{Fault, explained, there, trochoid_error};
 use crate::look::trochoid_look;
 use crate::options::size_t;
-use crate::status::{guarded, trochoid_status};
+use crate::status::trochoid_status;
 use std::ffi::c_void;
 use std::sync::atomic::{AtomicBool, Ordering};
 use trochoid::{Cache, Format, Monitor, Samples};
@@ -22,16 +22,22 @@ pub struct trochoid_report {
     pub struct_size: size_t,
     /// Number of pixels.
     pub pixels: u64,
-    /// Number of colors that the output mixes: those of the document, and a color of each pixel where
-    /// they come from an input.
+    /// Number of control colors, which the output mixes: the different ones of the document, and of each
+    /// input or file with colors the corners of the hull of its pixels; one if it is the same
+    /// everywhere. 0 of an output that is no color.
     pub control_count: u64,
-    /// Number of pixels outside of the palette's hull: 0, unless the library is broken. Not counted
-    /// where colors come from inputs.
+    /// Number of pixels outside of the hull of the control colors: 0, unless the library is broken. Only
+    /// pixels that are judged are counted: look at judged.
     pub hull_exits: u64,
     /// Number of values that are NaN.
     pub nan_count: u64,
     /// Seconds that it took.
     pub seconds: f64,
+    /// Number of pixels that are judged, whether they are in the hull of the control colors: all of a
+    /// color, none of an output that is no color.
+    pub judged: u64,
+    /// Number of threads that it ran on.
+    pub threads: size_t,
 }
 
 /// Tells C about progress.
@@ -61,7 +67,7 @@ impl Monitor for Teller {
 
 /// Makes a picture of width x height pixels. in has an entry for each channel of each input, whose
 /// samples are the pixels row by row from the top, and out one for each channel of the output. Runs on
-/// all cores. progress, report and error may be NULL.
+/// as many threads as the options of the look say, which is one for each core unless told. progress, report and error may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trochoid_picture(
     look: *const trochoid_look,
@@ -74,25 +80,17 @@ pub unsafe extern "C" fn trochoid_picture(
     report: *mut trochoid_report,
     error: *mut *mut trochoid_error,
 ) -> trochoid_status {
-    guarded(|| {
+    let run = || {
         // SAFETY: all pointers are as the header says, as for the functions above.
         unsafe {
-            if !error.is_null() {
-                error.write(std::ptr::null_mut());
-            }
-            let Some(look) = look.as_ref().map(|look| &look.look) else {
-                return Fault::invalid("found NULL; expected a look").tell(error);
-            };
+            let look = &there(look, "a look")?.look;
             if (r#in.is_null() && look.inputs() > 0) || out.is_null() {
-                return Fault::invalid("found NULL; expected the channels of the inputs and of the output").tell(error);
+                return Err(Fault::invalid("found NULL; expected the channels of the inputs and of the output"));
             }
-            let format = match Format::new(width, height, 1) {
-                Ok(format) => format,
-                Err(fault) => return Fault::invalid(fault.to_string()).tell(error),
-            };
+            let format = Format::new(width, height, 1).map_err(|fault| Fault::invalid(fault.to_string()))?;
             if !report.is_null() && (&raw const (*report).struct_size).read() == 0 {
-                return Fault::invalid("found a report with a struct_size of 0; expected sizeof(trochoid_report)")
-                    .tell(error);
+                let text = "found a report with a struct_size of 0; expected sizeof(trochoid_report)";
+                return Err(Fault::invalid(text));
             }
             let inputs: Vec<Input> = (0..look.inputs()).map(|channel| Input::from(r#in.add(channel).read())).collect();
             let outputs: Vec<Output> =
@@ -100,7 +98,7 @@ pub unsafe extern "C" fn trochoid_picture(
             if !are_there(look, &inputs, &outputs) {
                 let text =
                     "found NULL, or an output with a stride of 0; expected samples in every channel that is used";
-                return Fault::invalid(text).tell(error);
+                return Err(Fault::invalid(text));
             }
             let area = format.window().area();
             let mut planes: Vec<Vec<f32>> = Vec::with_capacity(look.inputs());
@@ -112,10 +110,7 @@ pub unsafe extern "C" fn trochoid_picture(
             let passes: Vec<Samples<'_>> = planes.iter().map(|plane| Samples::new(plane)).collect();
             let teller = Teller { progress, user, stopped: AtomicBool::new(false) };
             let started = std::time::Instant::now();
-            let frame = match look.picture(format, &passes, &mut Cache::new(), &teller) {
-                Ok(frame) => frame,
-                Err(failed) => return Fault::from(failed).tell(error),
-            };
+            let frame = look.picture(format, &passes, &mut Cache::new(), &teller)?;
             let seconds = started.elapsed().as_secs_f64();
             let picture = &frame.pictures[0];
             for (output, plane) in outputs.iter().zip(&picture.planes) {
@@ -129,11 +124,15 @@ pub unsafe extern "C" fn trochoid_picture(
                     hull_exits: picture.audit.hull_exits,
                     nan_count: picture.audit.nan_count,
                     seconds,
+                    judged: picture.audit.judged,
+                    threads: frame.threads,
                 };
                 let size = counted.struct_size.min(size_of::<trochoid_report>());
                 std::ptr::copy_nonoverlapping((&raw const counted).cast::<u8>(), report.cast::<u8>(), size);
             }
-            trochoid_status::TROCHOID_OK
+            Ok(())
         }
-    })
+    };
+    // SAFETY: as the header says.
+    unsafe { explained(error, run) }
 }

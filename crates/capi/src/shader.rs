@@ -1,7 +1,7 @@
 //! Shaders.
 
 use crate::batch::{are_there, trochoid_in, trochoid_out};
-use crate::error::{Fault, trochoid_error};
+use crate::error::{hand_over, there, trochoid_error};
 use crate::look::trochoid_look;
 use crate::options::size_t;
 use crate::status::{guarded, or_panic, trochoid_status};
@@ -27,37 +27,22 @@ pub struct trochoid_bad {
 }
 
 /// Makes a shader of a look: one for each thread. Release it with trochoid_shader_release().
-/// TROCHOID_INVALID if the output needs a picture, for example for a blur.
+/// TROCHOID_INVALID if the output needs a picture, for example for a blur: the error tells each node that
+/// is in the way.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trochoid_shader_new(
     look: *const trochoid_look,
     shader: *mut *mut trochoid_shader,
     error: *mut *mut trochoid_error,
 ) -> trochoid_status {
-    guarded(|| {
-        // SAFETY: null, or places for pointers and a look of this library.
-        unsafe {
-            if !error.is_null() {
-                error.write(std::ptr::null_mut());
-            }
-            if shader.is_null() {
-                return Fault::invalid("found NULL; expected a place for the shader").tell(error);
-            }
-            shader.write(std::ptr::null_mut());
-            let Some(look) = look.as_ref() else {
-                return Fault::invalid("found NULL; expected a look").tell(error);
-            };
-            match look.look.shader() {
-                Ok(made) => {
-                    let made =
-                        trochoid_shader { shader: ForeignShader::new(made), inputs: Vec::new(), outputs: Vec::new() };
-                    shader.write(Box::into_raw(Box::new(made)));
-                    trochoid_status::TROCHOID_OK
-                }
-                Err(unbound) => Fault::from(unbound).tell(error),
-            }
-        }
-    })
+    let make = || {
+        // SAFETY: null or a look of this library.
+        let shader = unsafe { there(look, "a look")? }.look.shader()?;
+        let made = trochoid_shader { shader: ForeignShader::new(shader), inputs: Vec::new(), outputs: Vec::new() };
+        Ok(Box::into_raw(Box::new(made)))
+    };
+    // SAFETY: as the header says.
+    unsafe { hand_over(shader, "the shader", error, make) }
 }
 
 /// Releases a shader.

@@ -30,7 +30,7 @@ pub enum trochoid_illegal {
     TROCHOID_CLAMP = 1,
 }
 
-/// Kind of an input.
+/// Kind of an input, or of the output.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum trochoid_kind {

@@ -187,6 +187,22 @@ fn faults_are_told_in_text_and_json() {
         assert_eq!((status, look.is_null()), (trochoid_status::TROCHOID_IO, true));
         assert_eq!(trochoid_look_new(null(), 0, null(), &raw mut look, null_mut()), trochoid_status::TROCHOID_INVALID);
         assert_eq!(trochoid_look_new(null(), 0, null(), null_mut(), null_mut()), trochoid_status::TROCHOID_INVALID);
+        // What is missing is told.
+        let text = |status, error: *mut trochoid_error| {
+            assert_eq!(status, trochoid_status::TROCHOID_INVALID);
+            let text = CStr::from_ptr(trochoid_error_text(error)).to_str().unwrap().to_owned();
+            trochoid_error_release(error);
+            text
+        };
+        let (mut shader, mut error) = (null_mut(), null_mut());
+        let status = trochoid_look_open(c"x".as_ptr(), null(), null_mut(), &raw mut error);
+        assert_eq!(text(status, error), "found NULL; expected a place for the look");
+        let status = trochoid_shader_new(null(), &raw mut shader, &raw mut error);
+        assert_eq!(text(status, error), "found NULL; expected a look");
+        let status = trochoid_shader_new(null(), null_mut(), &raw mut error);
+        assert_eq!(text(status, error), "found NULL; expected a place for the shader");
+        let status = trochoid_picture(null(), 8, 8, null(), null(), None, null_mut(), null_mut(), &raw mut error);
+        assert_eq!(text(status, error), "found NULL; expected a look");
         // NULL may be released, and described.
         trochoid_look_release(null());
         trochoid_shader_release(null_mut());
@@ -195,6 +211,7 @@ fn faults_are_told_in_text_and_json() {
             (trochoid_look_slots(null()), trochoid_look_inputs(null()), trochoid_look_channels(null())),
             (0, 0, 0)
         );
+        assert_eq!(trochoid_look_kind(null()), u32::MAX);
         assert_eq!(CStr::from_ptr(trochoid_error_text(null())), c"");
     }
 }
@@ -207,6 +224,87 @@ fn shorter_options_are_read_as_far_as_they_go() {
     (old.frame, old.illegal) = (-77, 99);
     let look = make(WATER, &old).unwrap();
     unsafe { trochoid_look_release(look) };
+}
+
+/// Each node that keeps an output from being shaded has a fault, in the form of a document's.
+#[test]
+fn nodes_in_the_way_of_shaders_are_told() {
+    let text = WATER.replace("{ \"type\": \"ScreenX\" }", "{ \"type\": \"Blur\", \"image\": \"rim\", \"size\": 3 }");
+    let look = make(&text, &trochoid_options_default()).unwrap();
+    let (mut shader, mut error) = (null_mut(), null_mut());
+    unsafe {
+        let status = trochoid_shader_new(look, &raw mut shader, &raw mut error);
+        assert_eq!((status, shader.is_null()), (trochoid_status::TROCHOID_INVALID, true));
+        let json = CStr::from_ptr(trochoid_error_json(error)).to_str().unwrap();
+        let json: serde_json::Value = serde_json::from_str(json).unwrap();
+        let nodes: Vec<&str> =
+            json["diagnostics"].as_array().unwrap().iter().map(|fault| fault["node"].as_str().unwrap()).collect();
+        assert_eq!(nodes, ["light", "rim"], "{json}");
+        assert_eq!(json["diagnostics"][0]["line"], 6, "{json}");
+        trochoid_error_release(error);
+        trochoid_look_release(look);
+    }
+}
+
+/// What is counted can be told from what is not; the kind of the output says which of both it is.
+#[test]
+fn reports_tell_what_was_judged() {
+    let masks = WATER.replace("\"outputs\": {", "\"outputs\": { \"rim\": { \"weights\": \"rim\" },");
+    let names = [c"palette.mist"].map(CStr::as_ptr);
+    let mist = [0.25_f32, 0.5, 0.75];
+    let inputs = [0, 1, 2].map(|c| trochoid_in { samples: &raw const mist[c], stride: 0 });
+    for (output, kind, judged, controls) in
+        [(c"beauty", trochoid_kind::TROCHOID_COLOR, 64, 4), (c"rim", trochoid_kind::TROCHOID_MASK, 0, 0)]
+    {
+        let look = make(&masks, &trochoid_options { output: output.as_ptr(), threads: 1, ..options(&names) }).unwrap();
+        let mut planes = vec![0.0; 3 * 64];
+        let out = [0, 1, 2].map(|c| trochoid_out { samples: planes.as_mut_ptr().wrapping_add(64 * c), stride: 4 });
+        let mut report = trochoid_report { struct_size: size_of::<trochoid_report>(), ..Default::default() };
+        unsafe {
+            assert_eq!(trochoid_look_kind(look), kind as u32);
+            let status = trochoid_picture(
+                look,
+                8,
+                8,
+                inputs.as_ptr(),
+                out.as_ptr(),
+                None,
+                null_mut(),
+                &raw mut report,
+                null_mut(),
+            );
+            assert_eq!(status, trochoid_status::TROCHOID_OK);
+            trochoid_look_release(look);
+        }
+        assert_eq!((report.pixels, report.judged, report.hull_exits), (64, judged, 0));
+        // Three colors of the document and the mist, which is one color for all pixels.
+        assert_eq!((report.control_count, report.threads), (controls, 1));
+    }
+}
+
+/// Files outside of the document's folder are read if the options allow them.
+#[test]
+fn files_are_read_as_far_as_they_are_allowed() {
+    let folder = std::env::temp_dir().join(format!("trochoid-capi-{}", std::process::id()));
+    let (own, other) = (folder.join("own"), folder.join("other"));
+    std::fs::create_dir_all(&own).unwrap();
+    std::fs::create_dir_all(&other).unwrap();
+    let (from, to) = (WATER.find("\"palette\": {").unwrap(), WATER.find("\"nodes\"").unwrap());
+    let colors = &WATER[from + "\"palette\": ".len()..to];
+    std::fs::write(other.join("colors.json"), colors.trim_end().trim_end_matches(',')).unwrap();
+    let text = WATER.replace(&WATER[from..to], "\"palette\": \"../other/colors.json\", ");
+    let path = |path: &Path| CString::new(path.to_str().unwrap()).unwrap();
+    let (own, other) = (path(&own), path(&other));
+    let allowed = [other.as_ptr()];
+    let strict = trochoid_options { folder: own.as_ptr(), ..trochoid_options_default() };
+    let refused = make(&text, &strict).unwrap_err().1;
+    assert!(refused.contains("colors.json") && refused.contains("allow it if you trust the document"), "{refused}");
+    let look = make(&text, &trochoid_options { allow: allowed.as_ptr(), allow_count: 1, ..strict }).unwrap();
+    unsafe { trochoid_look_release(look) };
+    let nothing = [null()];
+    let refused = make(&text, &trochoid_options { allow: nothing.as_ptr(), allow_count: 1, ..strict }).unwrap_err().1;
+    assert!(refused.contains("allow[0] is NULL"), "{refused}");
+    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
