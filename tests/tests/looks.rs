@@ -506,6 +506,28 @@ fn all_faults_of_a_look_are_told_at_once() {
     assert!(matches!(error, LookError::Load(_)) && error.diagnostics()[0].line == 8, "{error}");
 }
 
+/// An input is the first output of its node, and stands for no other.
+#[test]
+fn another_output_of_an_input_is_refused() {
+    let sky = |weight: &str| {
+        LookBuilder::new(format!(
+            r##"{{ "trochoid": 1, "nodes": {{
+                "camera": {{ "type": "Camera" }}, "sea": {{ "type": "GerstnerSea", "count": 0 }},
+                "view": {{ "type": "Render", "camera": "camera", "surfaces": ["sea"] }},
+                "sky": {{ "type": "Sky", "view": "view" }},
+                "glow": {{ "type": "Mix", "a": "#000", "b": "#fff", "weight": "{weight}" }},
+                "out": {{ "type": "Mix", "a": "#000", "b": "glow", "weight": "sky.sky" }} }},
+            "outputs": {{ "out": {{ "color": "out" }} }} }}"##
+        ))
+        .bind("sky")
+    };
+    assert!(sky("sky.sky").build().unwrap().shader().is_ok());
+    let text = refused(&sky("sky.reflected"));
+    assert!(text.contains("inputs[0]: found \"sky\", of which the output needs \"sky.reflected\", too"), "{text}");
+    assert!(text.contains("remedy: bind the nodes that take \"sky.reflected\""), "{text}");
+    assert!(sky("sky.reflected").bind("glow").build().unwrap().shader().is_ok());
+}
+
 /// Of an input and a value, one would have no effect; so would one of two inputs.
 #[test]
 fn what_is_asked_twice_is_refused() {

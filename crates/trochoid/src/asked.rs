@@ -1,6 +1,6 @@
 //! What a look asks of its document: an output, inputs, and values that are set.
 
-use crate::{CheckedGraph, Diagnostic, Severity, nearest};
+use crate::{BindingFault, CheckedGraph, Diagnostic, LookError, PlanError, Severity, nearest};
 
 /// What a look asks of its document.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +22,7 @@ impl Asked<'_> {
             let port = format!("inputs[{index}]");
             if let Some(first) = self.inputs[..index].iter().position(|other| other == name) {
                 let found = format!("\"{name}\", which is inputs[{first}] already");
-                faults.push(fault(graph, &port, found, "each input once", "leave one of them out"));
+                faults.push(fault(graph.name(), &port, found, "each input once", "leave one of them out"));
                 continue;
             }
             match graph.open(name) {
@@ -46,11 +46,24 @@ impl Asked<'_> {
                     file: assignment.clone(),
                     is_assigned: true,
                     port: None,
-                    ..fault(graph, "", found, expected, "leave one of them out")
+                    ..fault(graph.name(), "", found, expected, "leave one of them out")
                 });
             }
         }
         output
+    }
+
+    /// Returns the fault of an input of which another output is needed, which only the plan shows; or the error.
+    pub(crate) fn of_plan(self, document: &str, error: PlanError) -> LookError {
+        let (name, output) = match error {
+            PlanError::Binding { name, reason: BindingFault::Output(output) } => (name, output),
+            error => return error.into(),
+        };
+        let index = self.inputs.iter().position(|input| *input == name).unwrap_or_default();
+        let found = format!("\"{name}\", of which the output needs \"{name}.{output}\", too");
+        let expected = "a node whose first output alone is needed";
+        let remedy = format!("bind the nodes that take \"{name}.{output}\" and \"{name}\" instead");
+        LookError::Asked(vec![fault(document, &format!("inputs[{index}]"), found, expected, &remedy)])
     }
 
     /// Returns the name of the output.
@@ -61,7 +74,7 @@ impl Asked<'_> {
             (None, [only]) => only,
             (None, all) => {
                 let (found, expected) = (format!("none of {} outputs", all.len()), "the name of one of them");
-                faults.push(fault(graph, "output", found, expected, &format!("name {}", all.join(" or "))));
+                faults.push(fault(graph.name(), "output", found, expected, &format!("name {}", all.join(" or "))));
                 return None;
             }
         };
@@ -71,7 +84,7 @@ impl Asked<'_> {
                 None => "name one of them".into(),
             };
             let expected = format!("one of the outputs {}", known.join(", "));
-            faults.push(fault(graph, "output", format!("\"{name}\""), &expected, &remedy));
+            faults.push(fault(graph.name(), "output", format!("\"{name}\""), &expected, &remedy));
             return None;
         };
         if spec.is_recipe {
@@ -83,7 +96,7 @@ impl Asked<'_> {
             let [line, column] = spec.place;
             let found = format!("the recipe of \"{color}\", which has its weights over all colors, for a file");
             let remedy = format!("ask for an output with \"color\": \"{color}\"; add one if there is none");
-            let asked = fault(graph, name, found, "an output with a color, weights or a field", &remedy);
+            let asked = fault(graph.name(), name, found, "an output with a color, weights or a field", &remedy);
             faults.push(Diagnostic { line, column, ..asked });
             return None;
         }
@@ -108,10 +121,10 @@ fn takes_the_place_of(graph: &CheckedGraph, input: &str, path: &str) -> bool {
 }
 
 /// Returns a fault of what is asked, at a place that callers know.
-fn fault(graph: &CheckedGraph, port: &str, found: String, expected: &str, remedy: &str) -> Diagnostic {
+fn fault(document: &str, port: &str, found: String, expected: &str, remedy: &str) -> Diagnostic {
     Diagnostic {
         severity: Severity::Error,
-        file: graph.name().into(),
+        file: document.into(),
         is_assigned: false,
         line: 0,
         column: 0,

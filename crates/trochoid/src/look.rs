@@ -225,6 +225,7 @@ impl LookBuilder {
             settings.compile_from = usize::MAX;
         }
         let inputs: Vec<&str> = self.inputs.iter().map(String::as_str).collect();
-        Ok(Look::new(graph, &output, self.frame, &inputs, &settings)?.with_illegal(self.illegal))
+        let look = Look::new(graph, &output, self.frame, &inputs, &settings);
+        Ok(look.map_err(|error| asked.of_plan(&self.name, error))?.with_illegal(self.illegal))
     }
 }

@@ -52,6 +52,9 @@ pub enum BindingFault {
     /// The name was given before.
     #[error("it is bound already: name it once")]
     Twice,
+    /// Another output than the first of the node is needed, too.
+    #[error("its output \"{0}\" is needed, and only the first output can be bound: bind the nodes that take it")]
+    Output(&'static str),
 }
 
 /// Stage to fill in one pass: which planes, and from which inputs.
@@ -181,7 +184,7 @@ impl<'g> Plan<'g> {
     /// they need are left out.
     ///
     /// # Errors
-    /// Unknown outputs or bindings, or a region outside the picture.
+    /// Unknown outputs or bindings, a bound node of which another output is needed, or a region outside the picture.
     pub fn new(
         graph: &'g CheckedGraph,
         outputs: &[&str],
@@ -225,7 +228,21 @@ impl<'g> Plan<'g> {
         let chosen = choose_outputs(graph, outputs)?;
         let bound = bind(graph, bound)?;
         let context = graph.frame_context(frame, settings.memory_limit);
-        Ok(Planner { graph, settings, bound, frame }.plan(&chosen, context, window, accounts))
+        let plan = Planner { graph, settings, bound, frame }.plan(&chosen, context, window, accounts);
+        plan.needs_what_is_bound()?;
+        Ok(plan)
+    }
+
+    /// Checks that only the first outputs of bound nodes are needed.
+    fn needs_what_is_bound(&self) -> Result<(), PlanError> {
+        for fill in self.passes.iter().flat_map(|pass| &pass.fills).filter(|fill| self.bound[fill.node.0]) {
+            if let Some(output) = fill.wanted.iter().skip(1).position(|channels| channels.contains(&true)) {
+                let node = self.graph.node(fill.node);
+                let reason = BindingFault::Output(node.ty.declaration().outputs[output + 1].name);
+                return Err(PlanError::Binding { name: node.name.clone(), reason });
+            }
+        }
+        Ok(())
     }
 
     /// Returns the frame.
