@@ -65,6 +65,8 @@ fn word(kind: Kind) -> &'static str {
 /// - `name`: what messages call the document.
 /// - `samples`: how many you will shade in all, so that machine code is made only where it pays. Unless told, it is made.
 /// - `illegal`: "refuse" or "clamp" samples that their kind does not allow.
+/// - `allow`: files, and folders with all that is in them, that the document may read besides its own folder.
+/// - `threads`: how many make a picture; one on each core unless told. Samples are shaded on the caller's.
 ///
 /// Raises InvalidDocument, or InvalidLook if the document is sound but has no such output or inputs.
 ///
@@ -201,7 +203,7 @@ impl Look {
 #[pymethods]
 impl Look {
     #[new]
-    #[pyo3(signature = (document, *, inputs=vec![], output=None, set=None, frame=1, folder=None, name=None, samples=None, illegal="refuse"))]
+    #[pyo3(signature = (document, *, inputs=vec![], output=None, set=None, frame=1, folder=None, name=None, samples=None, illegal="refuse", allow=vec![], threads=None))]
     #[expect(clippy::too_many_arguments, reason = "arguments by name")]
     fn new<'p>(
         document: &Bound<'p, PyAny>,
@@ -213,8 +215,10 @@ impl Look {
         name: Option<&str>,
         samples: Option<usize>,
         illegal: &str,
+        allow: Vec<PathBuf>,
+        threads: Option<usize>,
     ) -> PyResult<Self> {
-        let options = Options { output, inputs, set: set.as_ref(), frame, samples, illegal };
+        let options = Options { output, inputs, set: set.as_ref(), frame, samples, illegal, allow, threads };
         Self::build(document.py(), options.apply(begun(document, folder, name)?)?)
     }
 
@@ -224,7 +228,7 @@ impl Look {
     ///
     ///     look = trochoid.Look.load("water.json", inputs=["light", "palette.mist"])
     #[staticmethod]
-    #[pyo3(signature = (path, *, inputs=vec![], output=None, set=None, frame=1, samples=None, illegal="refuse"))]
+    #[pyo3(signature = (path, *, inputs=vec![], output=None, set=None, frame=1, samples=None, illegal="refuse", allow=vec![], threads=None))]
     #[expect(clippy::too_many_arguments, reason = "arguments by name")]
     fn load<'p>(
         py: Python<'p>,
@@ -235,9 +239,11 @@ impl Look {
         frame: i64,
         samples: Option<usize>,
         illegal: &str,
+        allow: Vec<PathBuf>,
+        threads: Option<usize>,
     ) -> PyResult<Self> {
         let builder = LookBuilder::open(&path).map_err(|error| errors::of_look(py, error))?;
-        let options = Options { output, inputs, set: set.as_ref(), frame, samples, illegal };
+        let options = Options { output, inputs, set: set.as_ref(), frame, samples, illegal, allow, threads };
         Self::build(py, options.apply(builder)?)
     }
 
@@ -371,19 +377,21 @@ impl Look {
         }
     }
 
-    /// Makes a picture, on all cores; filters and nodes that make passes of their own work, too.
+    /// Makes a picture; filters and nodes that make passes of their own work, too.
     ///
     /// Inputs are as for `shade`, with rows and columns as their axes. `size`, (width, height), is needed only if they do
-    /// not tell it. `progress(done, total)` is called now and then; if it returns False, the work stops and Cancelled is
+    /// not tell it. `samples`, 1, 4 or 16, are averaged in each pixel, as in a document's format: inputs are the same for all of
+    /// them, passes that nodes make are not. `progress(done, total)` is called now and then; if it returns False, the work stops and Cancelled is
     /// raised. Ctrl-C stops it, too.
     ///
     ///     picture = look.picture({"light": passes[..., 0], "rim": passes[..., 1], "palette.mist": (0.25, 0.5, 0.75)})
-    #[pyo3(signature = (inputs=None, *, size=None, progress=None))]
+    #[pyo3(signature = (inputs=None, *, size=None, samples=1, progress=None))]
     fn picture<'p>(
         &self,
         py: Python<'p>,
         inputs: Option<Bound<'p, PyAny>>,
         size: Option<(u32, u32)>,
+        samples: u32,
         progress: Option<Bound<'p, PyAny>>,
     ) -> PyResult<Picture> {
         let inputs = inputs.map_or_else(|| Ok(PyDict::new(py)), |inputs| dictionary("inputs", &inputs))?;
@@ -409,7 +417,7 @@ impl Look {
         if common([("inputs", &shape[..]), ("size", &whole[..])].into_iter())? != whole {
             return Err(PyValueError::new_err(format!("found inputs of the shape {shape:?}; expected {whole:?}")));
         }
-        let format = Format::new(width, height, 1).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let format = Format::new(width, height, samples).map_err(|error| PyValueError::new_err(error.to_string()))?;
         let planes: Vec<Vec<f32>> =
             self.all_channels(&given, &whole).into_iter().map(|channel| plane(&whole, channel)).collect();
         let passes: Vec<Samples<'_>> = planes.iter().map(|plane| Samples::new(plane)).collect();

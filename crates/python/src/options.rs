@@ -15,6 +15,8 @@ pub(crate) struct Options<'a, 'p> {
     pub(crate) frame: i64,
     pub(crate) samples: Option<usize>,
     pub(crate) illegal: &'a str,
+    pub(crate) allow: Vec<PathBuf>,
+    pub(crate) threads: Option<usize>,
 }
 
 impl Options<'_, '_> {
@@ -36,7 +38,8 @@ impl Options<'_, '_> {
                 )));
             }
         };
-        Ok(builder.frame(self.frame).illegal(illegal))
+        builder = self.allow.iter().fold(builder, |builder, path| builder.allow(path));
+        Ok(builder.frame(self.frame).illegal(illegal).threads(self.threads.unwrap_or(0)))
     }
 }
 

@@ -12,19 +12,26 @@ use trochoid::{Format, Frame, Kind, WorkingSpace};
 pub(crate) struct Audit {
     /// Number of pixels.
     pixels: u64,
-    /// Number of pixels outside of the hull of the palette.
+    /// Number of pixels that are judged, whether they are in the hull of the control colors: all of a color, none of an
+    /// output that is no color.
+    judged: u64,
+    /// Number of judged pixels outside of the hull of the control colors.
     hull_exits: u64,
     /// Number of pixels with a value that is NaN.
     nan_count: u64,
-    /// Number of colors that the output mixes.
+    /// Number of control colors, which the output mixes: the different ones of the document, and of each input or file with
+    /// colors the corners of the hull of its pixels; one if it is the same everywhere.
     control_count: usize,
 }
 
 #[pymethods]
 impl Audit {
     fn __repr__(&self) -> String {
-        let Self { pixels, hull_exits, nan_count, control_count } = self;
-        format!("Audit(pixels={pixels}, hull_exits={hull_exits}, nan_count={nan_count}, control_count={control_count})")
+        let Self { pixels, judged, hull_exits, nan_count, control_count } = self;
+        format!(
+            "Audit(pixels={pixels}, judged={judged}, hull_exits={hull_exits}, nan_count={nan_count}, \
+             control_count={control_count})"
+        )
     }
 }
 
@@ -117,6 +124,7 @@ impl Picture {
         let picture = self.only();
         Audit {
             pixels: picture.audit.pixels,
+            judged: picture.audit.judged,
             hull_exits: picture.audit.hull_exits,
             nan_count: picture.audit.nan_count,
             control_count: picture.control_count,
@@ -127,6 +135,12 @@ impl Picture {
     #[getter]
     fn size(&self) -> (u32, u32) {
         (self.format.width(), self.format.height())
+    }
+
+    /// Number of threads that it was made on.
+    #[getter]
+    fn threads(&self) -> usize {
+        self.frame.threads
     }
 
     /// The nodes of the document, with what became of them.
@@ -160,7 +174,12 @@ impl Picture {
 
     fn __repr__(&self) -> String {
         let [width, height] = [self.format.width(), self.format.height()];
-        format!("Picture({width} x {height}, {} outside of the palette)", self.only().audit.hull_exits)
+        match self.only().audit {
+            audit if audit.judged > 0 => {
+                format!("Picture({width} x {height}, {} outside of the palette)", audit.hull_exits)
+            }
+            _ => format!("Picture({width} x {height})"),
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 """Looks over numpy arrays."""
 
+import json
 import os
 import threading
 
@@ -158,8 +159,6 @@ def test_wrong_names_are_told(look):
         look.shade({"lihgt": 0.5, "rim": 0.5, "palette.mist": MIST})
     with pytest.raises(ValueError, match='no "rim"'):
         look.shade({"light": 0.5, "palette.mist": MIST})
-    with pytest.raises(ValueError, match="palette.fome"):
-        trochoid.Look(WATER, inputs=["palette.fome"])
     with pytest.raises(OSError):
         trochoid.Look.load("no such file.json")
 
@@ -175,6 +174,63 @@ def test_faults_of_documents_are_listed():
         trochoid.Look(faulty, name="mine.json")
     with pytest.raises(TypeError, match="expected the text of a document"):
         trochoid.Look(5)
+
+
+def test_faults_of_looks_are_listed():
+    with pytest.raises(trochoid.InvalidLook, match="did you mean") as raised:
+        trochoid.Look(WATER, inputs=["light", "palette.fome", "lihgt"], output="beuaty")
+    places = [(fault["port"], fault["line"], fault["remedy"]) for fault in raised.value.diagnostics]
+    assert places == [
+        ("output", 0, 'did you mean "beauty"?'),
+        ("inputs[1]", 0, 'did you mean "palette.foam"?'),
+        ("inputs[2]", 0, 'did you mean "light"?'),
+    ]
+    assert isinstance(raised.value, trochoid.Error)
+    with pytest.raises(trochoid.InvalidLook, match="inputs\\[1\\]: found \"light\", which is inputs\\[0\\] already"):
+        trochoid.Look(WATER, inputs=["light", "light"])
+    with pytest.raises(trochoid.InvalidLook, match="leave one of them out"):
+        trochoid.Look(WATER, inputs=["palette.foam"], set={"palette.foam": "#fff"})
+
+
+def test_nodes_in_the_way_are_listed():
+    nodes = {
+        "noise": {"type": "Noise"},
+        "rim": {"type": "ScreenY"},
+        "soft": {"type": "Blur", "image": "rim", "size": 3},
+        "water": {"type": "Mix", "a": "#000", "b": "#fff", "weight": "both"},
+        "both": {"type": "Multiply", "weights": ["soft", "shore"]},
+        "shore": {"type": "Clamp", "field": "noise"},
+    }
+    document = {"trochoid": 1, "nodes": nodes, "outputs": {"beauty": {"color": "water"}}}
+    with pytest.raises(trochoid.NotPointwise, match="a Blur") as raised:
+        trochoid.Look(document).shade({})
+    assert [fault["node"] for fault in raised.value.diagnostics] == ["noise", "soft"]
+    trochoid.Look(document, inputs=["noise", "soft"]).shade({"noise": 0, "soft": 0.5})
+    assert trochoid.Look(document).picture(size=(8, 8)).audit.judged == 64
+
+
+def test_recipes_are_no_looks():
+    document = {**json.loads(WATER), "outputs": {"parts": {"recipe": "beauty"}}}
+    with pytest.raises(trochoid.InvalidLook, match="found the recipe of"):
+        trochoid.Look(document)
+
+
+def test_files_are_read_as_far_as_they_are_allowed(tmp_path):
+    document = json.loads(WATER)
+    own, other = tmp_path / "own", tmp_path / "other"
+    own.mkdir()
+    other.mkdir()
+    (other / "colors.json").write_text(json.dumps(document["palette"]))
+    document["palette"] = "../other/colors.json"
+    with pytest.raises(trochoid.InvalidDocument, match="allow it if you trust the document"):
+        trochoid.Look(document, folder=own)
+    (own / "water.json").write_text(json.dumps(document))
+    for look in [
+        trochoid.Look(document, folder=own, inputs=INPUTS[:2], allow=[other]),
+        trochoid.Look.load(own / "water.json", inputs=INPUTS[:2], allow=[str(other / "colors.json")]),
+    ]:
+        expected = trochoid.Look(WATER, inputs=INPUTS[:2]).shade({"light": 0.3, "rim": 0.5})
+        np.testing.assert_array_equal(look.shade({"light": 0.3, "rim": 0.5}), expected)
 
 
 def test_values_are_set(look):

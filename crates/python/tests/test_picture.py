@@ -76,6 +76,33 @@ def test_a_png_shows_what_a_display_shows(look):
     assert repr(picture) == "Picture(30 x 20, 0 outside of the palette)"
 
 
+def test_a_report_tells_what_was_judged(look):
+    light, rim = passes(20, 30)
+    picture = look.picture({"light": light, "rim": rim, "palette.mist": MIST})
+    # Three colors of the document, and one of the input, which is the same everywhere.
+    assert (picture.audit.judged, picture.audit.control_count) == (600, 4)
+    document = {"trochoid": 1, "nodes": {"a": {"type": "ScreenX"}}, "outputs": {"a": {"weights": "a"}}}
+    mask = trochoid.Look(document).picture(size=(30, 20))
+    assert (mask.audit.judged, mask.audit.hull_exits) == (0, 0)
+    assert repr(mask) == "Picture(30 x 20)" and "judged=0" in repr(mask.audit)
+
+
+def test_samples_are_averaged():
+    nodes = {"a": {"type": "ScreenX"}, "b": {"type": "Clamp", "field": "a", "min": 0.46, "max": 0.47}}
+    look = trochoid.Look({"trochoid": 1, "nodes": nodes, "outputs": {"b": {"weights": "b"}}})
+    one, many = (look.picture(size=(9, 1), samples=samples).numpy().ravel() for samples in (1, 16))
+    assert set(one[[0, 8]]) == set(many[[0, 8]]) == {0, 1}
+    assert one[4] == 1 and 0.2 < many[4] < 0.8
+    with pytest.raises(ValueError, match="samples"):
+        look.picture(size=(9, 1), samples=5)
+
+
+def test_threads_are_limited():
+    document = {"trochoid": 1, "nodes": {"a": {"type": "ScreenX"}}, "outputs": {"a": {"weights": "a"}}}
+    for threads in (1, 3):
+        assert trochoid.Look(document, threads=threads).picture(size=(30, 20)).threads == threads
+
+
 def test_fields_and_masks_are_shown_gray():
     def picture(kind, node, values):
         document = {"trochoid": 1, "nodes": {"a": {"type": node}}, "outputs": {"a": {kind: "a"}}}

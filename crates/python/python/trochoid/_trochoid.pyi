@@ -71,6 +71,8 @@ class Audit:
     @property
     def pixels(self) -> int: ...
     @property
+    def judged(self) -> int: ...
+    @property
     def hull_exits(self) -> int: ...
     @property
     def nan_count(self) -> int: ...
@@ -99,6 +101,8 @@ class Picture:
     @property
     def size(self) -> tuple[int, int]: ...
     @property
+    def threads(self) -> int: ...
+    @property
     def nodes(self) -> list[Node]: ...
 
 @final
@@ -123,6 +127,8 @@ class Look:
         name: str | None = None,
         samples: int | None = None,
         illegal: _Illegal = "refuse",
+        allow: Sequence[str | PathLike[str]] = ...,
+        threads: int | None = None,
     ) -> Look: ...
     @staticmethod
     def load(
@@ -134,6 +140,8 @@ class Look:
         frame: int = 1,
         samples: int | None = None,
         illegal: _Illegal = "refuse",
+        allow: Sequence[str | PathLike[str]] = ...,
+        threads: int | None = None,
     ) -> Look: ...
     def replace(self, *, set: Mapping[str, Any] | None = None, frame: int | None = None) -> Look: ...
     @property
@@ -152,6 +160,7 @@ class Look:
         inputs: Mapping[str, ArrayLike] | None = None,
         *,
         size: tuple[int, int] | None = None,
+        samples: Literal[1, 4, 16] = 1,
         progress: _Progress | None = None,
     ) -> Picture: ...
 
