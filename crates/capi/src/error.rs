@@ -154,8 +154,10 @@ pub unsafe extern "C" fn trochoid_error_text(error: *const trochoid_error) -> *c
     or_panic(c"".as_ptr(), || unsafe { error.as_ref() }.map_or(c"".as_ptr(), |error| error.text.as_ptr()))
 }
 
-/// Returns the error as JSON: "status", "message", and "diagnostics", a list of faults with "file",
-/// "line", "column", "node", "found", "expected" and "remedy". It lives as long as the error.
+/// Returns the error as JSON: "status", "message", and "diagnostics", a list of faults with "severity",
+/// "file", "line", "column", "node", "port", "found", "expected", "remedy" and "used". A fault of the
+/// options has the line 0, and "port" is the option, such as "output" or "inputs[1]". It lives as long
+/// as the error.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn trochoid_error_json(error: *const trochoid_error) -> *const c_char {
     // SAFETY: null or an error of this library.
