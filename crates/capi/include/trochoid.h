@@ -311,8 +311,10 @@ const char *trochoid_version(void);
 const char *trochoid_error_text(const trochoid_error *error);
 
 /**
- * Returns the error as JSON: "status", "message", and "diagnostics", a list of faults with "file",
- * "line", "column", "node", "found", "expected" and "remedy". It lives as long as the error.
+ * Returns the error as JSON: "status", "message", and "diagnostics", a list of faults with "severity",
+ * "file", "line", "column", "node", "port", "found", "expected", "remedy" and "used". A fault of the
+ * options has the line 0, and "port" is the option, such as "output" or "inputs[1]". It lives as long
+ * as the error.
  */
 const char *trochoid_error_json(const trochoid_error *error);
 
