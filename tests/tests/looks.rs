@@ -626,3 +626,37 @@ fn knobs_that_reach_ports_through_groups_can_be_bound() {
         assert_eq!(found, shade(&mut set.shader().unwrap(), std::slice::from_ref(&light), AREA).unwrap(), "{calm}");
     }
 }
+
+#[test]
+fn memory_is_checked_before_passes_are_copied() {
+    let document = r##"{
+        "trochoid": 1,
+        "palette": { "deep": "#274e53" },
+        "nodes": { "light": { "type": "ScreenX" }, "water": { "type": "Mix", "a": "palette.deep", "b": "#ffffff", "weight": "light" } },
+        "outputs": { "beauty": { "color": "water" } }
+    }"##;
+    let look = |megabytes: u64| {
+        let mut settings = Settings::default();
+        (settings.threads, settings.memory_limit) = (1, megabytes << 20);
+        LookBuilder::new(document).bind("light").bind("palette.deep").settings(settings).build().unwrap()
+    };
+    let format = Format::new(2048, 1024, 1).unwrap();
+    let light = vec![0.5; 2048 * 1024];
+    let channels: [Vec<f32>; 3] = [0.1, 0.2, 0.3].map(|channel| vec![channel; 2048 * 1024]);
+    let uniform = [0.1, 0.2, 0.3];
+    let of = |look: &Look, deep: [Samples<'_>; 3]| {
+        let passes = [&[Samples::new(&light)][..], &deep].concat();
+        look.picture(format, &passes, &mut Cache::new(), &Silent)
+    };
+    // The picture takes 24 MiB, and the copies of a color as many.
+    let (small, large) = (look(32), look(64));
+    let given = of(&small, channels.each_ref().map(|channel| Samples::new(channel))).unwrap();
+    let copied = of(&large, uniform.each_ref().map(Samples::uniform)).unwrap();
+    let planes = given.pictures[0].planes.iter().zip(&copied.pictures[0].planes);
+    planes.for_each(|(given, copied)| assert!(given.samples() == copied.samples()));
+    let error = of(&small, uniform.each_ref().map(Samples::uniform)).unwrap_err().to_string();
+    assert!(error.contains("copies of passes 24"), "{error}");
+    // Callers that copy passes themselves ask first.
+    assert!(small.check_memory(format, 0).is_ok() && large.check_memory(format, 3).is_ok());
+    assert_eq!(small.check_memory(format, 3).unwrap_err().to_string(), error);
+}

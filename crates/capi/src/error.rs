@@ -139,6 +139,9 @@ impl From<PictureError> for Fault {
                 trochoid_status::TROCHOID_BUFFER
             }
             PictureError::Evaluate(EvalError::Cancelled) => trochoid_status::TROCHOID_CANCELLED,
+            PictureError::Evaluate(
+                EvalError::TooMuchMemory { .. } | EvalError::Memory { .. } | EvalError::Threads { .. },
+            ) => trochoid_status::TROCHOID_MEMORY,
             PictureError::Evaluate(_) => trochoid_status::TROCHOID_IO,
             _ => trochoid_status::TROCHOID_INVALID,
         };

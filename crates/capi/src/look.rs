@@ -7,7 +7,7 @@ use crate::text::{text, texts};
 use std::ffi::{CString, c_char};
 use std::path::Path;
 use std::sync::Arc;
-use trochoid::{Kind, Look, LookBuilder};
+use trochoid::{Kind, Look, LookBuilder, LookError, MAX_BYTES};
 
 /// One output of a document, with inputs of yours. It never changes, and any threads may use it.
 pub struct trochoid_look {
@@ -68,6 +68,10 @@ pub unsafe extern "C" fn trochoid_look_new(
         if document.is_null() {
             return Err(Fault::invalid("found NULL; expected the text of a document"));
         }
+        if length > MAX_BYTES {
+            // Such as a size that could not be told: (size_t)-1.
+            return Err(Fault::invalid(format!("found a document of {length} bytes; expected at most {MAX_BYTES}")));
+        }
         // SAFETY: the caller promises `length` bytes, which stay during the call.
         let bytes = unsafe { std::slice::from_raw_parts(document.cast::<u8>(), length) };
         let text = std::str::from_utf8(bytes).map_err(|error| {
@@ -93,7 +97,7 @@ pub unsafe extern "C" fn trochoid_look_open(
         let path = unsafe { text(path) };
         let path =
             path.ok_or_else(|| Fault::invalid("found a path that is NULL or not UTF-8; expected that of a document"))?;
-        let builder = LookBuilder::open(Path::new(path))?;
+        let builder = LookBuilder::open(Path::new(path)).map_err(LookError::from)?;
         // SAFETY: options are null or as the header says.
         trochoid_look::owned(unsafe { options::apply(&options::read(options)?, builder)? })
     };

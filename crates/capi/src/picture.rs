@@ -10,8 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use trochoid::{Cache, Format, Monitor, Samples};
 use trochoid_foreign::{Input, Output};
 
-/// Is told how many of all tiles are done, from any thread; returns 0 to go on, and anything else to
-/// cancel. It must not throw.
+/// Is told how many of all tiles are done, from any thread, from several at once, and not in order;
+/// returns 0 to go on, and anything else to cancel. It must not throw.
 pub type trochoid_progress = Option<unsafe extern "C" fn(done: size_t, total: size_t, user: *mut c_void) -> i32>;
 
 /// What was counted on a picture. Set struct_size before the call.
@@ -47,7 +47,7 @@ struct Teller {
     stopped: AtomicBool,
 }
 
-// SAFETY: the header says that the callback is called from any thread, and `user` is only handed on to it.
+// SAFETY: the header says that the callback is called from several threads at once, and `user` is only handed on to it.
 unsafe impl Sync for Teller {}
 
 impl Monitor for Teller {
@@ -101,13 +101,22 @@ pub unsafe extern "C" fn trochoid_picture(
                 return Err(Fault::invalid(text));
             }
             let area = format.window().area();
+            let used = |channel: usize| look.slots().iter().any(|slot| slot.is_used && slot.has(channel));
+            let copied = inputs.iter().enumerate().filter(|(at, input)| used(*at) && input.stride != 0).count();
+            look.check_memory(format, copied)?;
             let mut planes: Vec<Vec<f32>> = Vec::with_capacity(look.inputs());
             for slot in look.slots() {
                 let count = if slot.is_used { area } else { 0 };
                 let channels = &inputs[slot.first..slot.first + slot.channels()];
-                planes.extend(channels.iter().map(|input| input.copied(count)));
+                planes.extend(
+                    channels.iter().map(|input| input.copied(if input.stride == 0 { count.min(1) } else { count })),
+                );
             }
-            let passes: Vec<Samples<'_>> = planes.iter().map(|plane| Samples::new(plane)).collect();
+            let passes = planes.iter().zip(&inputs).map(|(plane, input)| match (&plane[..], input.stride) {
+                ([value], 0) => Samples::uniform(value),
+                (plane, _) => Samples::new(plane),
+            });
+            let passes: Vec<Samples<'_>> = passes.collect();
             let teller = Teller { progress, user, stopped: AtomicBool::new(false) };
             let started = std::time::Instant::now();
             let frame = look.picture(format, &passes, &mut Cache::new(), &teller)?;

@@ -14,6 +14,8 @@ pub enum trochoid_status {
     TROCHOID_INVALID = 2,
     /// Inputs have too few channels or samples, or illegal samples.
     TROCHOID_BUFFER = 4,
+    /// Memory, or threads, do not suffice.
+    TROCHOID_MEMORY = 5,
     /// The progress callback asked to stop.
     TROCHOID_CANCELLED = 130,
     /// The library failed; please report it.

@@ -25,6 +25,10 @@ pub(crate) unsafe fn texts<'t>(pointer: *const *const c_char, count: usize) -> R
     if pointer.is_null() {
         return Err(0);
     }
+    // No memory has so many, such as (size_t)-1.
+    if count > isize::MAX as usize / size_of::<*const c_char>() {
+        return Err(count);
+    }
     // SAFETY: the caller promises that many pointers.
     let pointers = unsafe { std::slice::from_raw_parts(pointer, count) };
     // SAFETY: each of them is as `text` needs it.

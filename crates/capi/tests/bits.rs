@@ -6,6 +6,7 @@
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::path::Path;
 use std::ptr::{null, null_mut};
+use std::sync::atomic::{AtomicBool, Ordering};
 use trochoid::{LookBuilder, Samples};
 use trochoid_capi::*;
 
@@ -329,17 +330,60 @@ fn changes_make_another_look() {
             assert_eq!(mist, is_mist);
         }
         unsafe extern "C" fn stop(_: usize, _: usize, asked: *mut c_void) -> i32 {
-            unsafe { *asked.cast::<bool>() = true };
+            unsafe { &*asked.cast::<AtomicBool>() }.store(true, Ordering::Relaxed);
             1
         }
-        let mut asked = false;
-        let user = (&raw mut asked).cast();
-        let status = trochoid_picture(shared, 8, 8, null(), out.as_ptr(), Some(stop), user, null_mut(), null_mut());
-        // The only tile was done by the time that it was asked.
-        assert!(asked && matches!(status, trochoid_status::TROCHOID_OK | trochoid_status::TROCHOID_CANCELLED));
+        let asked = AtomicBool::new(false);
+        let user = (&raw const asked).cast_mut().cast();
+        // Of many tiles.
+        let mut rgb = vec![0.0; 3 << 22];
+        let large = [0, 1, 2].map(|c| trochoid_out { samples: rgb.as_mut_ptr().wrapping_add(c), stride: 12 });
+        let stopped =
+            trochoid_picture(shared, 2048, 2048, null(), large.as_ptr(), Some(stop), user, null_mut(), null_mut());
+        assert_eq!(stopped, trochoid_status::TROCHOID_CANCELLED);
+        assert!(asked.into_inner());
+        let huge =
+            trochoid_picture(shared, 65_000, 32_000, null(), large.as_ptr(), None, null_mut(), null_mut(), null_mut());
+        assert_eq!(huge, trochoid_status::TROCHOID_MEMORY);
         let status = trochoid_picture(shared, 0, 8, null(), out.as_ptr(), None, null_mut(), null_mut(), null_mut());
         assert_eq!(status, trochoid_status::TROCHOID_INVALID);
         trochoid_look_release(shared);
         trochoid_look_release(changed);
     }
+}
+
+#[test]
+fn batches_allocate_nothing_whatever_the_first_one_was() {
+    let names = [c"light", c"rim", c"palette.mist"].map(CStr::as_ptr);
+    let look = make(WATER, &options(&names)).unwrap();
+    let samples: Vec<f32> = (0..5 * POINTS).map(|i| i as f32 / (5 * POINTS) as f32).collect();
+    let mut rgb = vec![0.0; 3 * POINTS];
+    // Side by side, or a row for each channel.
+    let mut shade = |shader: *mut trochoid_shader, is_row: bool, count: usize| {
+        let [place, [ins, outs]] = if is_row { [[POINTS; 2], [1, 1]] } else { [[1, 1], [5, 3]] };
+        let stride = |samples: usize| (samples * size_of::<f32>()) as isize;
+        let inputs = [0, 1, 2, 3, 4].map(|channel: usize| trochoid_in {
+            samples: samples.as_ptr().wrapping_add(channel * place[0]),
+            stride: stride(ins),
+        });
+        let outputs = [0, 1, 2].map(|channel: usize| trochoid_out {
+            samples: rgb.as_mut_ptr().wrapping_add(channel * place[1]),
+            stride: stride(outs),
+        });
+        let status = unsafe { trochoid_shade(shader, count, inputs.as_ptr(), outputs.as_ptr(), null_mut()) };
+        assert_eq!(status, trochoid_status::TROCHOID_OK);
+    };
+    for is_row in [false, true] {
+        let mut shader = null_mut();
+        assert_eq!(unsafe { trochoid_shader_new(look, &raw mut shader, null_mut()) }, trochoid_status::TROCHOID_OK);
+        shade(shader, is_row, 1);
+        let counted = allocation_counter::measure(|| {
+            for count in [1, 16, POINTS] {
+                [!is_row, is_row].map(|is_row| shade(shader, is_row, count));
+            }
+        });
+        assert_eq!(counted.count_total, 0, "rows first: {is_row}");
+        unsafe { trochoid_shader_release(shader) };
+    }
+    unsafe { trochoid_look_release(look) };
 }

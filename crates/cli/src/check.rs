@@ -303,6 +303,7 @@ fn memory_to_json(graph: &CheckedGraph, account: &MemoryAccount) -> Value {
             MemoryConsumer::Node(id) => ("node", Some(id)),
             MemoryConsumer::Preparing(id) => ("preparing", Some(id)),
             MemoryConsumer::Pictures => ("pictures", None),
+            MemoryConsumer::Passes => ("passes", None),
             MemoryConsumer::Writing => ("writing pictures", None),
             MemoryConsumer::Tiles => ("tiles", None),
         };

@@ -2,11 +2,11 @@
 
 use crate::changes::Changes;
 use crate::failure::Failure;
-use crate::files::{self, OverwriteOptions};
+use crate::files::{self, AccessOptions, OverwriteOptions};
 use crate::shell::{self, printable};
 use crate::{outputs, warnings};
-use std::path::PathBuf;
-use trochoid::{Form, GENERATOR, VERSION, quoted};
+use std::path::{Path, PathBuf};
+use trochoid::{Form, GENERATOR, LookBuilder, VERSION, quoted};
 use trochoid_export::{ExportError, Language, Request};
 
 /// Options of `trochoid export`.
@@ -46,6 +46,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     changes: Changes,
     #[command(flatten)]
+    access: AccessOptions,
+    #[command(flatten)]
     over: OverwriteOptions,
 }
 
@@ -76,7 +78,11 @@ impl To {
 /// The document is invalid or cannot be read, the output depends on nodes that are neither pointwise nor bound, or the
 /// file cannot be written.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let loaded = trochoid::load(&args.graph, &args.changes.assignments())?;
+    args.access.warn();
+    // A shader has no size, so a document needs none.
+    let folder = args.graph.parent().unwrap_or(Path::new("."));
+    let document = LookBuilder::open(&args.graph)?.with_access(args.access.access(folder));
+    let loaded = args.changes.assignments().iter().fold(document, |document, set| document.set(set)).load()?;
     let graph = &loaded.graph;
     let language = args.to.language();
     let mut faults = Vec::new();

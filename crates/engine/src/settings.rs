@@ -99,6 +99,8 @@ pub struct Settings {
     pub keep: Keep,
     /// Whether programs record the extremes of weights and of results, for reports.
     pub(crate) audits: bool,
+    /// Bytes that the caller's passes take beside the plan, as copies.
+    pub(crate) copies: u64,
     /// What stages are prepared for. For bounds, every plane has bounds on its errors beside it, in channels that follow
     /// its own.
     pub(crate) purpose: Purpose,
@@ -130,6 +132,7 @@ impl Default for Settings {
             local: false,
             keep: Keep::Nothing,
             audits: true,
+            copies: 0,
             purpose: Purpose::Pictures,
             exact: None,
         }

@@ -72,7 +72,7 @@ impl ForeignShader {
         }
         let is_used = |channel: usize| {
             let slots = self.shader.look().slots();
-            slots.iter().any(|slot| slot.is_used && (slot.first..slot.first + slot.channels()).contains(&channel))
+            slots.iter().any(|slot| slot.is_used && slot.has(channel))
         };
         let fits = |(channel, input): (usize, &Input)| {
             let length = if input.stride == 0 { 1 } else { count };

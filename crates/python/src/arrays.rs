@@ -1,5 +1,6 @@
 //! Channels in arrays: strides along several axes, what numpy calls broadcasting, and the runs that a shader takes.
 
+use numpy::PyArrayDyn;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use trochoid_foreign::{Input, Output};
@@ -14,6 +15,11 @@ pub(crate) struct Strided {
 }
 
 impl Strided {
+    /// Whether all samples are the same one.
+    pub(crate) fn is_uniform(&self) -> bool {
+        !self.first.is_null() && self.strides.iter().all(|stride| *stride == 0)
+    }
+
     /// Returns the addresses of the first byte and of that behind the last one, over a shape.
     fn extent(&self, shape: &[usize]) -> (isize, isize) {
         let (mut low, mut high) = (self.first.addr() as isize, self.first.addr() as isize + SAMPLE);
@@ -40,6 +46,12 @@ impl Strided {
         let long = shape.iter().zip(&self.strides).zip(&output.strides).filter(|((length, _), _)| **length > 1);
         !long.into_iter().all(|((_, own), other)| own == other && apart + SAMPLE <= own.abs())
     }
+}
+
+/// Returns an array of zeros. Numpy makes it: where memory does not suffice, it raises MemoryError.
+pub(crate) fn zeros<'p>(py: Python<'p>, shape: &[usize]) -> PyResult<Bound<'p, PyArrayDyn<f32>>> {
+    let numpy = py.import("numpy")?;
+    Ok(numpy.call_method1("zeros", (shape, numpy.getattr("float32")?))?.cast_into::<PyArrayDyn<f32>>()?)
 }
 
 /// Returns the shape over which all of some shapes extend, as numpy extends them.

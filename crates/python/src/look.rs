@@ -1,6 +1,6 @@
 //! Looks.
 
-use crate::arrays::{Runs, Strided, common};
+use crate::arrays::{Runs, Strided, common, zeros};
 use crate::errors;
 use crate::given::Given;
 use crate::options::{Options, assigned, begun, dictionary};
@@ -242,7 +242,7 @@ impl Look {
         allow: Vec<PathBuf>,
         threads: Option<usize>,
     ) -> PyResult<Self> {
-        let builder = LookBuilder::open(&path).map_err(|error| errors::of_look(py, error))?;
+        let builder = LookBuilder::open(&path).map_err(|error| errors::of_load(py, error))?;
         let options = Options { output, inputs, set: set.as_ref(), frame, samples, illegal, allow, threads };
         Self::build(py, options.apply(builder)?)
     }
@@ -336,7 +336,7 @@ impl Look {
         }
         let is_own = out.is_none();
         let out = match out {
-            None => PyArrayDyn::<f32>::zeros(py, full, false),
+            None => zeros(py, &full)?,
             Some(out) if out.shape() == full => {
                 let writable: bool = out.getattr("flags")?.getattr("writeable")?.extract()?;
                 if !writable {
@@ -414,13 +414,25 @@ impl Look {
             }
         };
         let whole = vec![height as usize, width as usize];
-        if common([("inputs", &shape[..]), ("size", &whole[..])].into_iter())? != whole {
-            return Err(PyValueError::new_err(format!("found inputs of the shape {shape:?}; expected {whole:?}")));
+        let all = common([("inputs", &shape[..]), ("size", &whole[..])].into_iter());
+        if !all.is_ok_and(|all| all == whole) {
+            return Err(PyValueError::new_err(format!(
+                "found inputs of the shape {shape:?}, rows by columns; expected {whole:?}, as the size of {width} x {height} has"
+            )));
         }
         let format = Format::new(width, height, samples).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let channels = self.all_channels(&given, &whole);
+        let is_uniform: Vec<bool> = channels.iter().map(Strided::is_uniform).collect();
+        let copied = channels.iter().filter(|channel| !channel.first.is_null() && !channel.is_uniform()).count();
+        self.look.check_memory(format, copied).map_err(|error| errors::of_picture(py, error))?;
+        let shapes = is_uniform.iter().map(|is_uniform| if *is_uniform { vec![1, 1] } else { whole.clone() });
         let planes: Vec<Vec<f32>> =
-            self.all_channels(&given, &whole).into_iter().map(|channel| plane(&whole, channel)).collect();
-        let passes: Vec<Samples<'_>> = planes.iter().map(|plane| Samples::new(plane)).collect();
+            channels.into_iter().zip(shapes).map(|(channel, shape)| plane(&shape, channel)).collect();
+        let passes = planes.iter().zip(is_uniform).map(|(plane, is_uniform)| match &plane[..] {
+            [value] if is_uniform => Samples::uniform(value),
+            plane => Samples::new(plane),
+        });
+        let passes: Vec<Samples<'_>> = passes.collect();
         let made = watched(py, progress.as_ref(), |watch| {
             let mut cache = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
             let made = self.look.picture(format, &passes, &mut cache, &**watch);

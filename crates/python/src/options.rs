@@ -55,12 +55,16 @@ pub(crate) fn dictionary<'p>(what: &str, mapping: &Bound<'p, PyAny>) -> PyResult
     Ok(made.cast_into::<PyDict>()?)
 }
 
+/// Returns a value as JSON.
+fn json(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    value.py().import("trochoid._json")?.call_method1("text", (value,))?.extract()
+}
+
 /// Applies assignments: values are those of JSON.
 pub(crate) fn assigned(mut builder: LookBuilder, set: Option<&Bound<'_, PyAny>>) -> PyResult<LookBuilder> {
     let Some(set) = set else { return Ok(builder) };
-    let json = set.py().import("json")?;
     for (path, value) in dictionary("set", set)? {
-        let text: String = json.call_method1("dumps", (value,))?.extract()?;
+        let text = json(&value)?;
         builder = builder.set(&format!("{}={text}", path.extract::<String>()?));
     }
     Ok(builder)
@@ -71,7 +75,7 @@ pub(crate) fn begun(document: &Bound<'_, PyAny>, folder: Option<PathBuf>, name: 
     let text: String = if let Ok(text) = document.cast::<PyString>() {
         text.extract()?
     } else if document.is_instance_of::<PyDict>() {
-        document.py().import("json")?.call_method1("dumps", (document,))?.extract()?
+        json(document)?
     } else {
         let found = document.get_type();
         return Err(PyTypeError::new_err(format!("found {found}; expected the text of a document, or a dictionary")));
@@ -102,5 +106,5 @@ pub(crate) fn check<'p>(
         loaded.warnings.extend(trochoid::missing_files(&loaded.graph));
         Ok(loaded)
     });
-    errors::dictionaries(py, &loaded.map_err(|error| errors::of_look(py, error))?.warnings)
+    errors::dictionaries(py, &loaded.map_err(|error| errors::of_load(py, error))?.warnings)
 }

@@ -1,5 +1,6 @@
 //! Pictures.
 
+use crate::arrays::zeros;
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -88,7 +89,7 @@ impl Picture {
         if channels > 1 {
             shape.push(channels);
         }
-        let array = PyArrayDyn::<f32>::zeros(py, shape, false);
+        let array = zeros(py, &shape)?;
         {
             let mut write = array.try_readwrite().map_err(|error| PyValueError::new_err(error.to_string()))?;
             let pixels = write.as_slice_mut().map_err(|error| PyValueError::new_err(error.to_string()))?;

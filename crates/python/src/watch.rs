@@ -2,7 +2,6 @@
 
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
-use pyo3::types::PyBool;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -101,7 +100,8 @@ pub(crate) fn watched<T: Send>(
                 py.check_signals()?;
                 match (progress, state.done) {
                     (Some(progress), Some(done)) if told != Some(done) => {
-                        Ok(!progress.call1(done)?.is(PyBool::new(py, false)))
+                        let answer = progress.call1(done)?;
+                        Ok(answer.is_none() || answer.is_truthy()?)
                     }
                     _ => Ok(true),
                 }

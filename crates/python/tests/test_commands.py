@@ -88,7 +88,10 @@ def test_frames_are_rendered(scene):
         "water.json", frames="2", out="out/{output}.####.exr", set={"palette.foam": "#ffffff"}, resume=True
     )
     assert again[0]["skipped"] is True
-    assert len(trochoid.render("water.json", frames=2, out="one.png", scale="1/2", region=None)) == 1
+    assert len(trochoid.render("water.json", frames=np.int64(2), out="one.png", scale="1/2", region=None)) == 1
+    # Names may have signs that end lines elsewhere.
+    named = trochoid.render("water.json", frames=1, out="a\u2028b/one.png")
+    assert named[0]["files"][0]["path"] == os.path.join("a\u2028b", "one.png")
     assert trochoid.run(["info", "one.png", "--json"]).json()["parts"][0]["display"]["x1"] == 20
 
 

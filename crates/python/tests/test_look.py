@@ -243,6 +243,21 @@ def test_values_are_set(look):
     np.testing.assert_array_equal(red.shade({"light": 0.0}), [1, 0, 0])
 
 
+def test_numbers_of_numpy_are_taken():
+    assert trochoid.Look(WATER, inputs=["light"], set={"beauty.weight": np.float32(0)})
+    colors = {"palette.deep": np.array([1, 0, 0]), "beauty.weight": np.int64(0)}
+    red = trochoid.Look(WATER, inputs=["light"], set=colors)
+    np.testing.assert_array_equal(red.shade({"light": np.float64(0)}), [1, 0, 0])
+    with pytest.raises(TypeError, match="found object"):
+        trochoid.Look(WATER, set={"beauty.weight": object()})
+
+
+def test_results_that_memory_cannot_hold_are_refused(look):
+    across, down = np.zeros((1, 10**7), np.float32), np.zeros((10**7, 1), np.float32)
+    with pytest.raises(MemoryError):
+        look.shade({"light": across, "rim": down, "palette.mist": MIST})
+
+
 def test_a_look_keeps_its_frame():
     keyed = {
         "trochoid": 1,

@@ -125,7 +125,7 @@ def test_what_a_progress_function_raises_is_raised(look):
 def test_a_false_answer_cancels():
     calls = []
     with pytest.raises(trochoid.Cancelled):
-        trochoid.Look(slow(3000)).picture(size=(3000, 3000), progress=lambda *at: calls.append(at) or False)
+        trochoid.Look(slow(3000)).picture(size=(3000, 3000), progress=lambda *at: calls.append(at) or np.False_)
     assert len(calls) < 10, "it goes on after the answer"
 
 
@@ -140,6 +140,16 @@ def test_an_interrupt_cancels(interrupts):
     assert look.picture(size=(30, 20)).size == (30, 20)
 
 
-def test_pictures_too_large_are_refused():
-    with pytest.raises((MemoryError, ValueError), match="."):
+def test_pictures_too_large_are_refused(look):
+    with pytest.raises(ValueError, match="65000"):
         trochoid.Look(slow(100)).picture(size=(65_000, 65_000))
+    # As few numbers as there are, memory is counted before any of it is taken.
+    for light in (0.5, np.zeros((1, 65_000), np.float32)):
+        with pytest.raises(MemoryError, match="copies of passes"):
+            look.picture({"light": light, "rim": 0.25, "palette.mist": MIST}, size=(65_000, 32_000))
+
+
+def test_sizes_that_do_not_fit_are_told(look):
+    light, rim = passes(3, 3)
+    with pytest.raises(ValueError, match=r"shape \[3, 3\], rows by columns.*size of 4 x 5"):
+        look.picture({"light": light, "rim": rim, "palette.mist": MIST}, size=(4, 5))

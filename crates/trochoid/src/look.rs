@@ -100,7 +100,7 @@ impl LookBuilder {
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn open(path: &Path) -> Result<Self, LookError> {
+    pub fn open(path: &Path) -> Result<Self, LoadError> {
         let text = text_of(path, MAX_BYTES, "a document", "split the scene into several documents")?;
         let folder = path.parent().unwrap_or(Path::new("."));
         Ok(Self::new(text).named(&path.display().to_string()).within(folder))
@@ -196,8 +196,8 @@ impl LookBuilder {
     ///
     /// # Errors
     /// The document is invalid.
-    pub fn load(&self) -> Result<Loaded, LookError> {
-        Ok(self.parsed()?.sound()?)
+    pub fn load(&self) -> Result<Loaded, LoadError> {
+        self.parsed()?.sound()
     }
 
     fn parsed(&self) -> Result<Parsed, LoadError> {

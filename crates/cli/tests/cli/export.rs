@@ -57,3 +57,21 @@ fn exports_that_are_refused_write_nothing() {
     assert!(run.out.contains("vec3 beauty(float across, float lost)"), "{}", run.out);
     assert!(run.err.contains("warning: --bind lost: the output does not depend on it"), "{}", run.err);
 }
+
+#[test]
+fn documents_need_no_size_and_may_read_what_they_are_allowed() {
+    let sized = Scene::new(SCENE).run(&["export", "a.json", "--to", "glsl", "--bind", "across"]).code(0).out;
+    let scene = Scene::new(&SCENE.replace("\"format\": { \"width\": 16, \"height\": 8 }, ", ""));
+    assert_eq!(scene.run(&["export", "a.json", "--to", "glsl", "--bind", "across"]).code(0).out, sized);
+    let elsewhere = tempfile::tempdir().unwrap();
+    let palette = elsewhere.path().join("palette.json");
+    fs::write(&palette, r##"{ "deep": "#204060" }"##).unwrap();
+    let path = palette.display().to_string();
+    let named = format!("\"trochoid\": 1, \"palette\": {},", serde_json::json!(path));
+    let scene = Scene::new(&SCENE.replace("\"trochoid\": 1,", &named).replace("\"#000\"", "\"palette.deep\""));
+    let export = ["export", "a.json", "--to", "glsl", "--bind", "across"];
+    let refused = scene.run(&export).code(2).err;
+    assert!(refused.contains("--allow"), "{refused}");
+    let allowed = scene.run(&[&export[..], &["--allow", &path]].concat()).code(0).out;
+    assert!(allowed.contains("vec3(0.1254902, 0.2509804, 0.3764706)"), "{allowed}");
+}

@@ -44,8 +44,8 @@ impl Slot {
         self.kind.channels()
     }
 
-    /// Whether an input of a batch is one of its channels.
-    fn has(&self, input: usize) -> bool {
+    /// Whether an input of a batch, counted over all slots, is one of its channels.
+    pub fn has(&self, input: usize) -> bool {
         (self.first..self.first + self.channels()).contains(&input)
     }
 }

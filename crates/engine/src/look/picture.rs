@@ -2,8 +2,8 @@
 
 use super::illegal::{clamp, divide};
 use super::samples::{Samples, checked};
-use super::{Illegal, Look, Slot};
-use crate::{BufferFault, Buffers, Cache, EvalError, Frame, Monitor, Plan, PlanError, ShadeError};
+use super::{Illegal, Look};
+use crate::{BufferFault, Buffers, Cache, EvalError, Frame, Monitor, Pictures, Plan, PlanError, ShadeError};
 use std::borrow::Cow;
 use trochoid_image::Format;
 
@@ -37,10 +37,48 @@ impl Look {
         cache: &mut Cache,
         monitor: &dyn Monitor,
     ) -> Result<Frame, PictureError> {
-        let inner = &*self.inner;
         let area = format.window().area();
         let is_used = |channel: usize| self.slots().iter().any(|slot| slot.is_used && slot.has(channel));
         checked("inputs", passes, is_used, self.inputs(), area)?;
+        let is_clamped = self.illegal == Illegal::Clamp;
+        let copied = passes.iter().enumerate().filter(|(at, pass)| is_used(*at) && (is_clamped || !pass.is_plane()));
+        self.planned(format, copied.count(), |plan| {
+            let used = self.slots().iter().filter(|slot| slot.is_used);
+            let planes = used.map(|slot| {
+                let channels = &passes[slot.first..slot.first + slot.channels()];
+                let mut channels: Vec<Cow<'_, [f32]>> = channels.iter().map(|pass| pass.plane(area)).collect();
+                if is_clamped {
+                    channels.iter_mut().for_each(|channel| clamp(slot.kind, channel.to_mut()));
+                    divide(slot.kind, &mut channels);
+                }
+                (slot.name.as_str(), channels)
+            });
+            let planes: Vec<(&str, Vec<Cow<'_, [f32]>>)> = planes.collect();
+            let buffers = planes.iter().fold(Buffers::new(), |buffers, (name, channels)| {
+                let channels: Vec<&[f32]> = channels.iter().map(|plane| &**plane).collect();
+                buffers.with(name, &channels)
+            });
+            plan.evaluate(&buffers, cache, monitor).map_err(|error| self.told(error))
+        })
+    }
+
+    /// Refuses a picture that would take more memory than [`Settings::memory_limit`](crate::Settings::memory_limit), beside
+    /// copies of so many channels. For callers that copy passes themselves: [`picture`](Self::picture) counts its own.
+    ///
+    /// # Errors
+    /// Memory does not suffice, or the picture cannot be planned.
+    pub fn check_memory(&self, format: Format, copied: usize) -> Result<(), PictureError> {
+        self.planned(format, copied, |_| Ok(()))
+    }
+
+    /// Plans a picture, and refuses it if memory does not suffice for copies of so many channels beside it.
+    fn planned<R>(
+        &self,
+        format: Format,
+        copied: usize,
+        run: impl FnOnce(&Plan<'_>) -> Result<R, PictureError>,
+    ) -> Result<R, PictureError> {
+        let inner = &*self.inner;
         let graph;
         let graph = if inner.graph.format() == format {
             &inner.graph
@@ -48,26 +86,16 @@ impl Look {
             graph = inner.graph.clone().with_format(format);
             &graph
         };
-        let used: Vec<&Slot> = self.slots().iter().filter(|slot| slot.is_used).collect();
-        let bound: Vec<&str> = used.iter().map(|slot| slot.name.as_str()).collect();
-        let plan = Plan::new(graph, &[&inner.output], inner.frame, &bound, &inner.settings)?;
-        let planes: Vec<(&str, Vec<Cow<'_, [f32]>>)> = used
-            .into_iter()
-            .map(|slot| {
-                let channels = &passes[slot.first..slot.first + slot.channels()];
-                let mut channels: Vec<Cow<'_, [f32]>> = channels.iter().map(|pass| pass.plane(area)).collect();
-                if self.illegal == Illegal::Clamp {
-                    channels.iter_mut().for_each(|channel| clamp(slot.kind, channel.to_mut()));
-                    divide(slot.kind, &mut channels);
-                }
-                (slot.name.as_str(), channels)
-            })
-            .collect();
-        let buffers = planes.iter().fold(Buffers::new(), |buffers, (name, channels)| {
-            let channels: Vec<&[f32]> = channels.iter().map(|plane| &**plane).collect();
-            buffers.with(name, &channels)
-        });
-        plan.evaluate(&buffers, cache, monitor).map_err(|error| self.told(error))
+        let mut settings = inner.settings.clone();
+        settings.copies = (copied as u64 * size_of::<f32>() as u64).saturating_mul(format.window().area() as u64);
+        let used = self.slots().iter().filter(|slot| slot.is_used);
+        let bound: Vec<&str> = used.map(|slot| slot.name.as_str()).collect();
+        let plan = Plan::new(graph, &[&inner.output], inner.frame, &bound, &settings)?;
+        if copied > 0 {
+            // Otherwise the evaluation does this.
+            plan.check_memory(&plan.memory(Pictures::Whole))?;
+        }
+        run(&plan)
     }
 
     /// Returns an error in the words of looks: their inputs have slots.

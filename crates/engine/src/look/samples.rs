@@ -44,6 +44,11 @@ impl<'a> Samples<'a> {
         }
     }
 
+    /// Whether the samples lie one after another.
+    pub(super) fn is_plane(&self) -> bool {
+        self.stride == 1
+    }
+
     /// Returns the first `count` samples one after the other: in place if they are, or as a copy.
     pub(super) fn plane(&self, count: usize) -> Cow<'a, [f32]> {
         match self.stride {

@@ -18,6 +18,8 @@ pub enum MemoryConsumer {
     Node(NodeId),
     /// Pictures of the outputs, if they are not handed on row by row.
     Pictures,
+    /// Copies of passes of the caller whose samples do not lie one after another.
+    Passes,
     /// Buffers needed while one picture is written to its file.
     Writing,
     /// Tiles that threads work on.
@@ -157,6 +159,8 @@ impl Plan<'_> {
                 consumers.push((MemoryConsumer::Writing, bytes, remedy));
             }
         }
+        let remedy = "hand over passes whose samples lie one after another, or make a smaller picture";
+        consumers.push((MemoryConsumer::Passes, self.settings.copies, remedy));
         let tiles = self.passes.iter().map(|pass| self.scratch(pass, &uses)).fold(0, u64::saturating_add);
         // A band that is handed on is as wide as the picture.
         let band = match pictures {
@@ -208,6 +212,7 @@ impl Plan<'_> {
             let what = match consumer {
                 MemoryConsumer::Node(id) => name(id),
                 MemoryConsumer::Pictures => "pictures".into(),
+                MemoryConsumer::Passes => "copies of passes".into(),
                 MemoryConsumer::Writing => "writing pictures".into(),
                 MemoryConsumer::Tiles if account.workers == 1 => "tiles of one thread".into(),
                 MemoryConsumer::Tiles => format!("tiles of {} threads", account.workers),

@@ -142,7 +142,10 @@ impl Cryptomatte {
             Some(file) => format!("has its manifest in another file, \"{file}\", which is not read"),
             None => "has no manifest".into(),
         };
-        vec![format!("{} {why}: IDs are computed from the names, so that a misspelled name is an empty mask.", self.name)]
+        vec![format!(
+            "{} {why}: IDs are computed from the names, so that a misspelled name is an empty mask.",
+            self.name
+        )]
     }
 
     /// Returns the manifest, if the header has one: names, and IDs as they are written.

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import json
 import logging
+import operator
 import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from . import _trochoid
+from . import _json, _trochoid
 from ._trochoid import CommandError, InvalidDocument
 
 Path: TypeAlias = str | os.PathLike[str]
@@ -145,7 +146,8 @@ def render(
     options += [*_one("cache", cache), *_one("cache-limit", cache_limit)]
     options += [*_all("allow", allow), *_flag("strict", strict), *_flag("overwrite", overwrite)]
     text = _text(["render", "--json", *options, "--", os.fspath(document)], progress)
-    return [json.loads(line) for line in text.splitlines()]
+    # Other signs that end lines may stand in names.
+    return [json.loads(line) for line in text.split("\n") if line]
 
 
 def palette(
@@ -311,8 +313,13 @@ def _flag(option: str, is_set: bool) -> list[str]:
 
 
 def _set(assignments: Mapping[str, Any] | None) -> list[str]:
-    return [f"--set={place}={json.dumps(value)}" for place, value in (assignments or {}).items()]
+    return [f"--set={place}={_json.text(value)}" for place, value in (assignments or {}).items()]
 
 
 def _frames(frames: Frames) -> str:
-    return str(frames) if isinstance(frames, (str, int)) else ",".join(map(str, frames))
+    if isinstance(frames, str):
+        return frames
+    try:
+        return str(operator.index(frames))  # type: ignore[arg-type]
+    except TypeError:
+        return ",".join(map(str, frames))  # type: ignore[arg-type]
