@@ -12,6 +12,10 @@ NAME = "Trochoid"
 LINEAR = "Linear Rec.709"
 
 
+class Unwritable(Exception):
+    """No painted frame may have that name. The message says why, and what to do."""
+
+
 def show(scene, painting):
     """Puts a painting into the scene's image, which is made if there is none.
 
@@ -39,17 +43,17 @@ def show(scene, painting):
 
 
 def frame_file(scene, frame):
-    """Returns the file of a painted frame; None if none is to be written. Raises ValueError if the name will not do."""
+    """Returns the file of a painted frame; None if none is to be written. Raises Unwritable."""
     settings = scene.trochoid
     if not settings.frames:
         return None
     pattern = Path(bpy.path.abspath(settings.frames, library=scene.library))
     ending = pattern.suffix.lower()
     if ending not in (".png", ".exr"):
-        raise ValueError(f"found the frames {settings.frames}; expected a name that ends in .png or .exr")
+        raise Unwritable(f"found the frames {settings.frames}; expected a name that ends in .png or .exr")
     if ending == ".exr" and not settings.has_plate:
         expected = 'a PNG, since the document has no knob "plate": an EXR is written from the file with the passes'
-        raise ValueError(f"found the frames {settings.frames}; expected {expected}")
+        raise Unwritable(f"found the frames {settings.frames}; expected {expected}")
     # As Blender does it, a name without signs gets the number before its ending.
     name = pattern.name if "#" in pattern.name else f"{pattern.stem}####{pattern.suffix}"
     file = pattern.with_name(re.sub("#+", lambda signs: str(frame).zfill(len(signs[0])), name))

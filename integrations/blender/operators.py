@@ -4,7 +4,7 @@ import bpy
 from bpy.props import StringProperty
 from bpy.types import Operator
 
-from . import image, paint, repaint
+from . import image, repaint
 
 
 class TROCHOID_OT_open(Operator):
@@ -88,10 +88,10 @@ class TROCHOID_OT_paint(Operator):
     def execute(self, context):
         try:
             painting = repaint.now(context.scene)
-        except (paint.Unpaintable, OSError, RuntimeError) as error:
+        except Exception as error:  # A traceback tells users nothing; the console has it.
             repaint.fail(context.scene, error)
             off = [repaint.sentence_of_pass(off) for off in repaint.passes_off(context.scene)]
-            self.report({"ERROR"}, "\n".join([str(error), *off]))
+            self.report({"ERROR"}, "\n".join([repaint.state_of(context.scene).told, *off]))
             return {"CANCELLED"}
         self.report({"INFO"}, painting.told)
         return {"FINISHED"}

@@ -22,14 +22,17 @@ def result():
 def save(scene):
     """Saves all passes of the last render of a scene, uncompressed, as 32-bit floats. Returns the file.
 
-    Raises FileNotFoundError if there is none, and RuntimeError if Blender cannot write it.
+    Raises FileNotFoundError if there is none, and OSError if Blender cannot write it.
     """
     image = result()
     if image is None:
         raise FileNotFoundError("found no render; expected one: render an image first (F12)")
     path = path_of(scene)
-    with written_as(scene.render.image_settings, "OPEN_EXR_MULTILAYER", color_depth="32", exr_codec="NONE"):
-        image.save_render(str(path), scene=scene)
+    try:
+        with written_as(scene.render.image_settings, "OPEN_EXR_MULTILAYER", color_depth="32", exr_codec="NONE"):
+            image.save_render(str(path), scene=scene)
+    except RuntimeError as error:
+        raise OSError(f"{path}: found that Blender cannot write the passes; expected room there ({error})") from error
     return path
 
 

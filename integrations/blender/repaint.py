@@ -15,6 +15,8 @@ import trochoid
 from . import document, image, paint, passes, plate, properties, render_result
 
 SECONDS_BETWEEN_LOOKS = 0.1
+# Errors whose texts say what to do.
+EXPECTED = (paint.Unpaintable, image.Unwritable, OSError, trochoid.Error)
 
 
 @dataclass
@@ -252,7 +254,7 @@ def request(scene, frame=None, values=None):
 
 
 def keep_passes(scene):
-    """Saves the passes of the last render. Raises FileNotFoundError if there is none, and RuntimeError if that fails."""
+    """Saves the passes of the last render. Raises OSError if there is none, or if that fails."""
     state = state_of(scene)
     state.size = plate.size_of(render_result.save(scene))
     state.rendered = scene.frame_current
@@ -316,11 +318,17 @@ def deliver(scene, painting):
 
 def fail(scene, error):
     state = state_of(scene)
-    state.told, state.has_failed, state.progress = str(error) or repr(error), True, None
+    state.told, state.has_failed, state.progress = in_words(error), True, None
     print(f"Trochoid: {state.told}")
-    if not isinstance(error, (paint.Unpaintable, OSError)):
-        # Nobody expected it.
+    if not isinstance(error, EXPECTED):
         traceback.print_exception(error)
+
+
+def in_words(error):
+    """Says what went wrong. Only errors that somebody expected say it themselves."""
+    if isinstance(error, EXPECTED):
+        return str(error)
+    return f"found a fault of the extension, {error!r}; expected a painting: report it with what the system console says"
 
 
 def fingerprint(wanted):
@@ -345,7 +353,7 @@ def soon(scene):
         return
     try:
         wanted = request(scene)
-    except (paint.Unpaintable, OSError, RuntimeError) as error:
+    except Exception as error:  # Handlers call this for any change in the scene, which must go on.
         fail(scene, error)
         return
     if fingerprint(wanted) != state_of(scene).painted:
