@@ -5,7 +5,7 @@ import textwrap
 import bpy
 from bpy.types import Panel
 
-from . import repaint
+from . import image, repaint
 
 
 class Main:
@@ -75,6 +75,8 @@ def draw_graph(layout, scene):
     column.prop(settings, "repaint")
     column.prop(settings, "live")
     layout.prop(settings, "frames")
+    if fault := image.fault_of_frames(scene):
+        tell(layout, fault, "ERROR")
     row = layout.row(align=True)
     row.operator("trochoid.paint", icon="BRUSH_DATA")
     row.operator("trochoid.show", text="Show", icon="IMAGE_DATA")

@@ -21,6 +21,9 @@ from .curves import renumber
 
 # Numbers are custom properties, since only these have ranges and explanations of their own.
 VALUE = "value"
+# Since Blender 4.5, paths say whether they may begin with //, the folder of the file.
+IS_TOLD = "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
+PATH = {"PATH_SUPPORTS_BLEND_RELATIVE"} if IS_TOLD else set()
 
 
 class Calls:
@@ -177,12 +180,14 @@ class TrochoidScene(PropertyGroup):
         name="Graph",
         description="Document that paints the passes of this scene's renders",
         subtype="FILE_PATH",
+        options=PATH,
         update=reread,
     )
     allow: StringProperty(
         name="Allow",
         description="Folder that the graph may reach besides its own, for graphs that you trust",
         subtype="DIR_PATH",
+        options=PATH,
         update=reread,
     )
     output: EnumProperty(name="Output", description="Output of the document to paint", items=outputs, update=changed)
@@ -202,6 +207,7 @@ class TrochoidScene(PropertyGroup):
             "none if empty"
         ),
         subtype="FILE_PATH",
+        options=PATH,
     )
     image: PointerProperty(type=bpy.types.Image, name="Painting")
     palette: CollectionProperty(type=TrochoidSwatch)

@@ -1,6 +1,7 @@
 """Tests of what goes wrong: it is told with its cause and a remedy, and breaks no render."""
 
 import struct
+from pathlib import Path
 
 import bpy
 import pytest
@@ -74,3 +75,61 @@ def test_an_operator_reports_what_nobody_expected(scene, opened, monkeypatch, ca
     assert "ZeroDivisionError('by nothing')" in str(raised.value) and "report it" in str(raised.value)
     assert "Traceback" not in str(raised.value)
     assert "Traceback" in capfd.readouterr().err
+
+
+# Files of frames
+
+
+@pytest.mark.parametrize("frame", [0, 1, -1, -5, 123, 12345, -12345, 1048574])
+@pytest.mark.parametrize("name", ["shot.####.png", "s#1.####.png", "#.png", "s.#", "a##b###c.png", "####", "a.#####.b.png"])
+def test_frames_are_numbered_as_by_blender(scene, tmp_path, name, frame):
+    scene.render.filepath = str(tmp_path / name)
+    scene.render.use_file_extension = False
+    assert extension.image.numbered(name, frame) == Path(scene.render.frame_path(frame=frame)).name
+
+
+def test_a_name_without_signs_keeps_its_ending():
+    assert extension.image.numbered("shot.trochoid.png", -7) == "shot.trochoid-0007.png"
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("spelling", ["{folder}/{name}", "{folder}/./x/../{name}", "{folder}/link/{name}", "//{name}"])
+def test_paintings_never_replace_blender_s_own_frames(scene, opened, tmp_path, spelling):
+    opened(with_arrays())
+    folder = tmp_path / "shots"
+    (folder / "x").mkdir(parents=True)
+    (folder / "link").symlink_to(folder)
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "shot.blend"))
+    scene.render.filepath = str(folder / "shot.####.png")
+    scene.trochoid.frames = spelling.format(folder=folder, name="shot.####.png")
+    scene.frame_end = 1
+    # Before Blender's file is there, too.
+    with pytest.raises(extension.image.Unwritable, match="Blender writes its own frame to that file"):
+        extension.image.frame_file(scene, 1)
+    assert "Blender writes its own" in extension.image.fault_of_frames(scene)
+    bpy.ops.render.render(animation=True)
+    assert state(scene).has_failed and "expected another name" in state(scene).told
+    # The program's PNGs have no such notes.
+    assert b"RenderTime" in (folder / "shot.0001.png").read_bytes()
+    scene.trochoid.frames = str(folder / "shot.trochoid.####.png")
+    bpy.ops.render.render(animation=True)
+    assert not state(scene).has_failed and not extension.image.fault_of_frames(scene)
+    assert b"RenderTime" not in (folder / "shot.trochoid.0001.png").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["shot.0001", "shot.0001.png", "shot.0001.exr"])
+def test_paintings_never_replace_blender_s_own_still(scene, opened, tmp_path, name):
+    opened(with_arrays())
+    scene.render.filepath = str(tmp_path / name)
+    scene.trochoid.frames = str(tmp_path / "shot.####.png")
+    bpy.ops.render.render(write_still=True)
+    assert state(scene).has_failed and "expected another name" in state(scene).told
+    assert b"RenderTime" in (tmp_path / "shot.0001.png").read_bytes()
+
+
+def test_frames_beside_a_file_that_was_never_saved_are_told(scene, opened):
+    opened(with_arrays())
+    scene.trochoid.frames = "//shot.trochoid.####.png"
+    bpy.ops.render.render(write_still=True)
+    assert state(scene).has_failed and "save this one first" in state(scene).told
+    assert not Path("shot.trochoid.0001.png").exists()
