@@ -4,7 +4,10 @@ A document with the knob `plate` is rendered as the command `render` does, with 
 any other, passes take the place of the nodes that have their names, as arrays.
 """
 
+import contextlib
 import json
+import os
+import secrets
 import threading
 import time
 from dataclasses import dataclass, field
@@ -161,15 +164,30 @@ def render(request, file, progress=go_on):
 
 
 def write(painting, file):
-    """Writes a painting to a file, as the program makes it. Raises Unpaintable."""
+    """Writes a painting to a file, as the program makes it: all of it, or nothing. Raises Unpaintable."""
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         if painting.png is not None:
-            file.write_bytes(painting.png)
+            replace(file, painting.png)
         else:
             render(painting.request, file)
     except (trochoid.Error, OSError) as error:
         raise Unpaintable(f"{file}: {error}") from error
+
+
+def replace(file, data):
+    """Writes a file under another name beside its place, and then takes that place, so that no half of it is ever there."""
+    # The program removes what looks like its own partial files and is not locked; this name does not.
+    partial = file.with_name(f".trochoid-blender-{secrets.token_hex(8)}.partial")
+    try:
+        # With the permissions that any new file gets.
+        with open(partial, "xb") as opened:
+            opened.write(data)
+        os.replace(partial, file)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            partial.unlink()
+        raise
 
 
 def counts(outside, pixels):

@@ -1,11 +1,13 @@
 """Tests of what goes wrong: it is told with its cause and a remedy, and breaks no render."""
 
+import os
+import resource
 import struct
 from pathlib import Path
 
 import bpy
 import pytest
-from conftest import extension, state, with_arrays
+from conftest import extension, state, with_arrays, with_plate
 
 paint, plate, repaint = extension.paint, extension.plate, extension.repaint
 
@@ -133,3 +135,40 @@ def test_frames_beside_a_file_that_was_never_saved_are_told(scene, opened):
     bpy.ops.render.render(write_still=True)
     assert state(scene).has_failed and "save this one first" in state(scene).told
     assert not Path("shot.trochoid.0001.png").exists()
+
+
+@pytest.mark.parametrize("kind", [with_arrays, with_plate])
+def test_a_frame_is_written_whole_or_not_at_all(scene, opened, tmp_path, kind):
+    opened(kind())
+    bpy.ops.render.render()
+    painting = paint.paint(repaint.request(scene))
+    folder = tmp_path / "shots"
+    file = folder / "shot.0001.png"
+    paint.write(painting, file)
+    whole = file.read_bytes()
+    file.write_bytes(b"of an earlier run")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    # As on a disk that becomes full.
+    resource.setrlimit(resource.RLIMIT_FSIZE, (len(whole) // 2, before[1]))
+    try:
+        with pytest.raises(paint.Unpaintable, match=r"shot\.0001\.png"):
+            paint.write(painting, file)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert file.read_bytes() == b"of an earlier run"
+    assert list(folder.iterdir()) == [file]
+    paint.write(painting, file)
+    assert file.read_bytes() == whole and list(folder.iterdir()) == [file]
+    assert file.stat().st_mode & 0o777 == 0o666 & ~umask()
+    file.unlink()
+    file.mkdir()
+    with pytest.raises(paint.Unpaintable, match=r"shot\.0001\.png"):
+        paint.write(painting, file)
+    assert list(folder.iterdir()) == [file]
+
+
+def umask():
+    """Returns what new files of this process do not get."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
