@@ -7,10 +7,9 @@ from . import properties, repaint
 
 
 @persistent
-def begin(_scene, *_):
+def begin(scene, *_):
     repaint.WORK.is_rendering = True
-    for state in repaint.STATES.values():
-        state.animated.clear()
+    repaint.before_render(scene)
 
 
 @persistent
@@ -24,8 +23,9 @@ def after_write(scene, *_):
 
 
 @persistent
-def end(_scene, *_):
+def end(scene, *_):
     repaint.WORK.is_rendering = False
+    repaint.after_all(scene)
 
 
 @persistent
@@ -52,13 +52,16 @@ def changed(scene, _depsgraph=None):
 def undone(_scene, *_):
     for scene in bpy.data.scenes:
         if scene.trochoid.filepath:
+            if scene.trochoid.image is None:
+                # It was made after what is undone.
+                repaint.state_of(scene).painted = None
             repaint.soon(scene)
 
 
 @persistent
 def loaded(*_):
     """Forgets the renders of the file before, and reads documents again if they have changed since the file was saved."""
-    repaint.STATES.clear()
+    repaint.forget()
     for scene in bpy.data.scenes:
         settings = scene.trochoid
         if settings.filepath and properties.stamp_of(settings.path) != settings.stamp:

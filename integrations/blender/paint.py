@@ -18,8 +18,8 @@ import trochoid
 
 from . import colors, passes, plate
 
-# Commands run one at a time in a process.
-COMMANDS = threading.Lock()
+# Held while files with passes are read or written: a render replaces them in whatever thread it has.
+PASSES = threading.RLock()
 
 
 class Unpaintable(Exception):
@@ -96,7 +96,8 @@ def paint(request, progress=go_on):
 def composed(request, progress):
     """Paints with passes as arrays."""
     look = look_of(request)
-    inputs = {slot.name: taken(request, slot) for slot in look.slots if slot.is_used}
+    with PASSES:
+        inputs = {slot.name: taken(request, slot) for slot in look.slots if slot.is_used}
     picture = look.picture(inputs, size=request.render_size, progress=progress)
     pixels = colors.to_linear(request.space, picture.numpy()).astype(np.float32)
     audit = picture.audit
@@ -127,8 +128,9 @@ def taken(request, slot):
     try:
         values = plate.read_pass(request.plate, request.view_layer, known, request.render_size)
     except plate.Missing as error:
-        remedy = f"switch on {known.label} in the view layer, and render again"
-        raise Unpaintable(f'node "{slot.name}": found no pass {known.names[0]} in the render; {remedy} ({error})') from error
+        found = f'found no pass {known.names[0]} of the view layer "{request.view_layer}" in the render'
+        remedy = f"switch on {known.label} there, and render that view layer again"
+        raise Unpaintable(f'node "{slot.name}": {found}; expected one: {remedy} ({error})') from error
     values = passes.fitted(known, passes.converted(known, values, request.scale), slot.channels)
     if values is None:
         found = f"found the pass {known.names[0]} of {len(known.channels)} channels; expected {slot.channels}"
@@ -140,8 +142,9 @@ def taken(request, slot):
 def rendered(request, progress):
     """Paints as the command `render` does."""
     file = request.plate.with_suffix(".painted.exr")
-    told = render(request, file, progress)["outputs"][request.output]
-    pixels = plate.read(file, request.layer, "RGB", request.size)
+    with PASSES:
+        told = render(request, file, progress)["outputs"][request.output]
+        pixels = plate.read(file, request.layer, "RGB", request.size)
     if request.space == "acescg":
         pixels = colors.to_linear(request.space, pixels).astype(np.float32)
     return Painting(request, pixels, counts(told["hull_exits"], told["pixels"]))
@@ -149,7 +152,7 @@ def rendered(request, progress):
 
 def render(request, file, progress=go_on):
     """Renders the document to a file, and returns what is counted."""
-    with COMMANDS:
+    with PASSES:
         frames = trochoid.render(
             request.document,
             frames=request.frame,

@@ -5,7 +5,7 @@ import textwrap
 import bpy
 from bpy.types import Panel
 
-from . import image, repaint
+from . import image, render_result, repaint
 
 
 class Main:
@@ -92,16 +92,20 @@ def draw_state(layout, scene):
         if fault.remedy:
             note(box, fault.remedy)
     if settings.is_valid:
+        for obstacle in render_result.obstacles(scene):
+            tell(layout, obstacle, "ERROR")
         for off in repaint.passes_off(scene):
             tell(layout, repaint.sentence_of_pass(off), "ERROR")
         if any(switch for _, switch, _ in repaint.passes_off(scene)):
             layout.operator("trochoid.enable_passes", icon="RENDERLAYERS")
         if not settings.faults and not state.told:
             layout.label(text="Checked", icon="CHECKMARK")
-    if state.progress is not None:
-        layout.progress(factor=state.progress, text="Painting")
+    if (progress := repaint.WORK.progress_of(scene.session_uid)) is not None:
+        layout.progress(factor=progress, text="Painting")
     elif state.told:
         tell(layout, state.told, "ERROR" if state.has_failed else "CHECKMARK")
+    if missed := repaint.frames_missed(scene):
+        tell(layout, missed, "ERROR")
 
 
 def draw_item(layout, item, path, name):

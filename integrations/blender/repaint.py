@@ -4,8 +4,6 @@ Painting may take seconds, and renders run in a thread of their own. So what is 
 painted in whatever thread there is, and put into Blender's data by its main thread.
 """
 
-import queue
-import threading
 import traceback
 from dataclasses import dataclass, field
 
@@ -13,8 +11,11 @@ import bpy
 import trochoid
 
 from . import document, image, paint, passes, plate, properties, render_result
+from .work import Work
 
 SECONDS_BETWEEN_LOOKS = 0.1
+# Frames that are named if many are missing.
+SHOWN = 8
 # Errors whose texts say what to do.
 EXPECTED = (paint.Unpaintable, image.Unwritable, OSError, trochoid.Error)
 
@@ -35,10 +36,12 @@ class State:
     painting: paint.Painting | None = None
     # What is changed at the frame that is rendered now, since renders animate a copy of the scene.
     animated: dict = field(default_factory=dict)
-    progress: float | None = None
+    # Frames of the last render that were not painted or not written.
+    missed: list = field(default_factory=list)
 
 
 STATES = {}
+WORK = Work()
 
 
 def state_of(scene):
@@ -214,6 +217,16 @@ def sentence_of_pass(off):
     return f'the document reads the layer "{label}", but no view layer has the name before its dot; rename one of the two'
 
 
+def frames_missed(scene):
+    """Says which frames of the last render were not painted or not written; empty if all were."""
+    missed = state_of(scene).missed
+    if len(missed) < 2 and state_of(scene).has_failed:
+        # That is told already.
+        return ""
+    numbers = ", ".join(map(str, missed[:SHOWN])) + (", …" if len(missed) > SHOWN else "")
+    return f"Frames without a painting, as the system console says: {numbers}" if missed else ""
+
+
 # Painting
 
 
@@ -256,34 +269,52 @@ def request(scene, frame=None, values=None):
 def keep_passes(scene):
     """Saves the passes of the last render. Raises OSError if there is none, or if that fails."""
     state = state_of(scene)
-    state.size = plate.size_of(render_result.save(scene))
+    with paint.PASSES:
+        state.size = plate.size_of(render_result.save(scene))
     state.rendered = scene.frame_current
+
+
+def before_render(scene):
+    """Forgets what is being painted: it has the passes of the last render, or of none if they change meanwhile."""
+    state = state_of(scene)
+    state.missed = []
+    if WORK.forget(scene.session_uid):
+        # What was changed is not painted yet.
+        state.painted = None
+    for other in STATES.values():
+        other.animated.clear()
 
 
 def after_render(scene):
     """Keeps the passes of a frame that was just rendered, and paints it. In whatever thread renders; never raises."""
     settings = scene.trochoid
+    state = state_of(scene)
+    # That of a still which was not written, or of a graph that is closed now.
+    state.painting = None
     if not settings.filepath:
         return
-    state = state_of(scene)
     # Those of the frame before. If nobody wants it painted now, Paint fetches the new ones.
     state.rendered = None
     if not settings.repaint:
         return
+    number = WORK.ask(scene.session_uid)
     try:
         keep_passes(scene)
         wanted = request(scene, values=state.animated.get(scene.frame_current))
         state.painted = fingerprint(wanted)
-        state.painting = WORK.finish(scene.session_uid, wanted, None)
+        state.painting = WORK.finish(scene.session_uid, number, wanted)
     except Exception as error:  # A render must go on, whatever happens to its painting.
-        WORK.done.put((scene.session_uid, error))
+        WORK.put(scene.session_uid, number, error)
+    if state.painting is None:
+        state.missed.append(scene.frame_current)
     if not has_window():
-        WORK.deliver()
+        deliver_all()
 
 
 def after_write(scene):
     """Writes the frame that was just painted, since Blender wrote its own. Never raises."""
-    painting, state_of(scene).painting = state_of(scene).painting, None
+    state = state_of(scene)
+    painting, state.painting = state.painting, None
     if painting is None:
         return
     try:
@@ -291,20 +322,28 @@ def after_write(scene):
         if file is not None:
             paint.write(painting, file)
     except Exception as error:  # As above.
-        WORK.done.put((scene.session_uid, error))
+        state.missed.append(painting.request.frame)
+        WORK.put(scene.session_uid, WORK.ask(scene.session_uid), error)
         if not has_window():
-            WORK.deliver()
+            deliver_all()
+
+
+def after_all(scene):
+    """Paints what was changed while Blender rendered."""
+    state_of(scene).painting = None
+    for other in bpy.data.scenes:
+        if other.trochoid.filepath and other.frame_current == state_of(other).rendered:
+            soon(other)
 
 
 def now(scene):
-    """Paints, and waits for it. Returns the painting. Raises paint.Unpaintable."""
+    """Paints, and waits for it. Returns the painting. Raises paint.Unpaintable or OSError."""
     if properties.stamp_of(scene.trochoid.path) != scene.trochoid.stamp:
         open_document(scene)
-    try:
-        painting = paint.paint(request(scene))
-    except FileNotFoundError as error:
-        raise paint.Unpaintable(str(error)) from error
-    deliver(scene, painting)
+    number = WORK.ask(scene.session_uid)
+    painting = paint.paint(request(scene))
+    WORK.put(scene.session_uid, number, painting)
+    deliver_all()
     return painting
 
 
@@ -312,13 +351,13 @@ def deliver(scene, painting):
     """Puts a painting into the scene's image. In the main thread only."""
     state = state_of(scene)
     image.show(scene, painting)
-    state.told, state.has_failed, state.progress = painting.told, False, None
+    state.told, state.has_failed = painting.told, False
     state.painted = fingerprint(painting.request)
 
 
 def fail(scene, error):
     state = state_of(scene)
-    state.told, state.has_failed, state.progress = in_words(error), True, None
+    state.told, state.has_failed = in_words(error), True
     print(f"Trochoid: {state.told}")
     if not isinstance(error, EXPECTED):
         traceback.print_exception(error)
@@ -358,7 +397,12 @@ def soon(scene):
         return
     if fingerprint(wanted) != state_of(scene).painted:
         state_of(scene).painted = fingerprint(wanted)
-        WORK.add(scene, wanted)
+        if has_window():
+            WORK.add(scene.session_uid, wanted)
+        else:
+            # Nothing would ever call the main thread.
+            WORK.finish(scene.session_uid, WORK.ask(scene.session_uid), wanted)
+            deliver_all()
 
 
 def has_window():
@@ -366,84 +410,36 @@ def has_window():
     return not bpy.app.background
 
 
-class Work:
-    """Paints what changes ask for, one at a time, and hands results to the main thread."""
-
-    def __init__(self):
-        # What is asked for, by scene: only the newest counts.
-        self.wanted = {}
-        self.lock = threading.Lock()
-        # Paintings and failures, with the number of their scene.
-        self.done = queue.SimpleQueue()
-        self.thread = None
-        self.is_rendering = False
-
-    def add(self, scene, wanted):
-        if not has_window():
-            # Nothing would ever call the main thread.
-            self.finish(scene.session_uid, wanted, None)
-            self.deliver()
-            return
-        with self.lock:
-            self.wanted[scene.session_uid] = wanted
-            if self.thread is None:
-                self.thread = threading.Thread(target=self.run, name="trochoid", daemon=True)
-                self.thread.start()
-
-    def run(self):
-        while True:
-            with self.lock:
-                if not self.wanted:
-                    self.thread = None
-                    return
-                uid, wanted = self.wanted.popitem()
-
-            def progress(done, total, uid=uid):
-                STATES.setdefault(uid, State()).progress = done / max(total, 1)
-                return uid not in self.wanted
-
-            self.finish(uid, wanted, progress)
-
-    def finish(self, uid, wanted, progress):
-        """Paints, and keeps what came of it for the main thread. Returns the painting if there is one."""
-        try:
-            painting = paint.paint(wanted, progress or paint.go_on)
-        except trochoid.Cancelled:
-            return None
-        except Exception as error:  # As above.
-            self.done.put((uid, error))
-            return None
-        self.done.put((uid, painting))
-        return painting
-
-    def deliver(self):
-        """Puts what is painted into Blender's data. In the main thread only."""
-        any_done = False
-        while not self.done.empty():
-            uid, result = self.done.get()
-            scene = next((scene for scene in bpy.data.scenes if scene.session_uid == uid), None)
-            if scene is None:
-                continue
-            any_done = True
-            if isinstance(result, paint.Painting):
-                try:
+def deliver_all():
+    """Puts what is painted into Blender's data, and tells what failed. In the main thread only. Returns whether any was."""
+    done = WORK.take()
+    for scene in bpy.data.scenes:
+        for result in done.get(scene.session_uid, []):
+            try:
+                if isinstance(result, paint.Painting):
                     deliver(scene, result)
-                except Exception as error:  # Or nothing would be delivered again.
-                    fail(scene, error)
-            else:
-                fail(scene, result)
-        return any_done
-
-
-WORK = Work()
+                else:
+                    fail(scene, result)
+            except Exception as error:  # Or nothing would be delivered again.
+                fail(scene, error)
+    return bool(done)
 
 
 def tick():
     """Called by Blender's main thread now and then."""
     is_busy = WORK.thread is not None
-    if WORK.deliver() or is_busy:
+    if deliver_all() or is_busy:
         image.redraw()
     return SECONDS_BETWEEN_LOOKS
+
+
+def forget():
+    """Forgets all scenes, and what was kept of their renders."""
+    WORK.forget_all()
+    WORK.is_rendering = False
+    STATES.clear()
+    with paint.PASSES:
+        render_result.remove_all()
 
 
 def register():
@@ -456,4 +452,4 @@ def unregister():
     properties.Calls.changed = properties.Calls.reread = None
     if bpy.app.timers.is_registered(tick):
         bpy.app.timers.unregister(tick)
-    STATES.clear()
+    forget()

@@ -79,6 +79,70 @@ def test_an_operator_reports_what_nobody_expected(scene, opened, monkeypatch, ca
     assert "Traceback" in capfd.readouterr().err
 
 
+# Renders without passes
+
+
+def no_camera(scene):
+    scene.camera = None
+    return "found no camera; expected one"
+
+
+def no_view_layer(scene):
+    scene.view_layers[0].use = False
+    return "switch on Use for Rendering in the View Layer tab"
+
+
+def stereoscopy(scene):
+    scene.render.use_multiview = True
+    return "found Stereoscopy; expected one view: switch it off"
+
+
+def views(scene):
+    scene.render.views_format = "MULTIVIEW"
+    return stereoscopy(scene)
+
+
+def strips(scene):
+    editor = scene.sequence_editor_create()
+    if hasattr(editor, "strips"):
+        length = "length" if bpy.app.version >= (5, 0) else "frame_end"
+        editor.strips.new_effect("color", "COLOR", channel=1, frame_start=1, **{length: 10})
+    else:
+        editor.sequences.new_effect("color", "COLOR", channel=1, frame_start=1, frame_end=10)
+    return "switch off Sequencer under Post Processing"
+
+
+@pytest.mark.parametrize("cause", [no_camera, no_view_layer, stereoscopy, views, strips])
+def test_renders_without_passes_say_their_cause(scene, opened, cause):
+    opened(with_arrays())
+    bpy.ops.render.render()
+    assert not extension.render_result.obstacles(scene)
+    told = cause(scene)
+    if cause is no_camera:
+        with pytest.raises(RuntimeError, match="no camera"):
+            bpy.ops.render.render()
+    else:
+        bpy.ops.render.render()
+    (obstacle,) = extension.render_result.obstacles(scene)
+    assert told in obstacle and state(scene).has_failed and state(scene).told == obstacle
+    assert not repaint.WORK.is_rendering
+    with pytest.raises(RuntimeError) as raised:
+        bpy.ops.trochoid.paint()
+    assert told in str(raised.value) and "Traceback" not in str(raised.value)
+
+
+def test_muted_strips_and_those_that_are_switched_off_do_no_harm(scene, opened):
+    opened(with_arrays())
+    strips(scene)
+    list(extension.render_result.strips(scene))[0].mute = True
+    bpy.ops.render.render()
+    assert not state(scene).has_failed
+    list(extension.render_result.strips(scene))[0].mute = False
+    scene.render.use_sequencer = False
+    bpy.ops.render.render()
+    assert not state(scene).has_failed
+
+
 # Files of frames
 
 
