@@ -59,10 +59,31 @@ class Document:
     nodes: list
 
 
+def text_of(path):
+    """Returns the text of a document. Raises OSError or ValueError."""
+    return Path(path).read_text(encoding="utf-8-sig")
+
+
+def states_size(text):
+    """Whether a document states its size, or takes that of the file with the passes, so that the program renders it as it is.
+    Also if it is no document at all: the program says why."""
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError):
+        return True
+    return not isinstance(data, dict) or "format" in data or PLATE in mapping(data, "knobs")
+
+
+def with_size(text, size):
+    """Returns a document that states no size with one. Its lines are the same, for those are told."""
+    before, _, after = text.partition("{")
+    return f'{before}{{"format": {{"width": {size[0]}, "height": {size[1]}}},{after}'
+
+
 def read(path):
-    """Reads a document. Raises OSError or ValueError if it is no JSON object."""
+    """Reads a document. Raises OSError or ValueError if it is no JSON object, and any other error if it is faulty."""
     path = Path(path)
-    data = json.loads(path.read_text(encoding="utf-8-sig"))
+    data = json.loads(text_of(path))
     if not isinstance(data, dict):
         raise ValueError(f"{path}: expected a JSON object")
     space = data.get("working_space", "linear-srgb")
@@ -107,8 +128,8 @@ def swatches(path, space, palette):
         if file.suffix.lower() != ".json":
             return []
         try:
-            palette = json.loads(file.read_text(encoding="utf-8-sig"))
-        except (OSError, ValueError):
+            palette = json.loads(text_of(file))
+        except (OSError, ValueError, RecursionError):
             # `trochoid.check` says what is wrong with it.
             return []
         palette = palette.get("palette", palette) if isinstance(palette, dict) else None
@@ -130,19 +151,26 @@ def swatch(space, name, value):
 
 def first(space, value):
     """Returns the color of the first key of a keyed color."""
+    return next((colors.shown(space, key[1]) for key in keys_of(value)), None)
+
+
+def keys_of(value):
+    """Returns the keys of a keyed value: lists of a frame and a value. What is none of that, the program tells."""
     keys = value.get("keys") if isinstance(value, dict) else None
-    return colors.shown(space, keys[0][1]) if keys else None
+    keys = keys if isinstance(keys, list) else []
+    return [key for key in keys if isinstance(key, list) and len(key) > 1 and colors.is_number(key[0])]
 
 
 def reason(value):
     """Returns why a value cannot be changed here; empty if it can."""
     if isinstance(value, dict) and "keys" in value:
-        frames = [key[0] for key in value["keys"]]
-        return f"The document animates it: {len(frames)} keys, frames {frames[0]:g} to {frames[-1]:g}"
+        frames = [key[0] for key in keys_of(value)]
+        told = f": {len(frames)} keys, frames {frames[0]:g} to {frames[-1]:g}" if frames else ""
+        return f"The document animates it{told}"
     if isinstance(value, str) and value.startswith("="):
         return f"It follows from others: {value}"
     if isinstance(value, (list, dict)):
-        return "It is a list: change it in the document, or with --set"
+        return "It is a list: change it in the document, and press Reload"
     return ""
 
 

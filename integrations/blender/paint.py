@@ -5,7 +5,6 @@ any other, passes take the place of the nodes that have their names, as arrays.
 """
 
 import contextlib
-import json
 import os
 import secrets
 import threading
@@ -16,8 +15,10 @@ from pathlib import Path
 import numpy as np
 import trochoid
 
-from . import colors, passes, plate
+from . import colors, document, passes, plate
 
+# The property that lets a document reach a folder, as users find it.
+ALLOW = "Allow in the panel Trochoid"
 # Held while files with passes are read or written: a render replaces them in whatever thread it has.
 PASSES = threading.RLock()
 
@@ -84,7 +85,7 @@ def paint(request, progress=go_on):
     except trochoid.Cancelled:
         raise
     except trochoid.InvalidDocument as error:
-        raise Unpaintable("\n".join(sentence(fault) for fault in error.diagnostics) or str(error)) from error
+        raise Unpaintable("\n".join(sentence(fault, request.document) for fault in error.diagnostics) or str(error)) from error
     except (trochoid.Error, ValueError, KeyError, OSError) as error:
         raise Unpaintable(str(error)) from error
     painting.told += f", {time.perf_counter() - begun:.2f} s"
@@ -117,9 +118,8 @@ def look_of(request):
     if request.size[0]:
         return trochoid.Look.load(request.document, **options)
     # Without a format of its own, what it gives in pixels is in those of the render.
-    data = json.loads(request.document.read_text(encoding="utf-8-sig"))
-    data["format"] = dict(zip(("width", "height"), request.render_size))
-    return trochoid.Look(data, folder=request.document.parent, name=str(request.document), **options)
+    text = document.with_size(document.text_of(request.document), request.render_size)
+    return trochoid.Look(text, folder=request.document.parent, name=str(request.document), **options)
 
 
 def taken(request, slot):
@@ -197,18 +197,33 @@ def counts(outside, pixels):
     return f"hull, {outside} of {pixels} pixels outside"
 
 
-def sentence(fault):
-    """Returns a diagnostic of Trochoid as text."""
-    return f"{place(fault)}{message(fault)}; {fault['remedy']}" if fault.get("remedy") else place(fault) + message(fault)
+def sentence(fault, path):
+    """Returns a diagnostic of Trochoid as text. `path` is the document's."""
+    told = place(fault, path) + message(fault)
+    return f"{told}; {remedy(fault)}" if fault.get("remedy") else told
 
 
-def place(fault):
+def place(fault, path):
     """Returns where a fault is: `line 7: node "beauty", weight: `."""
-    parts = [f"line {fault['line']}"] if fault.get("line") else []
-    if fault.get("node"):
-        port = f", {fault['port']}" if fault.get("port") else ""
-        parts.append(f'node "{fault["node"]}"{port}')
+    file, line, node, port = (fault.get(key) for key in ("file", "line", "node", "port"))
+    parts = []
+    if line:
+        # A palette may be in a file of its own.
+        parts.append(f"line {line}" if Path(file) == path else f"{Path(file).name}, line {line}")
+    elif file and node:
+        # What was set, and at which node it will not do.
+        parts.append(file.removeprefix("--set "))
+    if node:
+        parts.append(f'node "{node}", {port}' if port else f'node "{node}"')
+    elif port:
+        parts.append(port)
     return "".join(f"{part}: " for part in parts)
+
+
+def remedy(fault):
+    """Returns what to do, in the words of the panel: there are no options to give."""
+    told, is_refused, folders = (fault.get("remedy") or "").partition("--allow ")
+    return f"{told}choose {folders.replace(' --allow ', ', ')} as {ALLOW}" if is_refused else told
 
 
 def message(fault):

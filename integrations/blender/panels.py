@@ -5,7 +5,7 @@ import textwrap
 import bpy
 from bpy.types import Panel
 
-from . import image, render_result, repaint
+from . import image, paint, render_result, repaint
 
 
 class Main:
@@ -65,7 +65,7 @@ def draw_graph(layout, scene):
         note(layout, "Open a graph (.json), and render.")
         return
     draw_state(layout, scene)
-    if settings.allow or any("--allow" in fault.remedy for fault in settings.faults):
+    if settings.allow or any(fault.remedy.endswith(paint.ALLOW) for fault in settings.faults):
         layout.prop(settings, "allow")
     if not settings.is_valid:
         return

@@ -4,6 +4,7 @@ Painting may take seconds, and renders run in a thread of their own. So what is 
 painted in whatever thread there is, and put into Blender's data by its main thread.
 """
 
+import contextlib
 import traceback
 from dataclasses import dataclass, field
 
@@ -61,39 +62,58 @@ def open_document(scene):
             return []
         path = settings.path
         try:
-            read = document.read(path)
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
-            # Then the check says why.
-            read = None
-        found = checked(scene, path, read)
-        is_valid = not any(fault["severity"] == "error" for fault in found)
-        if is_valid and read is not None:
-            settings.fill(read)
-            if not read.outputs:
-                expected = 'an output with a "color"'
-                found.append({"severity": "error", "found": "no output with colors", "expected": expected, "remedy": ""})
-            found += bind(scene, read)
-            # There will be a file as soon as something is rendered.
-            found = [fault for fault in found if not is_about(fault, render_result.path_of(scene))]
+            found = fill(scene, path)
+        except Exception as error:  # One document must neither stop others nor a file from being opened.
+            traceback.print_exception(error)
+            found = [fault_of_extension(error)]
         settings.stamp = properties.stamp_of(path)
         for fault in found:
             item = settings.faults.add()
             item.is_error = fault["severity"] == "error"
-            item.place, item.message, item.remedy = paint.place(fault), paint.message(fault), fault.get("remedy") or ""
+            item.place, item.message, item.remedy = paint.place(fault, path), paint.message(fault), paint.remedy(fault)
     soon(scene)
     return [(fault.is_error, str(fault)) for fault in settings.faults]
 
 
+def fill(scene, path):
+    """Fills a scene's properties from a document. Returns its diagnostics."""
+    try:
+        read = document.read(path)
+    except Exception as error:  # A faulty document fails anywhere. The program says why.
+        read, failure = None, error
+    found = checked(scene, path, read)
+    if any(fault["severity"] == "error" for fault in found):
+        return found
+    if read is None:
+        return [*found, fault_of_extension(failure)]
+    scene.trochoid.fill(read)
+    if not read.outputs:
+        expected = 'an output with a "color"'
+        found.append({"severity": "error", "found": "no output with colors", "expected": expected, "remedy": ""})
+    found += bind(scene, read)
+    # There will be a file as soon as something is rendered.
+    return [fault for fault in found if not is_about(fault, render_result.path_of(scene))]
+
+
+def fault_of_extension(error):
+    remedy = "report it with this document"
+    return {"severity": "error", "found": f"a fault of the extension, {error!r}", "expected": "a document", "remedy": remedy}
+
+
 def checked(scene, path, read):
     """Returns what Trochoid says about a document, as its diagnostics."""
+    text = None
+    with contextlib.suppress(OSError, ValueError):
+        text = document.text_of(path)
     try:
-        if read is None or read.has_plate or read.format:
+        if text is None or document.states_size(text):
             assigned = plate_of(scene) if read and read.has_plate else None
             return list(trochoid.check(path, set=assigned, allow=allowed(scene)))
         # The size is that of the render, so the document need not state one.
-        for output in read.outputs:
+        found = list(trochoid.check(text, folder=path.parent, name=str(path)))
+        for output in read.outputs if read else []:
             trochoid.Look.load(path, output=output)
-        return []
+        return found
     except trochoid.InvalidDocument as error:
         return list(error.diagnostics)
     except (trochoid.Error, OSError, ValueError) as error:
@@ -122,9 +142,16 @@ def aovs(view_layer):
 
 def view_layer_of(scene):
     """Returns the view layer whose passes a document takes: the one that it names, or the first that is rendered."""
-    named = {layer.split(".")[0] for layer in scene.trochoid.layers.split("\n")}
+    named = {parts_of(scene, layer)[0] for layer in scene.trochoid.layers.split("\n")}
     rendered = [layer for layer in scene.view_layers if layer.use] or list(scene.view_layers)
     return next((layer for layer in rendered if layer.name in named), rendered[0])
+
+
+def parts_of(scene, layer):
+    """Returns the names of view layer and pass in that of a file's layer. Both may have dots."""
+    known = [found.name for found in scene.view_layers if layer.startswith(f"{found.name}.")]
+    first = max(known, key=len, default="")
+    return first, layer[len(first) + 1 :] if first else ""
 
 
 def bind(scene, read):
@@ -165,8 +192,8 @@ def passes_off(scene):
     needed = []
     strange = []
     for layer in filter(None, settings.layers.split("\n")):
-        first, _, name = layer.partition(".")
-        if first not in scene.view_layers or not name:
+        first, name = parts_of(scene, layer)
+        if not name:
             strange.append((layer, "", ""))
         elif (switch := passes.switch_of(name)) is not None:
             needed.append((*switch, scene.view_layers[first]))

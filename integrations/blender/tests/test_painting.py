@@ -211,7 +211,7 @@ def test_a_mask_is_no_depth(scene, opened):
     nodes["seen"] = {"type": "Clamp", "field": "depth"}
     opened(with_arrays(nodes=nodes))
     assert [binding.name for binding in scene.trochoid.bindings] == ["diffuse_direct"]
-    (fault,) = scene.trochoid.faults
+    _, fault = scene.trochoid.faults
     assert not fault.is_error and str(fault).startswith('node "depth": found a mask; expected a field, as Z is')
 
 
@@ -248,6 +248,18 @@ def test_layers_of_other_view_layers_are_told(scene, tmp_path):
     bpy.ops.trochoid.open(filepath=str(file))
     told = [extension.repaint.sentence_of_pass(off) for off in extension.repaint.passes_off(scene)]
     assert len(told) == 1 and "no view layer has the name before its dot" in told[0]
+
+
+def test_view_layers_may_have_dots(scene, opened, tmp_path):
+    scene.view_layers[0].name = "View.Layer"
+    file = tmp_path / "graph.json"
+    file.write_text(json.dumps(with_plate()).replace("ViewLayer.", "View.Layer."))
+    bpy.ops.trochoid.open(filepath=str(file))
+    (off,) = extension.repaint.passes_off(scene)
+    assert off == ("Diffuse Direct", "use_pass_diffuse_direct", "View.Layer")
+    bpy.ops.trochoid.enable_passes()
+    bpy.ops.render.render()
+    assert not state(scene).has_failed, state(scene).told
 
 
 def test_shader_aovs_are_passes(scene, opened):

@@ -41,14 +41,31 @@ def test_faults_are_reported_with_line_and_remedy(scene, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "[1]", "{}", '{"trochoid": 1, "nodes": 7}', '{"trochoid": 1, "palette": {"a": {"keys": 3}}}']
+    "text",
+    [
+        "",
+        "[1]",
+        "{}",
+        '{"trochoid": 1, "nodes": 7}',
+        '{"trochoid": 1, "palette": {"a": {"keys": 3}}}',
+        '{"trochoid": 1, "palette": {"a": {"keys": []}}}',
+        '{"trochoid": 1, "palette": {"a": {"keys": [[]]}}}',
+        '{"trochoid": 1, "palette": {"a": {"keys": [[1]]}}}',
+        '{"trochoid": 1, "palette": {"a": {"keys": [[1, "#fff"], 7]}}}',
+        '{"trochoid": 1, "palette": {"a": [[1]]}}',
+        '{"trochoid": 1, "format": {"width": "wide"}}',
+        '{"trochoid": 1, "knobs": {"a": ' + 5000 * "[" + 5000 * "]" + "}}",
+        '{"a": ' + 100_000 * "[",
+        "\udcff\udcfe{}",
+    ],
 )
 def test_hostile_documents_are_refused(scene, tmp_path, text):
     file = tmp_path / "strange.json"
-    file.write_text(text)
-    with pytest.raises(RuntimeError, match="expected"):
+    file.write_text(text, errors="surrogateescape")
+    with pytest.raises(RuntimeError, match="found .*expected") as raised:
         bpy.ops.trochoid.open(filepath=str(file))
-    assert not scene.trochoid.is_valid
+    assert "Traceback" not in str(raised.value) and "fault of the extension" not in str(raised.value)
+    assert not scene.trochoid.is_valid and "no \"format\"" not in str(raised.value)
     with pytest.raises(RuntimeError):
         bpy.ops.trochoid.open(filepath=str(tmp_path / "none.json"))
 
@@ -59,14 +76,88 @@ def test_folders_are_allowed(scene, opened, tmp_path):
     document["outputs"]["beauty"]["file"] = "../out/beauty.exr"
     file = tmp_path / "graphs/graph.json"
     file.write_text(json.dumps(document))
-    with pytest.raises(RuntimeError, match="may reach"):
+    with pytest.raises(RuntimeError, match="may reach") as raised:
         bpy.ops.trochoid.open(filepath=str(file))
+    assert f"choose {tmp_path / 'out'} as Allow in the panel Trochoid" in str(raised.value)
+    assert "--" not in str(raised.value)
     scene.trochoid.allow = str(tmp_path)
     assert scene.trochoid.is_valid
     bpy.ops.trochoid.enable_passes()
     bpy.ops.render.render()
     assert not state(scene).has_failed, state(scene).told
     assert not (tmp_path / "out").exists()
+
+
+def test_a_faulty_document_stops_no_other_scene(scene, opened, tmp_path, monkeypatch):
+    other = bpy.data.scenes.new("Other")
+    other.trochoid.filepath = str(opened(with_plate(), "other.json"))
+    file = opened(with_plate())
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    file.write_text('{"trochoid": 1, "palette": {"a": {"keys": []}}}')
+    changed = with_plate(palette={**PALETTE, "more": "#123456"})
+    (tmp_path / "other.json").write_text(json.dumps(changed))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
+    assert any("palette.a" in str(fault) for fault in bpy.data.scenes["Scene"].trochoid.faults)
+    assert "more" in bpy.data.scenes["Other"].trochoid.palette
+    # Not even if the extension itself is faulty.
+    whole = extension.document.swatches
+
+    def swatches(path, *others):
+        if path == file:
+            raise ZeroDivisionError("by nothing")
+        return whole(path, *others)
+
+    monkeypatch.setattr(extension.document, "swatches", swatches)
+    file.write_text(json.dumps(with_plate()))
+    (tmp_path / "other.json").write_text(json.dumps(with_plate()))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
+    (fault,) = bpy.data.scenes["Scene"].trochoid.faults
+    assert "a fault of the extension, ZeroDivisionError('by nothing')" in str(fault)
+    assert bpy.data.scenes["Other"].trochoid.is_valid and "more" not in bpy.data.scenes["Other"].trochoid.palette
+
+
+def test_a_knob_of_empty_keys_that_nothing_needs_is_only_shown(scene, opened):
+    """The program accepts it."""
+    opened(with_plate(knobs={**with_plate()["knobs"], "slow": {"keys": []}}))
+    assert scene.trochoid.knobs["slow"].fixed == "The document animates it"
+
+
+def test_warnings_of_documents_without_a_format_are_told(scene, opened):
+    document = with_arrays()
+    document["nodes"]["spare"] = {"type": "ScreenY"}
+    file = opened(document)
+    line = next(n for n, text in enumerate(file.read_text().splitlines(), 1) if "spare" in text)
+    (fault,) = scene.trochoid.faults
+    assert not fault.is_error and str(fault).startswith(f'line {line}: node "spare": found a node that no output needs')
+    assert scene.trochoid.is_valid
+
+
+def test_faults_when_painting_have_their_lines(scene, opened):
+    """Also if the document has no format, and gets one for the render."""
+    file = opened(with_arrays())
+    text = "\n\n" + file.read_text().replace('"weight": "tone"', '"weight": "tome"')
+    file.write_text(text)
+    line = next(n for n, text in enumerate(text.splitlines(), 1) if "tome" in text)
+    bpy.ops.render.render()
+    assert f'line {line}: node "thing", weight: found' in state(scene).told
+
+
+def test_places_of_faults(tmp_path):
+    file = tmp_path / "look.json"
+    document = with_plate(palette="inks.json")
+    document["nodes"]["tone"]["max"] = "= knobs.gain"
+
+    def places(**assigned):
+        try:
+            trochoid.check(json.dumps(document, indent=1), folder=tmp_path, name=str(file), **assigned)
+        except trochoid.InvalidDocument as error:
+            return [paint.place(fault, file) for fault in error.diagnostics]
+
+    (tmp_path / "inks.json").write_text(json.dumps({"palette": {**PALETTE, "foam": "#zzz"}}, indent=1))
+    assert places() == ["inks.json, line 4: palette.foam: "]
+    (tmp_path / "inks.json").write_text(json.dumps({"palette": PALETTE}, indent=1))
+    assert places(set={"knobs.gain": "much"})[-1] == 'knobs.gain="much": node "tone", max: '
+    assert places(set={"palette.foam": "#zz"}) == ["palette.foam: "]
 
 
 def test_a_document_that_vanishes_breaks_no_render(scene, opened):
@@ -150,7 +241,7 @@ def test_knobs_have_their_ranges_and_help(scene, opened):
         "dusk": "The document animates it: 2 keys, frames 1 to 9",
         "slow": "The document animates it: 2 keys, frames 1 to 10",
         "twice": "It follows from others: = knobs.gain*2",
-        "place": "It is a list: change it in the document, or with --set",
+        "place": "It is a list: change it in the document, and press Reload",
     }
     assert [knob.kind for knob in settings.knobs] == ["NUMBER", "TEXT", "TEXT", "COLOR", "SWITCH", "TEXT", "TEXT"]
 
