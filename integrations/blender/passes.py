@@ -9,8 +9,9 @@ import numpy as np
 
 from . import colors
 
-# Depth at and above which Blender says that a ray hit nothing: 10¹⁰, or 65504 if it was stored in half.
-MISSED = 65504.0
+# Depth at and above which Blender says that a ray hit nothing: 10¹⁰ units, but for the rounding of 32-bit floats. What is
+# nearer may well be seen: in a scene in millimeters, a mountain is 10⁷ units away.
+MISSED = 1e10 * (1 - 1e-6)
 
 
 @dataclass(frozen=True)

@@ -199,6 +199,38 @@ def test_passes_are_as_documents_mean_them(scene, opened):
     assert (pixels(scene.trochoid.image)[0][..., 2] == (depth < 1e9)).all()
 
 
+def test_far_things_of_scenes_in_millimeters_are_seen(scene, opened):
+    """A wall behind everything, a hundred meters away: 100,000 units."""
+    bpy.ops.mesh.primitive_plane_add(size=300_000, location=(0, 1e5, 0), rotation=(np.pi / 2, 0, 0))
+    scene.camera.data.clip_end = 1e6
+    scene.camera.rotation_euler = (np.pi / 2, 0, 0)
+    scene.unit_settings.scale_length = 0.001
+    nodes = {
+        "across": {"type": "ScreenX"},
+        "depth": {"type": "FieldMath", "expression": "9*a", "a": "across"},
+        "coverage": {"type": "ScreenX"},
+        "far": {"type": "FieldMath", "expression": "a/200", "a": "depth"},
+        "away": {"type": "Clamp", "field": "far"},
+        "seen": {"type": "Clamp", "field": "coverage"},
+        "distant": {"type": "Mix", "a": [0, 0, 0], "b": [1, 0, 0], "weight": "away"},
+        "covered": {"type": "Mix", "a": "distant", "b": [0, 0, 1], "weight": "seen"},
+    }
+    opened(with_arrays(palette={}, nodes=nodes, outputs={"far": {"color": "distant"}, "covered": {"color": "covered"}}))
+    bpy.ops.render.render()
+    # Half of 200 meters.
+    np.testing.assert_allclose(pixels(scene.trochoid.image)[0][5, 80, 0], 0.5, atol=1e-3)
+    scene.trochoid.output = "covered"
+    assert pixels(scene.trochoid.image)[0][5, 80, 2] == 1
+
+
+def test_only_what_blender_calls_missed_is_missed():
+    depth = np.float32([[[10], [65504], [1e7], [9.9e9], [1e10], [2e10], [np.inf]]])
+    known = extension.passes.OF_NODES
+    expected = np.float32([10, 65504, 1e7, 9.9e9, np.inf, np.inf, np.inf])
+    np.testing.assert_array_equal(extension.passes.converted(known["depth"], depth, 1.0).ravel(), expected)
+    np.testing.assert_array_equal(extension.passes.converted(known["coverage"], depth, 1.0).ravel(), np.isfinite(expected))
+
+
 def test_nodes_with_colors_take_no_passes(scene, opened):
     nodes = {**with_arrays()["nodes"], "emission": {"type": "Mix", "a": "palette.sky", "b": "palette.foam", "weight": 0.5}}
     nodes["beauty"] = {**nodes["beauty"], "a": "emission"}
