@@ -88,7 +88,8 @@ def test_folders_are_allowed(scene, opened, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-def test_a_faulty_document_stops_no_other_scene(scene, opened, tmp_path, monkeypatch):
+@pytest.mark.parametrize(("owner", "name"), [(extension.document, "swatches"), (extension.repaint, "bind")])
+def test_a_faulty_document_stops_no_other_scene(scene, opened, tmp_path, monkeypatch, owner, name):
     other = bpy.data.scenes.new("Other")
     other.trochoid.filepath = str(opened(with_plate(), "other.json"))
     file = opened(with_plate())
@@ -100,14 +101,14 @@ def test_a_faulty_document_stops_no_other_scene(scene, opened, tmp_path, monkeyp
     assert any("palette.a" in str(fault) for fault in bpy.data.scenes["Scene"].trochoid.faults)
     assert "more" in bpy.data.scenes["Other"].trochoid.palette
     # Not even if the extension itself is faulty.
-    whole = extension.document.swatches
+    whole = getattr(owner, name)
 
-    def swatches(path, *others):
-        if path == file:
+    def fails(first, *others):
+        if first in (file, bpy.data.scenes["Scene"]):
             raise ZeroDivisionError("by nothing")
-        return whole(path, *others)
+        return whole(first, *others)
 
-    monkeypatch.setattr(extension.document, "swatches", swatches)
+    monkeypatch.setattr(owner, name, fails)
     file.write_text(json.dumps(with_plate()))
     (tmp_path / "other.json").write_text(json.dumps(with_plate()))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
