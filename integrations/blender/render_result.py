@@ -36,7 +36,7 @@ def without_passes(scene):
     found = []
     if scene.render.use_multiview:
         found.append("found Stereoscopy; expected one view: switch it off in the Output tab, and render again")
-    if any(strip.type != "SOUND" and not strip.mute for strip in strips(scene)):
+    if strips(scene):
         remedy = "switch off Sequencer under Post Processing in the Output tab, and render again"
         found.append(f"found strips of the Video Sequencer, which have no passes; expected a render of the scene: {remedy}")
     return found
@@ -56,7 +56,9 @@ def strips(scene):
     """Returns the strips that are rendered in place of a scene."""
     editor = scene.sequence_editor if scene.render.use_sequencer else None
     # Since Blender 4.4, they are called strips.
-    return getattr(editor, "strips", None) or getattr(editor, "sequences", None) or []
+    all_strips = getattr(editor, "strips", None) or getattr(editor, "sequences", None) or []
+    # In Blender 4.2, muted strips take the scene's place, too; in 4.5, they do not.
+    return [strip for strip in all_strips if strip.type != "SOUND" and (not strip.mute or bpy.app.version < (4, 3))]
 
 
 def save(scene):

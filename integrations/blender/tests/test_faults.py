@@ -134,10 +134,11 @@ def test_renders_without_passes_say_their_cause(scene, opened, cause):
 def test_muted_strips_and_those_that_are_switched_off_do_no_harm(scene, opened):
     opened(with_arrays())
     strips(scene)
-    list(extension.render_result.strips(scene))[0].mute = True
+    (strip,) = extension.render_result.strips(scene)
+    strip.mute = True
     bpy.ops.render.render()
-    assert not state(scene).has_failed
-    list(extension.render_result.strips(scene))[0].mute = False
+    assert state(scene).has_failed == (bpy.app.version < (4, 3)) == bool(extension.render_result.obstacles(scene))
+    strip.mute = False
     scene.render.use_sequencer = False
     bpy.ops.render.render()
     assert not state(scene).has_failed
