@@ -25,7 +25,9 @@ def show(scene, painting):
     """
     height, width, _ = painting.pixels.shape
     image = scene.trochoid.image
-    if image is None or image.library is not None or not image.is_float:
+    # The copy of a scene has the image of the first.
+    is_shared = any(other.trochoid.image == image for other in bpy.data.scenes if other != scene)
+    if image is None or is_shared or image.library is not None or not image.is_float:
         image = bpy.data.images.new(NAME, width, height, alpha=False, float_buffer=True)
         scene.trochoid.image = image
     if tuple(image.size) != (width, height):

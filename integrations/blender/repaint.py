@@ -28,6 +28,8 @@ class State:
     # Frame whose passes are in the file, and their width and height; None if there are none.
     rendered: int | None = None
     size: tuple | None = None
+    # Frame of the last render, whether its passes were saved or not; None if it was before the extension.
+    last: int | None = None
     # What was told last, and whether it is a failure.
     told: str = ""
     has_failed: bool = False
@@ -298,7 +300,7 @@ def keep_passes(scene):
     state = state_of(scene)
     with paint.PASSES:
         state.size = plate.size_of(render_result.save(scene))
-    state.rendered = scene.frame_current
+    state.rendered = scene.frame_current if state.last is None else state.last
 
 
 def before_render(scene):
@@ -318,11 +320,9 @@ def after_render(scene):
     state = state_of(scene)
     # That of a still which was not written, or of a graph that is closed now.
     state.painting = None
-    if not settings.filepath:
-        return
-    # Those of the frame before. If nobody wants it painted now, Paint fetches the new ones.
-    state.rendered = None
-    if not settings.repaint:
+    # What was saved is of the render before. If nobody wants this one painted now, Paint fetches its passes.
+    state.rendered, state.last = None, scene.frame_current
+    if not (settings.filepath and settings.repaint):
         return
     number = WORK.ask(scene.session_uid)
     try:
@@ -367,6 +367,8 @@ def now(scene):
     """Paints, and waits for it. Returns the painting. Raises paint.Unpaintable or OSError."""
     if properties.stamp_of(scene.trochoid.path) != scene.trochoid.stamp:
         open_document(scene)
+    if WORK.is_rendering and state_of(scene).rendered is None:
+        raise paint.Unpaintable("found a render under way; expected one that is done: paint after it")
     number = WORK.ask(scene.session_uid)
     painting = paint.paint(request(scene))
     WORK.put(scene.session_uid, number, painting)
@@ -454,9 +456,12 @@ def deliver_all():
 
 def tick():
     """Called by Blender's main thread now and then."""
-    is_busy = WORK.thread is not None
-    if deliver_all() or is_busy:
-        image.redraw()
+    try:
+        is_busy = WORK.thread is not None
+        if deliver_all() or is_busy:
+            image.redraw()
+    except Exception as error:  # Blender would never call it again.
+        traceback.print_exception(error)
     return SECONDS_BETWEEN_LOOKS
 
 

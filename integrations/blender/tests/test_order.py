@@ -278,3 +278,113 @@ def test_without_a_graph_a_render_is_left_alone(scene):
     bpy.ops.render.render()
     assert not state(scene).told and not list(Path(bpy.app.tempdir).glob("trochoid-*"))
     assert not bpy.ops.trochoid.paint.poll() and not bpy.ops.trochoid.show.poll() and not bpy.ops.trochoid.reload.poll()
+
+
+def test_a_render_without_the_graph_is_not_mistaken_for_the_one_before(scene, opened):
+    file = opened(with_arrays())
+    bpy.ops.render.render()
+    before = pixels(scene.trochoid.image)[0].copy()
+    bpy.ops.trochoid.close()
+    bpy.data.objects["Suzanne"].location.x = 2
+    bpy.ops.render.render()
+    bpy.ops.trochoid.open(filepath=str(file))
+    bpy.ops.trochoid.paint()
+    after = pixels(scene.trochoid.image)[0].copy()
+    assert after.tobytes() != before.tobytes()
+    bpy.ops.render.render()
+    assert pixels(scene.trochoid.image)[0].tobytes() == after.tobytes()
+
+
+def test_the_frame_of_the_passes_is_told(scene, opened):
+    opened(with_arrays())
+    scene.trochoid.repaint = False
+    bpy.ops.render.render()
+    scene.frame_set(2)
+    bpy.ops.trochoid.paint()
+    assert state(scene).rendered == 1 and state(scene).told.endswith(", passes of frame 1")
+    bpy.ops.render.render()
+    bpy.ops.trochoid.paint()
+    assert state(scene).rendered == 2 and "passes of frame" not in state(scene).told
+
+
+def test_scenes_have_their_own_renders_and_images(scene, opened):
+    opened(with_arrays())
+    bpy.ops.render.render()
+    before = pixels(scene.trochoid.image)[0].copy()
+    bpy.ops.scene.new(type="FULL_COPY")
+    copy = bpy.context.scene
+    assert copy != scene and copy.trochoid.image == scene.trochoid.image
+    with pytest.raises(RuntimeError, match=r"render an image first \(F12\)"):
+        bpy.ops.trochoid.paint()
+    copy.objects["Suzanne.001"].location.x = 2
+    bpy.ops.render.render()
+    assert copy.trochoid.image != scene.trochoid.image
+    assert pixels(copy.trochoid.image)[0].tobytes() != before.tobytes()
+    assert pixels(scene.trochoid.image)[0].tobytes() == before.tobytes()
+    kept = copy.trochoid.image
+    bpy.ops.render.render()
+    assert copy.trochoid.image == kept
+
+
+def test_paint_waits_for_no_render(scene, opened):
+    opened(with_arrays())
+    bpy.ops.render.render()
+    scene.trochoid.repaint = False
+    told = []
+
+    def press(_scene, *_):
+        try:
+            bpy.ops.trochoid.paint()
+        except RuntimeError as error:
+            told.append(str(error))
+
+    bpy.app.handlers.render_post.append(press)
+    bpy.ops.render.render()
+    bpy.app.handlers.render_post.remove(press)
+    assert len(told) == 1 and "found a render under way" in told[0]
+    bpy.ops.trochoid.paint()
+
+
+def test_the_timer_goes_on_whatever_happens(scene, opened, window, monkeypatch, capfd):
+    opened(with_arrays())
+    bpy.ops.render.render()
+
+    def fails():
+        raise ZeroDivisionError("by nothing")
+
+    monkeypatch.setattr(extension.image, "redraw", fails)
+    assert repaint.tick() == repaint.SECONDS_BETWEEN_LOOKS
+    assert "by nothing" in capfd.readouterr().err
+
+
+def test_a_packed_painting_stays_in_the_file(scene, opened, tmp_path):
+    opened(with_arrays())
+    bpy.ops.render.render()
+    before = pixels(scene.trochoid.image)[0].copy()
+    scene.trochoid.image.pack()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
+    scene = bpy.context.scene
+    np.testing.assert_array_equal(pixels(scene.trochoid.image)[0], before)
+    scene.trochoid.palette["foam"].color = (1, 0, 0)
+    bpy.ops.render.render()
+    shown = pixels(scene.trochoid.image)[0].copy()
+    assert not state(scene).has_failed and shown.tobytes() != before.tobytes()
+    expected = paint.paint(repaint.request(scene)).pixels
+    assert shown.tobytes() == expected.tobytes()
+
+
+def test_a_scene_from_another_file_is_left_alone(scene, opened, tmp_path):
+    """Linked from a library, with a graph that has vanished since."""
+    file = opened(with_arrays())
+    scene.name = "Linked"
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
+    file.unlink()
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, wanted):
+        wanted.scenes = ["Linked"]
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
+    linked = next(one for one in bpy.data.scenes if one.library)
+    assert linked.trochoid.path == file
+    assert bpy.ops.render.render.poll()
