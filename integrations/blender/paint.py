@@ -170,12 +170,21 @@ def write(painting, file):
     """Writes a painting to a file, as the program makes it: all of it, or nothing. Raises Unpaintable."""
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        if painting.png is not None:
-            replace(file, painting.png)
-        else:
-            render(painting.request, file)
+        replace(file, painting.png or encoded(painting.request, file.suffix.lower()))
     except (trochoid.Error, OSError) as error:
         raise Unpaintable(f"{file}: {error}") from error
+
+
+def encoded(request, ending):
+    """Returns a picture as the program renders it to a file. Its name for the program is a pattern, in which braces mean more
+    than they do in that of a frame."""
+    file = request.plate.with_suffix(f".written{ending}")
+    with PASSES:
+        try:
+            render(request, file)
+            return file.read_bytes()
+        finally:
+            file.unlink(missing_ok=True)
 
 
 def replace(file, data):

@@ -195,6 +195,18 @@ def test_paintings_never_replace_blender_s_own_still(scene, opened, tmp_path, na
     assert b"RenderTime" in (tmp_path / "shot.0001.png").read_bytes()
 
 
+@pytest.mark.parametrize("kind", [with_arrays, with_plate])
+def test_any_folder_will_do(scene, opened, tmp_path, kind):
+    """The program would take braces for places of names, and percent signs for those of numbers."""
+    opened(kind())
+    folder = tmp_path / "a {output} {x} #1 %04d \u00fcber"
+    scene.trochoid.frames = str(folder / "shot.{y}.##.PNG")
+    bpy.ops.render.render(write_still=True)
+    assert not state(scene).has_failed, state(scene).told
+    assert [file.name for file in folder.iterdir()] == ["shot.{y}.01.PNG"]
+    assert not list(Path(bpy.app.tempdir).glob("trochoid-*.written*"))
+
+
 def test_frames_beside_a_file_that_was_never_saved_are_told(scene, opened):
     opened(with_arrays())
     scene.trochoid.frames = "//shot.trochoid.####.png"

@@ -65,7 +65,7 @@ def test_hostile_documents_are_refused(scene, tmp_path, text):
     with pytest.raises(RuntimeError, match="found .*expected") as raised:
         bpy.ops.trochoid.open(filepath=str(file))
     assert "Traceback" not in str(raised.value) and "fault of the extension" not in str(raised.value)
-    assert not scene.trochoid.is_valid and "no \"format\"" not in str(raised.value)
+    assert not scene.trochoid.is_valid and 'no "format"' not in str(raised.value)
     with pytest.raises(RuntimeError):
         bpy.ops.trochoid.open(filepath=str(tmp_path / "none.json"))
 
