@@ -6,7 +6,6 @@ import struct
 import numpy as np
 import trochoid
 
-
 # How EXR files begin.
 MAGIC = b"\x76\x2f\x31\x01"
 # Names in headers have up to 255 letters, and no program writes this many attributes.

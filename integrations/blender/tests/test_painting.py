@@ -5,7 +5,6 @@ import json
 import bpy
 import numpy as np
 import pytest
-import trochoid
 from conftest import SIZE, command_line, extension, pixels, rendered_by_command_line, state, with_arrays, with_plate
 
 paint, plate, render_result = extension.paint, extension.plate, extension.render_result
