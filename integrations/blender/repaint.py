@@ -356,11 +356,21 @@ def after_write(scene):
 
 
 def after_all(scene):
-    """Paints what was changed while Blender rendered."""
+    """Lets the main thread paint what was changed while Blender rendered."""
     state_of(scene).painting = None
-    for other in bpy.data.scenes:
-        if other.trochoid.filepath and other.frame_current == state_of(other).rendered:
-            soon(other)
+    WORK.has_rendered = True
+    if not has_window():
+        paint_changes()
+
+
+def paint_changes():
+    """Paints what was changed while Blender rendered. In the main thread only."""
+    if not WORK.has_rendered or WORK.is_rendering:
+        return
+    WORK.has_rendered = False
+    for scene in bpy.data.scenes:
+        if scene.trochoid.filepath and scene.frame_current == state_of(scene).rendered:
+            soon(scene)
 
 
 def now(scene):
@@ -386,6 +396,9 @@ def deliver(scene, painting):
 
 def fail(scene, error):
     state = state_of(scene)
+    if state.has_failed and state.told == in_words(error):
+        # Or the console would be full of it after a few changes.
+        return
     state.told, state.has_failed = in_words(error), True
     print(f"Trochoid: {state.told}")
     if not isinstance(error, EXPECTED):
@@ -457,6 +470,7 @@ def deliver_all():
 def tick():
     """Called by Blender's main thread now and then."""
     try:
+        paint_changes()
         is_busy = WORK.thread is not None
         if deliver_all() or is_busy:
             image.redraw()

@@ -26,7 +26,8 @@ class Work:
         # The scene that the thread paints, and the part of it that is done.
         self.painted, self.progress = None, None
         self.thread = None
-        self.is_rendering = False
+        # Whether Blender renders, and whether it has done so since changes were last painted.
+        self.is_rendering = self.has_rendered = False
 
     def ask(self, uid):
         """Returns the number of a new request. What is being painted of an older one stops."""

@@ -79,6 +79,21 @@ def test_an_operator_reports_what_nobody_expected(scene, opened, monkeypatch, ca
     assert "Traceback" in capfd.readouterr().err
 
 
+def test_a_failure_is_printed_once(scene, opened, monkeypatch, capfd):
+    opened(with_arrays())
+    bpy.ops.render.render()
+
+    def fails(_scene):
+        raise ZeroDivisionError("by nothing")
+
+    monkeypatch.setattr(repaint, "request", fails)
+    for _ in range(5):
+        bpy.data.objects["Suzanne"].location.x += 1
+        bpy.context.view_layer.update()
+    told = capfd.readouterr()
+    assert told.out.count("Trochoid: ") == 1 and told.err.count("Traceback") == 1
+
+
 # Renders without passes
 
 

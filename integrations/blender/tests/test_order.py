@@ -92,6 +92,7 @@ def test_what_waits_when_a_render_begins_is_not_painted(scene, opened, window, m
     assert state(scene).told and not repaint.WORK.done
     # If the render is canceled, what was changed is painted on the passes that there are.
     extension.handlers.end(scene)
+    repaint.tick()
     wait_for_thread()
     repaint.tick()
     assert colors[-1] == ("trochoid", "#00ff00")
