@@ -178,7 +178,7 @@ def test_faults_of_documents_are_listed():
 
 def test_faults_of_looks_are_listed():
     with pytest.raises(trochoid.InvalidLook, match="did you mean") as raised:
-        trochoid.Look(WATER, inputs=["light", "palette.fome", "lihgt"], output="beuaty")
+        trochoid.Look(WATER, inputs=["light", "palette.foan", "lihgt"], output="beuaty")
     places = [(fault["port"], fault["line"], fault["remedy"]) for fault in raised.value.diagnostics]
     assert places == [
         ("output", 0, 'did you mean "beauty"?'),
