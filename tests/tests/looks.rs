@@ -648,14 +648,14 @@ fn memory_is_checked_before_passes_are_copied() {
         let passes = [&[Samples::new(&light)][..], &deep].concat();
         look.picture(format, &passes, &mut Cache::new(), &Silent)
     };
-    // The picture takes 24 MiB, and the copies of a color as many.
+    // The picture takes 25 MB, and the copies of a color as many.
     let (small, large) = (look(32), look(64));
     let given = of(&small, channels.each_ref().map(|channel| Samples::new(channel))).unwrap();
     let copied = of(&large, uniform.each_ref().map(Samples::uniform)).unwrap();
     let planes = given.pictures[0].planes.iter().zip(&copied.pictures[0].planes);
     planes.for_each(|(given, copied)| assert!(given.samples() == copied.samples()));
     let error = of(&small, uniform.each_ref().map(Samples::uniform)).unwrap_err().to_string();
-    assert!(error.contains("copies of passes 24"), "{error}");
+    assert!(error.contains("copies of passes 25"), "{error}");
     // Callers that copy passes themselves ask first.
     assert!(small.check_memory(format, 0).is_ok() && large.check_memory(format, 3).is_ok());
     assert_eq!(small.check_memory(format, 3).unwrap_err().to_string(), error);

@@ -47,6 +47,10 @@ typedef enum {
    */
   TROCHOID_BUFFER = 4,
   /**
+   * Memory, or threads, do not suffice.
+   */
+  TROCHOID_MEMORY = 5,
+  /**
    * The progress callback asked to stop.
    */
   TROCHOID_CANCELLED = 130,
@@ -243,8 +247,8 @@ typedef struct {
 } trochoid_bad;
 
 /**
- * Is told how many of all tiles are done, from any thread; returns 0 to go on, and anything else to
- * cancel. It must not throw.
+ * Is told how many of all tiles are done, from any thread, from several at once, and not in order;
+ * returns 0 to go on, and anything else to cancel. It must not throw.
  */
 typedef int32_t (*trochoid_progress)(size_t done, size_t total, void *user);
 
