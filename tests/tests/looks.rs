@@ -464,6 +464,14 @@ fn what_cannot_be_bound_is_told() {
         assert!(text.contains(words), "{name}: {text}");
         assert!(!["plan", "buffer"].iter().any(|word| text.contains(word)), "{text}");
     }
+    let painted = LOOK
+        .replace("\"camera\": {", "\"paint\": { \"type\": \"Constant\", \"color\": \"palette.foam\" }, \"camera\": {");
+    let painted = refused(&LookBuilder::new(painted).output("beauty").bind("palette.foam"));
+    assert!(painted.contains("node \"paint\", color: found the input \"palette.foam\", a knob"), "{painted}");
+    assert!(painted.contains("remedy: bind \"paint\" itself"), "{painted}");
+    let keyed = LOOK.replace("\"b\": \"palette.foam\"", "\"b\": { \"keys\": [[1, \"palette.foam\"], [9, \"#fff\"]] }");
+    let keyed = refused(&LookBuilder::new(keyed).output("beauty").bind("palette.foam"));
+    assert!(keyed.contains("node \"gleam\", b: found the input \"palette.foam\" in keys"), "{keyed}");
     let two = refused(&LookBuilder::new(LOOK).bind("light"));
     assert!(two.contains("look: output: found none of 2 outputs; expected the name of one"), "{two}");
     let recipe = LOOK.replace("\"cut\": { \"weights\": \"cut\" }", "\"parts\": { \"recipe\": \"gleam\" }");

@@ -128,7 +128,11 @@ impl CheckedGraph {
             }
             (Some(_), _) => (format!("{input}, several numbers"), "connect a node to it, and bind that".into()),
             (None, At::Knob) => {
-                (format!("{input}, a knob, which is the same for all samples"), format!("set it instead: {name}=VALUE"))
+                let found = format!("{input}, a knob, which is the same for all samples");
+                match name.strip_prefix("palette.") {
+                    Some(_) => (found, format!("bind \"{}\" itself, or write the color itself there", node.name)),
+                    None => (found, format!("set it instead: {name}=VALUE")),
+                }
             }
             (None, At::Port(_)) => (format!("{input}, which the document does not set"), others()),
             (None, At::List) => (format!("{input}, a list"), others()),
