@@ -27,7 +27,8 @@ void check(trochoid_status status, trochoid_error *error) {
 
 Look open(const std::string &path, const std::vector<const char *> &inputs,
           const std::vector<const char *> &assignments = {}) {
-  trochoid_options options = trochoid_options_default();
+  trochoid_options options;
+  trochoid_options_init(&options, sizeof options);
   options.inputs = inputs.data();
   options.input_count = inputs.size();
   options.assignments = assignments.data();

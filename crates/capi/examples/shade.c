@@ -53,7 +53,8 @@ int main(int argc, char **argv) {
     return 2;
   }
   const char *inputs[] = {"light", "rim", "palette.mist"};
-  trochoid_options options = trochoid_options_default();
+  trochoid_options options;
+  trochoid_options_init(&options, sizeof options);
   options.inputs = inputs;
   options.input_count = 3;
   const trochoid_look *look;

@@ -11,7 +11,7 @@
  * NULL. A panic within the library is caught, and returned as TROCHOID_PANIC; release what was in use.
  *
  * Versions: trochoid_abi() returns TROCHOID_ABI of the library. Structures that can grow begin with
- * their size; fill them with trochoid_options_default() and set what you need.
+ * their size; fill them with trochoid_options_init() and set what you need.
  */
 
 
@@ -112,7 +112,7 @@ typedef struct trochoid_look trochoid_look;
 typedef struct trochoid_shader trochoid_shader;
 
 /**
- * How a look is made. Fill it with trochoid_options_default().
+ * How a look is made. Fill it with trochoid_options_init().
  */
 typedef struct {
   /**
@@ -328,9 +328,11 @@ const char *trochoid_error_json(const trochoid_error *error);
 void trochoid_error_release(trochoid_error *error);
 
 /**
- * Returns options with every default.
+ * Fills options with every default. size is sizeof(trochoid_options) as your program was compiled, so
+ * that newer libraries, whose options are longer, write no further.
  */
-trochoid_options trochoid_options_default(void);
+trochoid_status trochoid_options_init(trochoid_options *options,
+                                      size_t size);
 
 /**
  * Makes a look from the text of a document of so many bytes. options may be NULL. Release the look

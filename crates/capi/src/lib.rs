@@ -21,7 +21,7 @@ mod version;
 pub use batch::{trochoid_in, trochoid_out};
 pub use error::*;
 pub use look::*;
-pub use options::{trochoid_options, trochoid_options_default};
+pub use options::{trochoid_options, trochoid_options_init};
 pub use picture::*;
 pub use shader::*;
 pub use status::{trochoid_illegal, trochoid_kind, trochoid_status};

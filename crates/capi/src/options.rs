@@ -1,13 +1,13 @@
 //! Options of looks.
 
 use crate::error::Fault;
-use crate::status::trochoid_illegal;
+use crate::status::{guarded, trochoid_illegal, trochoid_status};
 use crate::text::{text, texts};
 use std::ffi::c_char;
 use std::path::Path;
 use trochoid::{Illegal, LookBuilder};
 
-/// How a look is made. Fill it with trochoid_options_default().
+/// How a look is made. Fill it with trochoid_options_init().
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct trochoid_options {
@@ -65,10 +65,20 @@ const DEFAULT: trochoid_options = trochoid_options {
     threads: 0,
 };
 
-/// Returns options with every default.
+/// Fills options with every default. size is sizeof(trochoid_options) as your program was compiled, so
+/// that newer libraries, whose options are longer, write no further.
 #[unsafe(no_mangle)]
-pub extern "C" fn trochoid_options_default() -> trochoid_options {
-    DEFAULT
+pub unsafe extern "C" fn trochoid_options_init(options: *mut trochoid_options, size: size_t) -> trochoid_status {
+    guarded(|| {
+        let own = size_of::<trochoid_options>();
+        if options.is_null() || size < size_of::<size_t>() {
+            return trochoid_status::TROCHOID_INVALID;
+        }
+        let made = trochoid_options { struct_size: size.min(own), ..DEFAULT };
+        // SAFETY: there are as many bytes as the caller says, and no more than the library's own options have are copied.
+        unsafe { std::ptr::copy_nonoverlapping((&raw const made).cast::<u8>(), options.cast::<u8>(), size.min(own)) };
+        trochoid_status::TROCHOID_OK
+    })
 }
 
 /// Returns the caller's options, with defaults for what its version of the structure does not have.
@@ -85,7 +95,7 @@ pub(crate) unsafe fn read(options: *const trochoid_options) -> Result<trochoid_o
     if size < size_of::<size_t>() || size > size_of::<trochoid_options>() {
         let expected = size_of::<trochoid_options>();
         return Err(Fault::invalid(format!(
-            "found a struct_size of {size}; expected at most {expected}: begin with trochoid_options_default()"
+            "found a struct_size of {size}; expected at most {expected}: begin with trochoid_options_init()"
         )));
     }
     // SAFETY: both are at least that long, and any bytes make the fields of the structure, which are numbers and pointers.

@@ -13,8 +13,17 @@ use trochoid_capi::*;
 const WATER: &str = include_str!("../examples/water.json");
 const POINTS: usize = 600;
 
+fn defaults() -> trochoid_options {
+    let mut options = std::mem::MaybeUninit::uninit();
+    unsafe {
+        let status = trochoid_options_init(options.as_mut_ptr(), size_of::<trochoid_options>());
+        assert_eq!(status, trochoid_status::TROCHOID_OK);
+        options.assume_init()
+    }
+}
+
 fn options(inputs: &[*const c_char]) -> trochoid_options {
-    trochoid_options { inputs: inputs.as_ptr(), input_count: inputs.len(), ..trochoid_options_default() }
+    trochoid_options { inputs: inputs.as_ptr(), input_count: inputs.len(), ..defaults() }
 }
 
 fn make(text: &str, options: &trochoid_options) -> Result<*const trochoid_look, (trochoid_status, String, String)> {
@@ -161,8 +170,7 @@ fn structures_of_any_layout_are_shaded_in_place() {
 #[test]
 fn faults_are_told_in_text_and_json() {
     let told = |text: &str, options: &trochoid_options| make(text, options).unwrap_err();
-    let (status, text, json) =
-        told(&WATER.replace("\"weight\": \"light\"", "\"weight\": \"lihgt\""), &trochoid_options_default());
+    let (status, text, json) = told(&WATER.replace("\"weight\": \"light\"", "\"weight\": \"lihgt\""), &defaults());
     assert_eq!(status, trochoid_status::TROCHOID_INVALID);
     assert!(text.contains("did you mean \"light\"?"), "{text}");
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
@@ -178,9 +186,9 @@ fn faults_are_told_in_text_and_json() {
     assert_eq!((&faults[0]["port"], &faults[1]["found"]), (&"inputs[1]".into(), &"\"lihgt\"".into()), "{json}");
     let nothing = [null()];
     assert!(told(WATER, &options(&nothing)).1.contains("inputs[0] is NULL"));
-    let larger = trochoid_options { struct_size: 4096, ..trochoid_options_default() };
+    let larger = trochoid_options { struct_size: 4096, ..defaults() };
     assert!(told(WATER, &larger).1.contains("found a struct_size of 4096"));
-    let other = trochoid_options { illegal: 7, ..trochoid_options_default() };
+    let other = trochoid_options { illegal: 7, ..defaults() };
     assert!(told(WATER, &other).1.contains("found 7 in illegal"));
     unsafe {
         let mut look = null();
@@ -220,18 +228,27 @@ fn faults_are_told_in_text_and_json() {
 /// Structures of an older interface end earlier: what they lack has its default.
 #[test]
 fn shorter_options_are_read_as_far_as_they_go() {
-    let mut old = trochoid_options_default();
+    let mut old = defaults();
     old.struct_size = std::mem::offset_of!(trochoid_options, frame);
     (old.frame, old.illegal) = (-77, 99);
     let look = make(WATER, &old).unwrap();
     unsafe { trochoid_look_release(look) };
+    // Nor are they written beyond their end.
+    let mut short = trochoid_options { frame: -77, illegal: 99, ..defaults() };
+    short.output = c"old".as_ptr();
+    let size = std::mem::offset_of!(trochoid_options, frame);
+    assert_eq!(unsafe { trochoid_options_init(&raw mut short, size) }, trochoid_status::TROCHOID_OK);
+    assert_eq!((short.struct_size, short.output, short.frame, short.illegal), (size, null(), -77, 99));
+    for (options, size) in [(null_mut(), size), (&raw mut short, 7)] {
+        assert_eq!(unsafe { trochoid_options_init(options, size) }, trochoid_status::TROCHOID_INVALID);
+    }
 }
 
 /// Each node that keeps an output from being shaded has a fault, in the form of a document's.
 #[test]
 fn nodes_in_the_way_of_shaders_are_told() {
     let text = WATER.replace("{ \"type\": \"ScreenX\" }", "{ \"type\": \"Blur\", \"image\": \"rim\", \"size\": 3 }");
-    let look = make(&text, &trochoid_options_default()).unwrap();
+    let look = make(&text, &defaults()).unwrap();
     let (mut shader, mut error) = (null_mut(), null_mut());
     unsafe {
         let status = trochoid_shader_new(look, &raw mut shader, &raw mut error);
@@ -297,7 +314,7 @@ fn files_are_read_as_far_as_they_are_allowed() {
     let path = |path: &Path| CString::new(path.to_str().unwrap()).unwrap();
     let (own, other) = (path(&own), path(&other));
     let allowed = [other.as_ptr()];
-    let strict = trochoid_options { folder: own.as_ptr(), ..trochoid_options_default() };
+    let strict = trochoid_options { folder: own.as_ptr(), ..defaults() };
     let refused = make(&text, &strict).unwrap_err().1;
     assert!(refused.contains("colors.json") && refused.contains("allow it if you trust the document"), "{refused}");
     let look = make(&text, &trochoid_options { allow: allowed.as_ptr(), allow_count: 1, ..strict }).unwrap();
@@ -311,7 +328,7 @@ fn files_are_read_as_far_as_they_are_allowed() {
 #[test]
 fn changes_make_another_look() {
     unsafe {
-        let look = make(WATER, &trochoid_options_default()).unwrap();
+        let look = make(WATER, &defaults()).unwrap();
         let shared = trochoid_look_retain(look);
         let mut changed = null();
         let set = CString::new("beauty.weight=1").unwrap();
