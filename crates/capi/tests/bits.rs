@@ -396,7 +396,8 @@ fn batches_allocate_nothing_whatever_the_first_one_was() {
         shade(shader, is_row, 1);
         let counted = allocation_counter::measure(|| {
             for count in [1, 16, POINTS] {
-                [!is_row, is_row].map(|is_row| shade(shader, is_row, count));
+                shade(shader, !is_row, count);
+                shade(shader, is_row, count);
             }
         });
         assert_eq!(counted.count_total, 0, "rows first: {is_row}");

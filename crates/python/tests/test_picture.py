@@ -150,6 +150,6 @@ def test_pictures_too_large_are_refused(look):
 
 
 def test_sizes_that_do_not_fit_are_told(look):
-    light, rim = passes(3, 3)
-    with pytest.raises(ValueError, match=r"shape \[3, 3\], rows by columns.*size of 4 x 5"):
+    light, rim = passes(20, 30)
+    with pytest.raises(ValueError, match=r"shape \[20, 30\], rows by columns.*size of 4 x 5"):
         look.picture({"light": light, "rim": rim, "palette.mist": MIST}, size=(4, 5))
