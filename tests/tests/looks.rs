@@ -330,6 +330,14 @@ fn nodes_in_the_way_of_batches_are_named() {
     // Once they are inputs, nothing is in the way.
     let bound: Vec<&str> = names.iter().copied().chain(["paint"]).collect();
     assert!(Look::new(shaded(), "out", 1, &bound, &Settings::default()).unwrap().shader().is_ok());
+    // Equal nodes, which are planned as one, are told one by one.
+    let equal = r##"{ "trochoid": 1, "nodes": {
+        "rim": { "type": "ScreenX" }, "light": { "type": "ScreenX" },
+        "out": { "type": "Mix", "a": "lit", "b": "#fff", "weight": "rim" },
+        "lit": { "type": "Mix", "a": "#000", "b": "#456", "weight": "light" } },
+        "outputs": { "out": { "color": "out" } } }"##;
+    let told = LookBuilder::new(equal).build().unwrap().shader().map(|_| ()).unwrap_err();
+    assert_eq!(told.faults.iter().filter_map(|fault| fault.node.as_deref()).collect::<Vec<_>>(), ["rim", "light"]);
     // An output that no name of an input means.
     let nodes = r##"
         "camera": { "type": "Camera" }, "sea": { "type": "GerstnerSea", "count": 0 },

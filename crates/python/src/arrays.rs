@@ -57,18 +57,25 @@ pub(crate) fn zeros<'p>(py: Python<'p>, shape: &[usize]) -> PyResult<Bound<'p, P
 /// Returns the shape over which all of some shapes extend, as numpy extends them.
 pub(crate) fn common<'s>(shapes: impl Iterator<Item = (&'s str, &'s [usize])>) -> PyResult<Vec<usize>> {
     let mut all: Vec<usize> = Vec::new();
+    // What has a length, by axis.
+    let mut owners: Vec<&str> = Vec::new();
     for (name, shape) in shapes {
         while all.len() < shape.len() {
             all.insert(0, 1);
+            owners.insert(0, name);
         }
         let offset = all.len() - shape.len();
         for (axis, length) in shape.iter().enumerate() {
             let known = &mut all[offset + axis];
             if *known == 1 {
                 *known = *length;
+                owners[offset + axis] = name;
             } else if *length != 1 && length != known {
-                let found = format!("\"{name}\": found the shape {shape:?}; other inputs have {all:?}");
-                return Err(PyValueError::new_err(found));
+                let (known, owner) = (*known, owners[offset + axis]);
+                return Err(PyValueError::new_err(format!(
+                    "\"{name}\": found the shape {shape:?}, with a length of {length} where \"{owner}\" has {known}; expected \
+                     shapes that fit, as those that numpy broadcasts"
+                )));
             }
         }
     }

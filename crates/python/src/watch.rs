@@ -5,12 +5,15 @@ use pyo3::prelude::*;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use trochoid::Monitor;
 use trochoid_cli::Host;
 
 /// Longest time until an interrupt is noticed, and between two calls of a progress function.
 const PAUSE: Duration = Duration::from_millis(20);
+/// Longest time between two calls of a progress function, also where one node takes long and nothing goes on: its answer may
+/// stop the work.
+const LONGEST: Duration = Duration::from_millis(250);
 /// Stack of the work: that of a program's first thread.
 const STACK: usize = 8 << 20;
 
@@ -78,7 +81,7 @@ impl Host for Watch {
 }
 
 /// Does some work while other threads of Python run. `progress(done, total)` is called now and then; if it returns
-/// `False`, the work is asked to stop. What it raises, or the handler of a signal, is raised once the work has stopped.
+/// something false but `None`, the work is asked to stop. What it raises, or the handler of a signal, is raised once the work has stopped.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -93,20 +96,24 @@ pub(crate) fn watched<T: Send>(
             work(own)
         });
         let worker = worker.map_err(|error| PyOSError::new_err(format!("a thread cannot be started: {error}")))?;
-        let (mut told, mut raised) = (None, None);
+        let (mut told, mut last, mut raised) = (None, Instant::now(), None);
         loop {
             let state = py.detach(|| watch.wait());
-            let call = || {
+            let mut call = || {
                 py.check_signals()?;
-                match (progress, state.done) {
-                    (Some(progress), Some(done)) if told != Some(done) => {
+                // Before anything is known, nothing is done of something.
+                let is_due = last.elapsed() >= LONGEST && !state.has_ended;
+                let done = state.done.or(is_due.then_some((0, 1)));
+                match (progress, done) {
+                    (Some(progress), Some(done)) if is_due || told != Some(done) => {
+                        last = Instant::now();
                         let answer = progress.call1(done)?;
                         Ok(answer.is_none() || answer.is_truthy()?)
                     }
                     _ => Ok(true),
                 }
             };
-            if raised.is_none() {
+            if !watch.is_to_stop.load(Ordering::Relaxed) {
                 let answer = call();
                 told = state.done;
                 if !matches!(answer, Ok(true)) {

@@ -153,6 +153,16 @@ def test_a_picture_is_taken_apart_and_painted_again(scene):
     assert raised.value.code == 3
 
 
+def test_palettes_are_dictionaries_or_files(scene):
+    trochoid.render("water.json", frames=1, out="water.png")
+    inks = trochoid.palette("water.png", colors=4, out="inks.json")["palette"]
+    of_file = trochoid.decompose("water.png", "inks.json", out="file.exr")
+    assert trochoid.decompose("water.png", inks, out="inks.exr")[0]["farthest"] == of_file[0]["farthest"]
+    red = dict.fromkeys(inks, "#800000")
+    trochoid.recolor("inks.exr", "red.png", palette=red)
+    assert list(trochoid.palette("red.png", colors=1)["palette"].values()) == ["#800000"]
+
+
 def test_a_plan_is_found(scene):
     found = trochoid.plan("water.json", tolerance=1 / 64, out="water.plan.json")
     assert found["set"] == {} and json.loads((scene / "water.plan.json").read_text()) == found

@@ -129,6 +129,14 @@ def test_a_false_answer_cancels():
     assert len(calls) < 10, "it goes on after the answer"
 
 
+def test_one_long_node_can_be_stopped():
+    calls = []
+    started = time.monotonic()
+    with pytest.raises(trochoid.Cancelled):
+        trochoid.Look(slow(6000)).picture(size=(6000, 6000), progress=lambda *at: calls.append(at) or len(calls) < 2)
+    assert len(calls) < 9 and time.monotonic() - started < 20
+
+
 def test_an_interrupt_cancels(interrupts):
     look = trochoid.Look(slow(6000))
     interrupts(0.3)

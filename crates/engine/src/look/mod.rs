@@ -96,14 +96,16 @@ impl Look {
     ) -> Result<Self, PlanError> {
         let mut settings = settings.clone();
         settings.region = None;
-        let plan = {
+        let plan_with = |merge: bool| {
             let mut settings = settings.clone();
             // A sample has no row and no column.
             settings.switches.hoist = false;
             // Nor does a batch have a report.
             settings.audits = false;
-            Plan::new(&graph, &[output], frame, bound, &settings)?
+            settings.switches.merge &= merge;
+            Plan::new(&graph, &[output], frame, bound, &settings)
         };
+        let plan = plan_with(true)?;
         let mut slots: Vec<Slot> = Vec::with_capacity(bound.len());
         let mut first = 0;
         for name in bound {
@@ -114,7 +116,11 @@ impl Look {
             slots.push(Slot { name: (*name).into(), kind, first, is_used });
             first += kind.channels();
         }
-        let points = Points::new(&plan, &slots);
+        let points = match Points::new(&plan, &slots) {
+            // Equal nodes are planned as one, but each of them has to be an input.
+            Err(_) => Points::new(&plan_with(false)?, &slots),
+            points => points,
+        };
         let kind = plan.outputs[0].kind;
         drop(plan);
         let inner = Inner { graph, settings, output: output.into(), kind, frame, slots, points };

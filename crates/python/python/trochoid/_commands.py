@@ -10,6 +10,7 @@ import json
 import logging
 import operator
 import os
+import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
@@ -23,6 +24,7 @@ Paths: TypeAlias = Path | Iterable[Path]
 Names: TypeAlias = str | Iterable[str]
 Frames: TypeAlias = str | int | Iterable[int]
 Tolerance: TypeAlias = str | float | Fraction
+Palette: TypeAlias = Path | Mapping[str, str]
 Progress: TypeAlias = Callable[[int, int], bool | None]
 
 _NOTES = logging.getLogger("trochoid")
@@ -186,7 +188,7 @@ def palette(
 
 def decompose(
     pictures: Paths,
-    palette: Path,
+    palette: Palette,
     *,
     out: Path | None = None,
     graph: Path | None = None,
@@ -203,17 +205,25 @@ def decompose(
     Returns a dictionary for each picture: {"picture": ..., "files": [...], "outside": 0, "farthest": 0.0}: the
     files that were written, the number of pixels outside of the palette's hull, and how far the farthest one is, in
     steps of 255. `out` is an EXR file, a recipe; `graph` a small document that mixes the picture again. In both,
-    {name} stands for the picture's name. `cube` is a 3-D LUT for other programs, which paints in the colors of `to`;
+    {name} stands for the picture's name. `palette` is a dictionary of colors by name, as `palette` returns it, or a
+    file with such colors. `cube` is a 3-D LUT for other programs, which paints in the colors of `to`;
     for it alone, `pictures` may be empty.
 
     >>> found = trochoid.decompose("water.beauty.png", "inks.json", out="{name}.recipe.exr")
     >>> found[0]["files"], found[0]["outside"]
     (['water.beauty.recipe.exr'], 0)
     """
-    options = [*_one("palette", palette), *_one("out", out), *_one("graph", graph), *_one("softness", softness)]
+    options = [*_one("out", out), *_one("graph", graph), *_one("softness", softness)]
     options += [*_one("cube", cube), *_one("to", to), *_one("cube-size", cube_size)]
     options += [*_flag("float", float), *_flag("overwrite", overwrite)]
-    found = json.loads(_text(["decompose", "--json", *options, "--", *_paths(pictures)], progress))
+    with tempfile.TemporaryDirectory() as folder:
+        file = palette
+        if isinstance(file, Mapping):
+            file = os.path.join(folder, "palette.json")
+            with open(file, "w", encoding="utf-8") as written:
+                written.write(_json.text(palette))
+        options += _one("palette", file)
+        found = json.loads(_text(["decompose", "--json", *options, "--", *_paths(pictures)], progress))
     recipes: list[dict[str, Any]] = found["recipes"]
     return recipes
 
@@ -222,7 +232,7 @@ def recolor(
     recipes: Paths,
     out: Path,
     *,
-    palette: Path | None = None,
+    palette: Palette | None = None,
     set: Mapping[str, str] | None = None,
     frames: Frames | None = None,
     deep: bool = False,
@@ -235,14 +245,16 @@ def recolor(
     Returns a dictionary for each picture: {"recipe": ..., "file": ..., "colors": 4, "outside": 0, "within": 0.001}:
     the file that was written, the number of its pixels outside of the hull of the colors, and the largest
     difference of a channel from a render in the same colors. `out` is a PNG or EXR file; {name} stands for the
-    recipe's name. `set` has colors by name, such as {"glow": "#f2c14e"}; `palette` is a file with such colors.
+    recipe's name. `set` has colors by name, such as {"glow": "#f2c14e"}; `palette` is a dictionary or file with such
+    colors.
 
     >>> painted = trochoid.recolor("water.beauty.recipe.exr", "warm.png")
     >>> painted[0]["file"], painted[0]["outside"]
     ('warm.png', 0)
     """
-    options = [*_one("out", out), *_one("palette", palette)]
-    options += [f"--set={name}={color}" for name, color in (set or {}).items()]
+    colors = {**(palette if isinstance(palette, Mapping) else {}), **(set or {})}
+    options = [*_one("out", out), *_one("palette", None if isinstance(palette, Mapping) else palette)]
+    options += [f"--set={name}={color}" for name, color in colors.items()]
     options += [*_one("frames", None if frames is None else _frames(frames)), *_flag("deep", deep)]
     options += [*_flag("float", float), *_flag("overwrite", overwrite)]
     found = json.loads(_text(["recolor", "--json", *options, "--", *_paths(recipes)], progress))
