@@ -256,7 +256,7 @@ impl Generator<'_> {
 
     /// Returns whether a mask or a partition still has to be audited here; afterwards it counts as audited.
     fn is_unaudited(&mut self, at: u32) -> bool {
-        let is_new = self.input.audits && !self.audited.iter().any(|done| done.contains(&at));
+        let is_new = self.code.audits && !self.audited.iter().any(|done| done.contains(&at));
         if is_new && let Some(innermost) = self.audited.last_mut() {
             innermost.insert(at);
         }
