@@ -42,7 +42,12 @@ impl Look {
         checked("inputs", passes, is_used, self.inputs(), area)?;
         let is_clamped = self.illegal == Illegal::Clamp;
         let copied = passes.iter().enumerate().filter(|(at, pass)| is_used(*at) && (is_clamped || !pass.is_plane()));
-        self.planned(format, copied.count(), |plan| {
+        let copied = copied.count();
+        self.planned(format, copied, |plan| {
+            if copied > 0 {
+                // Before they are made; otherwise the evaluation does this.
+                plan.check_memory(&plan.memory(Pictures::Whole))?;
+            }
             let used = self.slots().iter().filter(|slot| slot.is_used);
             let planes = used.map(|slot| {
                 let channels = &passes[slot.first..slot.first + slot.channels()];
@@ -68,10 +73,10 @@ impl Look {
     /// # Errors
     /// Memory does not suffice, or the picture cannot be planned.
     pub fn check_memory(&self, format: Format, copied: usize) -> Result<(), PictureError> {
-        self.planned(format, copied, |_| Ok(()))
+        self.planned(format, copied, |plan| Ok(plan.check_memory(&plan.memory(Pictures::Whole))?))
     }
 
-    /// Plans a picture, and refuses it if memory does not suffice for copies of so many channels beside it.
+    /// Plans a picture with copies of so many channels beside it, and does something with the plan.
     fn planned<R>(
         &self,
         format: Format,
@@ -91,10 +96,6 @@ impl Look {
         let used = self.slots().iter().filter(|slot| slot.is_used);
         let bound: Vec<&str> = used.map(|slot| slot.name.as_str()).collect();
         let plan = Plan::new(graph, &[&inner.output], inner.frame, &bound, &settings)?;
-        if copied > 0 {
-            // Otherwise the evaluation does this.
-            plan.check_memory(&plan.memory(Pictures::Whole))?;
-        }
         run(&plan)
     }
 
