@@ -102,8 +102,8 @@ pub unsafe extern "C" fn trochoid_picture(
             }
             let area = format.window().area();
             let used = |channel: usize| look.slots().iter().any(|slot| slot.is_used && slot.has(channel));
-            let copied = inputs.iter().enumerate().filter(|(at, input)| used(*at) && input.stride != 0).count();
-            look.check_memory(format, copied)?;
+            // The picture copies uniform channels, while the copies made here are still there.
+            look.check_memory(format, (0..inputs.len()).filter(|channel| used(*channel)).count())?;
             let mut planes: Vec<Vec<f32>> = Vec::with_capacity(look.inputs());
             for slot in look.slots() {
                 let count = if slot.is_used { area } else { 0 };

@@ -423,7 +423,8 @@ impl Look {
         let format = Format::new(width, height, samples).map_err(|error| PyValueError::new_err(error.to_string()))?;
         let channels = self.all_channels(&given, &whole);
         let is_uniform: Vec<bool> = channels.iter().map(Strided::is_uniform).collect();
-        let copied = channels.iter().filter(|channel| !channel.first.is_null() && !channel.is_uniform()).count();
+        // The picture copies uniform channels, while the copies made here are still there.
+        let copied = channels.iter().filter(|channel| !channel.first.is_null()).count();
         self.look.check_memory(format, copied).map_err(|error| errors::of_picture(py, error))?;
         let shapes = is_uniform.iter().map(|is_uniform| if *is_uniform { vec![1, 1] } else { whole.clone() });
         let planes: Vec<Vec<f32>> =
