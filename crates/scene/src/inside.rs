@@ -11,9 +11,22 @@ use crate::grid_ranges::{Range, Ranges, SIZES};
 use crate::project::ScreenVertex;
 use crate::raster::NOTHING;
 use crate::shading::power;
-use crate::{ChannelSet, DVec3, GivenUp, GridSurface, HeightField, Mesh, Patches, Projector, Ray, SeaSurface, Visible};
+use crate::{
+    ChannelSet, DVec3, GivenUp, GridSurface, HeightField, Mesh, Obstacles, Patches, Projector, Ray, SeaSurface,
+    Segment, Visible,
+};
 use trochoid_image::Window;
 use trochoid_sea::Sample;
+
+/// Returns the origin of the corners of obstacles, and the corners of their triangles.
+pub fn triangles(obstacles: &Obstacles) -> (DVec3, Vec<[[f32; 3]; 3]>) {
+    obstacles.triangles()
+}
+
+/// Returns the distance to the first point along each ray and whether there is any, with the slowest instructions.
+pub fn slowly(obstacles: &Obstacles, segments: &[Segment]) -> Vec<(Option<f64>, bool)> {
+    obstacles.slowly(segments)
+}
 
 /// Joins meshes of files.
 ///

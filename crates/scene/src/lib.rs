@@ -68,7 +68,7 @@ pub use glam::DVec3;
 pub use grid_surface::GridSurface;
 pub use grid_values::{GridDoubt, Number};
 pub use light::{Illumination, Light};
-pub use obstacles::{Obstacles, first_reference, surroundings};
+pub use obstacles::{Obstacles, Segment, first_reference, surroundings};
 pub use on_heights::HeightField;
 pub use patches::Patches;
 pub use points::{MeshHit, Sums};

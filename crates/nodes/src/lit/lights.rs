@@ -108,26 +108,44 @@ impl Lights {
 
     /// Returns the combined mask at one point, in f64.
     pub(crate) fn reference(&self, point: DVec3, shade: impl Fn(DVec3) -> f64) -> f64 {
-        self.within_reach(point, |direction, _| shade(direction))
+        self.within_reach(std::iter::once(point), |lit| lit.iter().map(|lit| shade(lit.direction)).collect())[0]
     }
 
-    /// Like [`Self::reference`], but also gives `shade` the distance of the light in meters: infinite if it has no
-    /// position.
-    pub(crate) fn within_reach(&self, point: DVec3, shade: impl Fn(DVec3, f64) -> f64) -> f64 {
-        let masks: Vec<f64> = self
-            .lights
-            .iter()
-            .map(|light| {
+    /// Returns the combined mask at each of many points, in f64. `shade` gives the masks of one light at those of them
+    /// that its light reaches, which are then scaled by the light's intensity.
+    pub(crate) fn within_reach(
+        &self,
+        points: impl Iterator<Item = DVec3> + Clone,
+        shade: impl Fn(&[Lit]) -> Vec<f64>,
+    ) -> Vec<f64> {
+        let mut masks: Vec<Vec<f64>> = points.clone().map(|_| vec![0.0; self.lights.len()]).collect();
+        for (light, index_of_light) in self.lights.iter().zip(0..) {
+            let lit = |(index, point): (usize, DVec3)| {
                 let Illumination { direction, intensity } = light.illuminate(point);
                 let reach = match light {
                     Light::Directional { .. } => f64::INFINITY,
                     Light::Point { position } | Light::Spot { position, .. } => position.distance(point),
                 };
-                if intensity > 0.0 { intensity * shade(direction, reach) } else { 0.0 }
-            })
-            .collect();
-        self.combine.reference(&masks)
+                (intensity > 0.0).then_some(Lit { index, direction, reach, intensity })
+            };
+            let lit: Vec<Lit> = points.clone().enumerate().filter_map(lit).collect();
+            for (lit, mask) in lit.iter().zip(shade(&lit)) {
+                masks[lit.index][index_of_light] = lit.intensity * mask;
+            }
+        }
+        masks.iter().map(|masks| self.combine.reference(masks)).collect()
     }
+}
+
+/// A point that the light of some light reaches.
+pub(crate) struct Lit {
+    /// Its index among the points.
+    pub(crate) index: usize,
+    /// Unit vector toward the light.
+    pub(crate) direction: DVec3,
+    /// Distance of the light in meters; infinite if it has no position.
+    pub(crate) reach: f64,
+    intensity: f64,
 }
 
 /// Returns the projector of the connected view's camera.

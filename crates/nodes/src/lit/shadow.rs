@@ -1,12 +1,12 @@
 //! Shadow: shadows cast by the surfaces of a view, found by rays toward the lights.
 
-use super::{Combine, Lights};
+use super::{Combine, Lights, Lit};
 use crate::view::{Facets, Quantity, RayQuantity, Rays, SeenPoint, landed};
 use std::f64::consts::TAU;
 use trochoid_graph::*;
 use trochoid_image::Format;
-use trochoid_scene::Ray;
 use trochoid_scene::shading::unit_or_up;
+use trochoid_scene::{DVec3, Ray, Segment};
 
 /// A mask of the shadows that the surfaces of a view cast on each other and on themselves.
 ///
@@ -75,7 +75,7 @@ impl RayQuantity for Shadow {
         // A light of size 0 is a point: all its rays would be the same.
         let rays = if spread > 0.0 { self.rays as u32 } else { 1 };
         let shadow = PreparedShadow { node: self.clone(), lights, spread, rays };
-        Ok(Box::new(move |seen: &SeenPoint, rays: Rays<'_>| shadow.mask(seen, rays)))
+        Ok(Box::new(move |seen: &[SeenPoint], rays: &dyn Rays| shadow.masks(seen, rays)))
     }
 }
 
@@ -94,23 +94,34 @@ const GOLDEN: f64 = 2.399_963_229_728_653;
 const PLASTIC: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 
 impl PreparedShadow {
-    fn mask(&self, seen: &SeenPoint, rays: Rays<'_>) -> f64 {
-        let &SeenPoint { at, point, normal, facet } = seen;
-        let origin = landed(point, normal, facet, rays.first) + normal * (self.node.bias * facet);
+    fn masks(&self, seen: &[SeenPoint], rays: &dyn Rays) -> Vec<f64> {
+        let landed = landed(seen, rays).into_iter().zip(seen);
+        let origins: Vec<DVec3> =
+            landed.map(|(landed, seen)| landed + seen.normal * (self.node.bias * seen.facet)).collect();
         // Rotate the rays as differently as possible from those of neighboring pixels.
-        let turn = PLASTIC[0] * at[0] + PLASTIC[1] * at[1];
-        let turn = TAU * (turn - turn.floor());
-        let lit = self.lights.within_reach(point, |light, reach| {
-            let (u, v) = light.any_orthonormal_pair();
-            let limit = self.node.distance.min(reach);
-            let arrives = |index: &u32| {
-                let radius = self.spread * ((f64::from(*index) + 0.5) / f64::from(self.rays)).sqrt();
-                let (sin, cos) = libm::sincos(f64::from(*index) * GOLDEN + turn);
-                let direction = unit_or_up(light + (u * cos + v * sin) * radius);
-                !(rays.blocks)(&Ray { origin, direction }, limit)
-            };
-            (0..self.rays).filter(arrives).count() as f64 / f64::from(self.rays)
+        let turn = |seen: &SeenPoint| {
+            let turn = PLASTIC[0] * seen.at[0] + PLASTIC[1] * seen.at[1];
+            TAU * (turn - turn.floor())
+        };
+        let turns: Vec<f64> = seen.iter().map(turn).collect();
+        let lit = self.lights.within_reach(seen.iter().map(|seen| seen.point), |lit| {
+            let mut arrived = vec![0_u32; lit.len()];
+            for index in 0..self.rays {
+                let radius = self.spread * ((f64::from(index) + 0.5) / f64::from(self.rays)).sqrt();
+                let segment = |lit: &Lit| {
+                    let (u, v) = lit.direction.any_orthonormal_pair();
+                    let (sin, cos) = libm::sincos(f64::from(index) * GOLDEN + turns[lit.index]);
+                    let direction = unit_or_up(lit.direction + (u * cos + v * sin) * radius);
+                    let ray = Ray { origin: origins[lit.index], direction };
+                    Segment { ray, limit: self.node.distance.min(lit.reach) }
+                };
+                let segments: Vec<Segment> = lit.iter().map(segment).collect();
+                for (arrived, blocked) in arrived.iter_mut().zip(rays.blocks(&segments)) {
+                    *arrived += u32::from(!blocked);
+                }
+            }
+            arrived.into_iter().map(|arrived| f64::from(arrived) / f64::from(self.rays)).collect()
         });
-        1.0 - lit
+        lit.into_iter().map(|lit| 1.0 - lit).collect()
     }
 }

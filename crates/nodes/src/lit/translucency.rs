@@ -55,12 +55,17 @@ impl RayQuantity for Translucency {
         let eye = eye(prepare, &self.view, prepare.frame.format)?;
         let lights = Lights::of(&self.lights, self.combine, prepare)?;
         let &Self { absorption, facing: power, path_knobs, .. } = self;
-        Ok(Box::new(move |seen: &SeenPoint, rays: Rays<'_>| {
-            let view = unit_or_up(toward_eye(&eye, seen.point));
-            lights.reference(seen.point, |light| {
-                let facing = (0.5 * (1.0 - view.dot(light))).clamp(0.0, 1.0);
-                let length = path_knobs.length(seen, light, rays.first);
-                libm::exp(-length / absorption) * libm::pow(facing, power)
+        Ok(Box::new(move |seen: &[SeenPoint], rays: &dyn Rays| {
+            let starts = path_knobs.starts(seen, rays);
+            lights.within_reach(seen.iter().map(|seen| seen.point), |lit| {
+                let paths = lit.iter().map(|lit| (starts[lit.index], lit.direction));
+                let lengths = path_knobs.lengths(paths, rays);
+                let masks = lit.iter().zip(lengths).map(|(lit, length)| {
+                    let view = unit_or_up(toward_eye(&eye, seen[lit.index].point));
+                    let facing = (0.5 * (1.0 - view.dot(lit.direction))).clamp(0.0, 1.0);
+                    libm::exp(-length / absorption) * libm::pow(facing, power)
+                });
+                masks.collect()
             })
         }))
     }

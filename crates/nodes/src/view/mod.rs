@@ -35,8 +35,8 @@ pub(crate) use neighborhood::{Neighborhood, change, grown, may_see, surface_of};
 pub(crate) use path_knobs::PathKnobs;
 pub(crate) use ray_pass::{Quantity, RayPass, RayQuantity};
 pub(crate) use render::Render;
-pub(crate) use seen::{Rays, SeenPoint, required_channels};
-pub(crate) use surroundings::{Facets, Surroundings, landed};
+pub(crate) use seen::{SeenPoint, required_channels};
+pub(crate) use surroundings::{Facets, Rays, Surroundings, landed};
 
 use crate::lit::Vectors3;
 use std::path::PathBuf;

@@ -1,9 +1,9 @@
 //! Thickness of water along rays that leave it.
 
 use super::seen::SeenPoint;
-use super::surroundings::{First, UNDER, landed};
+use super::surroundings::{Rays, UNDER, landed};
 use trochoid_graph::Items;
-use trochoid_scene::{DVec3, Ray};
+use trochoid_scene::{DVec3, Ray, Segment};
 
 /// Knobs of a path through water.
 #[derive(Clone, Copy, Items)]
@@ -23,14 +23,25 @@ impl PathKnobs {
         self.distance
     }
 
-    /// Returns the length of the path from below a seen point out of the water, along a unit vector.
-    pub(crate) fn length(self, seen: &SeenPoint, along: DVec3, first: First<'_>) -> f64 {
-        let &SeenPoint { point, normal, facet, .. } = seen;
-        let surface = landed(point, normal, facet, first);
+    /// Returns the points below seen points at which paths start.
+    pub(crate) fn starts(self, seen: &[SeenPoint], rays: &dyn Rays) -> Vec<DVec3> {
         // Start slightly below the surface, so that it is not taken for its own far side.
-        let inward = Ray { origin: surface - normal * (UNDER * facet), direction: -normal };
-        let halfway = first(&inward, 2.0 * self.inset).map_or(self.inset, |through| 0.5 * through);
-        let start = Ray { origin: inward.at(halfway), direction: along };
-        first(&start, self.distance).map_or(self.distance, |length| length.min(self.distance))
+        let inward = |(seen, surface): (&SeenPoint, DVec3)| {
+            let &SeenPoint { normal, facet, .. } = seen;
+            let ray = Ray { origin: surface - normal * (UNDER * facet), direction: -normal };
+            Segment { ray, limit: 2.0 * self.inset }
+        };
+        let inward: Vec<Segment> = seen.iter().zip(landed(seen, rays)).map(inward).collect();
+        let through = rays.first(&inward);
+        let halfway = through.into_iter().map(|through| through.map_or(self.inset, |through| 0.5 * through));
+        inward.iter().zip(halfway).map(|(inward, halfway)| inward.ray.at(halfway)).collect()
+    }
+
+    /// Returns the lengths of the paths out of the water, each from its start along a unit vector.
+    pub(crate) fn lengths(self, paths: impl Iterator<Item = (DVec3, DVec3)>, rays: &dyn Rays) -> Vec<f64> {
+        let segment = |(origin, direction)| Segment { ray: Ray { origin, direction }, limit: self.distance };
+        let segments: Vec<Segment> = paths.map(segment).collect();
+        let lengths = rays.first(&segments).into_iter();
+        lengths.map(|length| length.map_or(self.distance, |length| length.min(self.distance))).collect()
     }
 }

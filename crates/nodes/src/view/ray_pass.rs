@@ -51,8 +51,8 @@ pub(crate) trait RayQuantity: Declare {
     }
 }
 
-/// Function that returns the quantity found by rays around a seen point, in f64.
-pub(crate) type Quantity = Box<dyn Fn(&SeenPoint, Rays<'_>) -> f64 + Send + Sync>;
+/// Function that returns the quantities found by rays around seen points, in f64, each from its own point alone.
+pub(crate) type Quantity = Box<dyn Fn(&[SeenPoint], &dyn Rays) -> Vec<f64> + Send + Sync>;
 
 /// Node with such a quantity.
 #[derive(Clone)]

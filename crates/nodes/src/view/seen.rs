@@ -1,11 +1,11 @@
 //! Quantities found by rays that start at seen points: the channels they need, and filling a block with them.
 
-use super::surroundings::{First, Surroundings};
+use super::surroundings::{Rays, Surroundings};
 use super::{NORMAL, POSITION, is_covered, too_rough, view_planes, view_vector};
 use std::cell::Cell;
 use trochoid_graph::{Block, Channel, ChannelSet, Inputs, NodeError, One, References, port};
 use trochoid_scene::shading::unit_or_up;
-use trochoid_scene::{DVec3, Ray};
+use trochoid_scene::{DVec3, GivenUp, Segment};
 
 /// A seen point.
 pub(crate) struct SeenPoint {
@@ -18,15 +18,30 @@ pub(crate) struct SeenPoint {
     pub(crate) facet: f64,
 }
 
-/// Surroundings that rays may hit.
-#[derive(Clone, Copy)]
-pub(crate) struct Rays<'a> {
-    pub(crate) first: First<'a>,
-    pub(crate) blocks: &'a dyn Fn(&Ray, f64) -> bool,
+/// Number of points whose rays are asked for together, between checks for cancellation.
+const TOGETHER: usize = 64;
+
+/// Rays that meet continuous surfaces, in f64. Quantities cannot fail, so an error is kept.
+struct ExactRays<'a> {
+    surroundings: &'a Surroundings,
+    failed: Cell<Option<GivenUp>>,
 }
 
-/// Number of points between checks for cancellation.
-const CANCEL_INTERVAL: usize = 64;
+impl Rays for ExactRays<'_> {
+    fn first(&self, segments: &[Segment]) -> Vec<Option<f64>> {
+        let first = |&Segment { ray, limit }: &Segment| {
+            self.surroundings.first_reference(&ray, limit).unwrap_or_else(|error| {
+                self.failed.set(Some(error));
+                None
+            })
+        };
+        segments.iter().map(first).collect()
+    }
+
+    fn blocks(&self, segments: &[Segment]) -> Vec<bool> {
+        self.first(segments).into_iter().map(|distance| distance.is_some()).collect()
+    }
+}
 
 /// Returns the channels that the view must supply.
 pub(crate) fn required_channels() -> ChannelSet {
@@ -48,24 +63,26 @@ impl Surroundings {
         inputs: &Inputs<'_>,
         view: &One<port::View>,
         out: &mut [f32],
-        quantity: impl Fn(&SeenPoint, Rays<'_>) -> f64,
+        quantity: impl Fn(&[SeenPoint], &dyn Rays) -> Vec<f64>,
     ) -> Result<(), NodeError> {
         let (points, normals) = (view_planes(inputs, view, POSITION), view_planes(inputs, view, NORMAL));
         let coverage = inputs.view(view, Channel::Coverage);
         let vector = |planes: [&[f32]; 3], index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
-        let first = |ray: &_, limit| self.first(ray, limit);
-        let blocks = |ray: &_, limit| self.blocks(ray, limit);
-        let rays = Rays { first: &first, blocks: &blocks };
-        for (index, (out, at)) in out.iter_mut().zip(block.places()).enumerate() {
+        out.fill(0.0);
+        let (mut seen, mut indices) = (Vec::with_capacity(TOGETHER), Vec::with_capacity(TOGETHER));
+        let mut places = block.places().enumerate().filter(|(index, _)| coverage[*index] > 0.0).peekable();
+        while places.peek().is_some() {
             // Rays may be slow: a row of soft shadows can take longer than anyone wants to wait.
-            if index % CANCEL_INTERVAL == 0 {
-                inputs.check_cancelled()?;
+            inputs.check_cancelled()?;
+            seen.clear();
+            indices.clear();
+            for (index, at) in places.by_ref().take(TOGETHER) {
+                seen.push(self.seen(at, vector(points, index), vector(normals, index)));
+                indices.push(index);
             }
-            *out = if coverage[index] > 0.0 {
-                quantity(&self.seen(at, vector(points, index), vector(normals, index)), rays) as f32
-            } else {
-                0.0
-            };
+            for (index, quantity) in indices.iter().zip(quantity(&seen, self)) {
+                out[*index] = quantity as f32;
+            }
         }
         Ok(())
     }
@@ -78,22 +95,14 @@ impl Surroundings {
         &self,
         inputs: &References<'_>,
         view: &One<port::View>,
-        quantity: impl Fn(&SeenPoint, Rays<'_>) -> f64,
+        quantity: impl Fn(&[SeenPoint], &dyn Rays) -> Vec<f64>,
     ) -> Result<f64, NodeError> {
         if !is_covered(inputs, view) {
             return Ok(0.0);
         }
         let (point, normal) = (view_vector(inputs, view, POSITION), view_vector(inputs, view, NORMAL));
-        // Quantities cannot fail, so an error is kept and returned instead of the result.
-        let failed = Cell::new(None);
-        let first = |ray: &_, limit| {
-            self.first_reference(ray, limit).unwrap_or_else(|error| {
-                failed.set(Some(error));
-                None
-            })
-        };
-        let rays = Rays { first: &first, blocks: &|ray, limit| first(ray, limit).is_some() };
-        let found = quantity(&self.seen(inputs.at, point, normal), rays);
-        failed.get().map_or(Ok(found), |error| Err(too_rough(error)))
+        let rays = ExactRays { surroundings: self, failed: Cell::new(None) };
+        let found = quantity(&[self.seen(inputs.at, point, normal)], &rays);
+        rays.failed.get().map_or(Ok(found[0]), |error| Err(too_rough(error)))
     }
 }

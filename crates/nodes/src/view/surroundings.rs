@@ -1,9 +1,9 @@
 //! Surroundings of the points of a view, for rays that start there.
 
-use super::{RenderHandle, SurfaceHandle};
+use super::{RenderHandle, SeenPoint, SurfaceHandle};
 use std::sync::Arc;
 use trochoid_graph::{BadData, Items, NodeError, One, Prepare, port};
-use trochoid_scene::{DVec3, GivenUp, Obstacles, Projector, Ray, Surface, first_reference, surroundings};
+use trochoid_scene::{DVec3, GivenUp, Obstacles, Projector, Ray, Segment, Surface, first_reference, surroundings};
 
 /// Fineness of the surfaces that block rays.
 #[derive(Clone, Items)]
@@ -26,20 +26,32 @@ pub(crate) struct Surroundings {
     obstacles: Obstacles,
 }
 
-/// Function that returns the distance to the first hit along a ray, within a limit.
-pub(crate) type First<'a> = &'a dyn Fn(&Ray, f64) -> Option<f64>;
+/// What rays meet.
+pub(crate) trait Rays {
+    /// Returns the distance to the first hit along each ray, if there is one.
+    fn first(&self, segments: &[Segment]) -> Vec<Option<f64>>;
+
+    /// Whether anything blocks each ray.
+    fn blocks(&self, segments: &[Segment]) -> Vec<bool>;
+}
 
 /// Distance above and below a seen point within which the surface hit by rays is searched for, and distance below that
 /// surface at which rays into it start, both in facets.
 const AROUND: f64 = 4.0;
 pub(crate) const UNDER: f64 = 0.02;
 
-/// Returns the point of the surface hit by rays that corresponds to a seen point with a unit normal: facets of another
-/// size lie a little above or below it. Returns the seen point itself if there is none.
-pub(crate) fn landed(point: DVec3, normal: DVec3, facet: f64, first: First<'_>) -> DVec3 {
-    let reach = AROUND * facet;
-    let down = Ray { origin: point + normal * reach, direction: -normal };
-    first(&down, 2.0 * reach).map_or(point, |distance| down.at(distance))
+/// Returns the points of the surface hit by rays that correspond to seen points: facets of another size lie a little
+/// above or below these. Returns a seen point itself if there is none.
+pub(crate) fn landed(seen: &[SeenPoint], rays: &dyn Rays) -> Vec<DVec3> {
+    let down = |seen: &SeenPoint| {
+        let &SeenPoint { point, normal, facet, .. } = seen;
+        let reach = AROUND * facet;
+        Segment { ray: Ray { origin: point + normal * reach, direction: -normal }, limit: 2.0 * reach }
+    };
+    let down: Vec<Segment> = seen.iter().map(down).collect();
+    let found = rays.first(&down);
+    let landed = seen.iter().zip(&down).zip(found);
+    landed.map(|((seen, down), distance)| distance.map_or(seen.point, |distance| down.ray.at(distance))).collect()
 }
 
 impl Surroundings {
@@ -65,16 +77,6 @@ impl Surroundings {
         })
     }
 
-    /// Returns the distance to the first hit along a ray, using tessellated surfaces.
-    pub(crate) fn first(&self, ray: &Ray, limit: f64) -> Option<f64> {
-        self.obstacles.first(ray, limit)
-    }
-
-    /// Whether anything blocks a ray.
-    pub(crate) fn blocks(&self, ray: &Ray, limit: f64) -> bool {
-        self.obstacles.blocks(ray, limit)
-    }
-
     /// Returns the distance to the first hit in f64, using continuous surfaces.
     ///
     /// # Errors
@@ -90,6 +92,17 @@ impl Surroundings {
 
     pub(crate) fn bytes(&self) -> usize {
         self.obstacles.bytes()
+    }
+}
+
+/// Rays that meet tessellated surfaces.
+impl Rays for Surroundings {
+    fn first(&self, segments: &[Segment]) -> Vec<Option<f64>> {
+        self.obstacles.first(segments)
+    }
+
+    fn blocks(&self, segments: &[Segment]) -> Vec<bool> {
+        self.obstacles.blocks(segments)
     }
 }
 

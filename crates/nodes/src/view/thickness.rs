@@ -82,12 +82,13 @@ impl RayQuantity for Thickness {
             Leads::Eye => None,
         };
         let &Self { ior, path_knobs, .. } = self;
-        Ok(Box::new(move |seen: &SeenPoint, rays: Rays<'_>| {
-            let along = match &light {
-                Some(light) => light.illuminate(seen.point).direction,
-                None => refracted(-unit_or_up(toward_eye(&eye, seen.point)), seen.normal, ior),
-            };
-            path_knobs.length(seen, along, rays.first)
+        let along = move |seen: &SeenPoint| match &light {
+            Some(light) => light.illuminate(seen.point).direction,
+            None => refracted(-unit_or_up(toward_eye(&eye, seen.point)), seen.normal, ior),
+        };
+        Ok(Box::new(move |seen: &[SeenPoint], rays: &dyn Rays| {
+            let starts = path_knobs.starts(seen, rays).into_iter();
+            path_knobs.lengths(starts.zip(seen.iter().map(&along)), rays)
         }))
     }
 
