@@ -48,7 +48,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("trochoid-export", &["trochoid-engine", "trochoid-graph", "trochoid-image", "trochoid-weights"]),
     ("trochoid-cli", &["trochoid", "trochoid-diagram", "trochoid-export", "trochoid-palette", "trochoid-terminal"]),
     ("trochoid-tests", &["trochoid", "trochoid-diagram"]),
-    ("trochoid-bench", &["trochoid", "trochoid-sea"]),
+    ("trochoid-bench", &["trochoid", "trochoid-image", "trochoid-scene", "trochoid-sea"]),
     ("trochoid-foreign", &["trochoid"]),
     ("trochoid-capi", &["trochoid", "trochoid-foreign"]),
     ("trochoid-own-node", &["trochoid", "trochoid-graph"]),
