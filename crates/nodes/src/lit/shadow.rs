@@ -109,9 +109,14 @@ impl PreparedShadow {
             for index in 0..self.rays {
                 let radius = self.spread * ((f64::from(index) + 0.5) / f64::from(self.rays)).sqrt();
                 let segment = |lit: &Lit| {
-                    let (u, v) = lit.direction.any_orthonormal_pair();
-                    let (sin, cos) = libm::sincos(f64::from(index) * GOLDEN + turns[lit.index]);
-                    let direction = unit_or_up(lit.direction + (u * cos + v * sin) * radius);
+                    let aside = if self.spread > 0.0 {
+                        let (u, v) = lit.direction.any_orthonormal_pair();
+                        let (sin, cos) = libm::sincos(f64::from(index) * GOLDEN + turns[lit.index]);
+                        (u * cos + v * sin) * radius
+                    } else {
+                        DVec3::ZERO
+                    };
+                    let direction = unit_or_up(lit.direction + aside);
                     let ray = Ray { origin: origins[lit.index], direction };
                     Segment { ray, limit: self.node.distance.min(lit.reach) }
                 };

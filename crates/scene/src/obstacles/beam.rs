@@ -19,6 +19,7 @@ pub(super) struct Beam {
 }
 
 /// Bounds along one axis.
+#[derive(Clone, Copy)]
 enum Axis {
     /// Least and greatest origin and inverse direction, whose sign is that of `forward`.
     Together { origin: [f32; 2], inverse: [f32; 2], forward: bool },
@@ -26,21 +27,34 @@ enum Axis {
     Apart { low: f32, high: f32 },
 }
 
+impl Axis {
+    const EMPTY: Self = Self::Apart { low: f32::INFINITY, high: f32::NEG_INFINITY };
+}
+
 impl Beam {
     /// Returns the beam of a packet with so many rays.
+    // Plain loops here and elsewhere: closures that are not inlined lack the instructions that `simd` enables.
+    #[inline(always)]
     pub(super) fn new(packet: &Packet, rays: usize) -> Self {
-        let axes = std::array::from_fn(|axis| {
-            let (origins, inverses) = (&packet.origin[axis][..rays], &packet.inverse[axis][..rays]);
-            let inverse = span(inverses.iter().copied());
-            let origin = span(origins.iter().copied());
-            if inverse[0] > 0.0 || inverse[1] < 0.0 {
-                return Axis::Together { origin, inverse, forward: inverse[0] > 0.0 };
+        let mut axes = [Axis::EMPTY; 3];
+        for axis in 0..3 {
+            let (origins, inverses) = (&packet.origin[axis], &packet.inverse[axis]);
+            let (mut origin, mut inverse) = (NOTHING, NOTHING);
+            for ray in 0..rays {
+                origin = with(origin, origins[ray]);
+                inverse = with(inverse, inverses[ray]);
             }
-            // Longer than computed and rounded outward.
-            let ends = (0..rays).map(|ray| origins[ray] + packet.nearest[ray] / inverses[ray] * LONGER);
-            let [low, high] = span(origins.iter().copied().chain(ends));
-            Axis::Apart { low: low.next_down(), high: high.next_up() }
-        });
+            axes[axis] = if inverse[0] > 0.0 || inverse[1] < 0.0 {
+                Axis::Together { origin, inverse, forward: inverse[0] > 0.0 }
+            } else {
+                let mut span = origin;
+                for ray in 0..rays {
+                    // Longer than computed, and rounded outward.
+                    span = with(span, origins[ray] + packet.nearest[ray] / inverses[ray] * LONGER);
+                }
+                Axis::Apart { low: span[0].next_down(), high: span[1].next_up() }
+            };
+        }
         Self { axes }
     }
 
@@ -70,7 +84,11 @@ impl Beam {
     }
 }
 
-/// Returns the least and the greatest of some values.
-fn span(values: impl Iterator<Item = f32>) -> [f32; 2] {
-    values.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+/// Least and greatest of no values.
+const NOTHING: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
+
+/// Returns the least and the greatest of some values and another one.
+#[inline(always)]
+fn with([low, high]: [f32; 2], value: f32) -> [f32; 2] {
+    [if value < low { value } else { low }, if value > high { value } else { high }]
 }

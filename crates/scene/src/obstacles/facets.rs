@@ -9,8 +9,10 @@ use rayon::prelude::*;
 /// Width by which the box of a triangle is larger on each side, relative to the triangle's longest side: enough for
 /// points that a ray may meet beyond an edge, and for the rounding error of their distance.
 const MARGIN: f32 = 2e-5;
-/// Number of cells along each side of the parts of a grid. Their triangles fill a node of a tree.
-const CELLS: usize = 2;
+/// Number of cells along each side of the parts of a grid, a power of two.
+const CELLS: usize = 16;
+/// The cells of such a part, so that any eighth of them, and any eighth of that, are neighbors (Morton order).
+const IN_ORDER: [[usize; 2]; CELLS * CELLS] = in_order();
 
 /// Triangles by their corners.
 #[derive(Debug, Default)]
@@ -19,7 +21,7 @@ pub(super) struct Facets {
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// Neighboring triangles that follow one another in the list. A tree takes them apart last.
+/// Neighboring triangles that follow one another in the list. Those next to each other in the list are also neighbors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
     pub(super) bounds: Bounds,
@@ -32,7 +34,7 @@ impl Facets {
     /// beyond the range of f32.
     ///
     /// # Panics
-    /// The surfaces have 2³² vertices, or 2³¹ triangles, or more in total.
+    /// The surfaces have 2³² vertices, or 2³⁰ triangles, or more in total.
     pub(super) fn of(projector: &Projector, surfaces: &[&dyn Surface]) -> (Self, Vec<Part>) {
         let (mut facets, mut parts) = (Self::default(), Vec::new());
         for surface in surfaces {
@@ -42,7 +44,7 @@ impl Facets {
             assert!(u32::try_from(facets.positions.len()).is_ok(), "fewer than 2³² vertices");
             let first = facets.triangles.len();
             facets.add(&mesh, vertex);
-            assert!(facets.triangles.len() < 1 << 31, "fewer than 2³¹ triangles");
+            assert!(facets.triangles.len() < 1 << 30, "fewer than 2³⁰ triangles");
             parts.par_extend(
                 runs(&mesh.topology).flat_map_iter(|[start, count]| facets.parts((first + start) as u32, count as u32)),
             );
@@ -70,10 +72,9 @@ impl Facets {
                 let [across, along] = cells(*columns, *rows);
                 let corner = |at: [usize; 2]| vertex + (at[1] * columns + at[0]) as u32;
                 let blocks = (0..along.div_ceil(CELLS)).into_par_iter().flat_map_iter(|block| {
-                    let rows = block * CELLS..along.min((block + 1) * CELLS);
                     (0..across).step_by(CELLS).flat_map(move |column| {
-                        let columns = column..across.min(column + CELLS);
-                        rows.clone().flat_map(move |row| columns.clone().map(move |column| [column, row]))
+                        let cells = IN_ORDER.iter().map(move |[x, y]| [column + x, block * CELLS + y]);
+                        cells.filter(move |[x, y]| *x < across && *y < along)
                     })
                 });
                 self.triangles.par_extend(blocks.flat_map_iter(|[x, y]| {
@@ -99,6 +100,21 @@ impl Facets {
         let singles = (first..first + alone).map(|triangle| self.part(triangle, 1));
         std::iter::once(all).chain(singles).filter(|part| part.bounds.is_finite())
     }
+}
+
+const fn in_order() -> [[usize; 2]; CELLS * CELLS] {
+    let mut places = [[0; 2]; CELLS * CELLS];
+    let mut index = 0;
+    while index < places.len() {
+        let mut bit = 0;
+        while 1 << bit < CELLS {
+            places[index][0] |= (index >> (2 * bit) & 1) << bit;
+            places[index][1] |= (index >> (2 * bit + 1) & 1) << bit;
+            bit += 1;
+        }
+        index += 1;
+    }
+    places
 }
 
 /// Returns the numbers of cells of a grid across and along.

@@ -96,7 +96,7 @@ impl Obstacles {
     /// Tessellates surfaces for a camera.
     ///
     /// # Panics
-    /// The surfaces have 2³² vertices, or 2³¹ triangles, or more in total.
+    /// The surfaces have 2³² vertices, or 2³⁰ triangles, or more in total.
     pub fn new(projector: &Projector, surfaces: &[&dyn Surface]) -> Self {
         let (facets, parts) = Facets::of(projector, surfaces);
         let tree = Tree::new(&facets, parts);
@@ -142,15 +142,17 @@ impl Obstacles {
     ) -> Vec<T> {
         let mut answers = Vec::with_capacity(segments.len());
         let mut waiting = Vec::new();
-        for segments in segments.chunks(RAYS) {
-            let mut packet = Packet::new(segments, self.origin);
-            let found = dispatch!(level, simd => simd.vectorize(
-                #[inline(always)]
-                || walk::walk::<_, ANY>(simd, (&self.facets, &self.tree), (&mut packet, segments.len()), &mut waiting)
-            ));
-            let distances = packet.nearest.iter().enumerate().take(segments.len());
-            answers.extend(distances.map(|(lane, distance)| answer((found >> lane & 1 == 1).then_some(*distance))));
-        }
+        dispatch!(level, simd => simd.vectorize(
+            #[inline(always)]
+            || for segments in segments.chunks(RAYS) {
+                let mut packet = Packet::new(segments, self.origin);
+                let tree = (&self.facets, &self.tree);
+                let found = walk::walk::<_, ANY>(simd, tree, (&mut packet, segments.len()), &mut waiting);
+                for (lane, distance) in packet.nearest.iter().enumerate().take(segments.len()) {
+                    answers.push(answer((found >> lane & 1 == 1).then_some(*distance)));
+                }
+            }
+        ));
         answers
     }
 }

@@ -29,28 +29,33 @@ pub(super) struct Packet {
 
 impl Packet {
     /// Returns the packet of at most [`RAYS`] rays, relative to an origin.
+    #[inline(always)]
     pub(super) fn new(segments: &[Segment], origin: DVec3) -> Self {
         let none = [[0.0; RAYS]; 3];
         let mut packet = Self { origin: none, direction: none, inverse: none, nearest: [-1.0; RAYS] };
         for (lane, Segment { ray, limit }) in segments.iter().enumerate() {
             let (origin, direction) = ((ray.origin - origin).as_vec3(), ray.direction.as_vec3());
-            let inverse = direction.map(|part| if part.abs() < LEAST { 1.0 / LEAST } else { 1.0 / part });
+            let (origin, direction) = (origin.to_array(), direction.to_array());
             for axis in 0..3 {
+                let part = direction[axis];
                 packet.origin[axis][lane] = origin[axis];
-                packet.direction[axis][lane] = direction[axis];
-                packet.inverse[axis][lane] = inverse[axis];
+                packet.direction[axis][lane] = part;
+                packet.inverse[axis][lane] = if part.abs() < LEAST { 1.0 / LEAST } else { 1.0 / part };
             }
-            packet.nearest[lane] = *limit as f32;
+            // Also if it is not a number.
+            packet.nearest[lane] = limit.max(-1.0) as f32;
         }
         packet
     }
 
     /// Returns the greatest of the distances beyond which nothing matters.
-    pub(super) fn most(&self) -> f32 {
-        self.nearest.iter().fold(f32::NEG_INFINITY, |most, nearest| if *nearest > most { *nearest } else { most })
+    #[inline(always)]
+    pub(super) fn most<S: Simd>(&self, simd: S) -> f32 {
+        f32x16::from_slice(simd, &self.nearest).reduce_max()
     }
 
     /// Takes rays, given as bits, out of the packet.
+    #[inline(always)]
     pub(super) fn close(&mut self, mut rays: u32) {
         while rays != 0 {
             self.nearest[rays.trailing_zeros() as usize] = -1.0;

@@ -25,7 +25,7 @@ pub(super) fn walk<S: Simd, const ANY: bool>(
     waiting: &mut Vec<Waiting>,
 ) -> u32 {
     let beam = Beam::new(packet, rays);
-    let mut most = packet.most();
+    let mut most = packet.most(simd);
     let mut found = 0;
     waiting.clear();
     let mut next = (!tree.nodes.is_empty()).then_some(0);
@@ -52,7 +52,8 @@ pub(super) fn walk<S: Simd, const ANY: bool>(
             continue;
         }
         let (node, lane) = (&tree.nodes[node as usize], lane as usize);
-        let (entering, entry) = packet.enter(simd, node.low.map(|low| low[lane]), node.high.map(|high| high[lane]));
+        let (low, high) = node.bounds(lane);
+        let (entering, entry) = packet.enter(simd, low, high);
         if entering == 0 {
             continue;
         }
@@ -65,7 +66,7 @@ pub(super) fn walk<S: Simd, const ANY: bool>(
                     if ANY {
                         packet.close(met);
                     }
-                    most = packet.most();
+                    most = packet.most(simd);
                 }
             }
         }
