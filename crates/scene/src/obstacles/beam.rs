@@ -37,14 +37,14 @@ impl Beam {
     #[inline(always)]
     pub(super) fn new(packet: &Packet, rays: usize) -> Self {
         let mut axes = [Axis::EMPTY; 3];
-        for axis in 0..3 {
+        for (axis, bounds) in axes.iter_mut().enumerate() {
             let (origins, inverses) = (&packet.origin[axis], &packet.inverse[axis]);
             let (mut origin, mut inverse) = (NOTHING, NOTHING);
             for ray in 0..rays {
                 origin = with(origin, origins[ray]);
                 inverse = with(inverse, inverses[ray]);
             }
-            axes[axis] = if inverse[0] > 0.0 || inverse[1] < 0.0 {
+            *bounds = if inverse[0] > 0.0 || inverse[1] < 0.0 {
                 Axis::Together { origin, inverse, forward: inverse[0] > 0.0 }
             } else {
                 let mut span = origin;
