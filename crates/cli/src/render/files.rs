@@ -8,6 +8,7 @@ use crate::failure::{FAILED, Failure};
 use crate::files;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use trochoid::io::{Limits, info};
 use trochoid::{
     Access, CheckedGraph, Form, OutputFile, Right, check_destinations, outputs_lost, quoted, quoted_path,
     refused_outputs, resolved,
@@ -24,7 +25,8 @@ pub(super) struct RequestedFiles<'a> {
 
 impl RequestedFiles<'_> {
     /// Checks that every file can be written, that none is an input or the document itself, that no two are the same,
-    /// and that none replaces a foreign file or outputs that this run does not write. Returns the folders of the files.
+    /// and that none replaces a foreign file, outputs that this run does not write, or, as a draft, a larger picture.
+    /// Returns the folders of the files.
     pub(super) fn check(&self, faults: &mut Vec<Failure>) -> BTreeSet<PathBuf> {
         let Self { graph, args, .. } = *self;
         let (files, companions) = match self.named() {
@@ -59,6 +61,7 @@ impl RequestedFiles<'_> {
         all.sort_unstable_by_key(|(path, _)| path);
         faults.extend(all.iter().filter_map(|(path, form)| args.files.over.foreign(path, *form)));
         faults.extend(self.lost(&files));
+        faults.extend(self.larger(&files));
         faults.extend(check_destinations(all.iter().map(|(path, _)| path.as_path())).into_iter().map(Failure::from));
         written.keys().filter_map(|path| path.parent()).map(Path::to_path_buf).collect()
     }
@@ -94,13 +97,34 @@ impl RequestedFiles<'_> {
             let lost = outputs_lost(&named, file, *frame);
             (!lost.is_empty()).then(|| (self.message_of_lost(file, &lost), self.remedy_of_lost(&lost)))
         };
-        let lost: Vec<(String, String)> = files.iter().filter_map(lost).collect();
-        let next = lost.iter().skip(1).map(Some).chain([None]);
-        let faults = lost.iter().zip(next).map(|((message, remedy), next)| {
-            let is_last = next.is_none_or(|(_, next)| next != remedy);
-            Failure::usage(message, if is_last { remedy } else { "" })
-        });
-        faults.collect()
+        with_remedies(&files.iter().filter_map(lost).collect::<Vec<_>>())
+    }
+
+    /// Returns failures for larger pictures that a draft would replace: finished ones, as a rule, which are of the same
+    /// name. Of consecutive failures with the same remedy, only the last has it.
+    fn larger(&self, files: &[(i64, OutputFile)]) -> Vec<Failure> {
+        if self.args.scale.is_none() || self.args.files.over.overwrite {
+            return Vec::new();
+        }
+        let own = [self.graph.format().width(), self.graph.format().height()].map(|side| side as usize);
+        let larger = |(_, file): &(i64, OutputFile)| {
+            let found = info(&file.path, &Limits::default()).ok()?.parts.first()?.display;
+            let found = [found.width(), found.height()];
+            let is_larger = found[0] > own[0] || found[1] > own[1];
+            let is_recipe = file.outputs.iter().any(|index| !self.outputs.contains(index));
+            let option = if is_recipe { "--recipe" } else { "--out" };
+            let message = || {
+                let (path, [[width, height], [own_width, own_height]]) = (file.path.display(), [found, own]);
+                format!(
+                    "{path}: found a picture of {width} × {height} pixels, which this draft of {own_width} × {own_height} \
+                     would replace; expected none that is larger"
+                )
+            };
+            let remedy =
+                || format!("give the draft another name with {option}, or replace the picture with --overwrite");
+            is_larger.then(|| (message(), remedy()))
+        };
+        with_remedies(&files.iter().filter_map(larger).collect::<Vec<_>>())
     }
 
     fn names(&self, outputs: &[usize]) -> Vec<&str> {
@@ -134,6 +158,16 @@ impl RequestedFiles<'_> {
             }
         }
     }
+}
+
+/// Returns failures with these messages and remedies; of consecutive ones with the same remedy, only the last has it.
+fn with_remedies(faults: &[(String, String)]) -> Vec<Failure> {
+    let next = faults.iter().skip(1).map(Some).chain([None]);
+    let failure = |((message, remedy), next): (&(String, String), Option<&(String, String)>)| {
+        let is_last = next.is_none_or(|(_, next)| next != remedy);
+        Failure::usage(message, if is_last { remedy } else { "" })
+    };
+    faults.iter().zip(next).map(failure).collect()
 }
 
 /// Returns a failure if the path of a picture is a device or a pipe.

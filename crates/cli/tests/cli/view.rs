@@ -136,7 +136,7 @@ fn views_replace_no_rendered_picture_and_resume() {
     };
     assert!(!resumed(&[]).contains("up to date"));
     assert!(resumed(&[]).contains("up to date"));
-    assert!(!resumed(&["--scale", "1/2"]).contains("up to date"), "another size");
+    assert!(!resumed(&["--scale", "1/2", "--overwrite"]).contains("up to date"), "another size");
     assert!(resumed(&["--scale", "0.5"]).contains("up to date"));
     // An output with the name of a node is not that node.
     let command = ["render", "a.json", "--frames", "1", "--out", "b.exr", "--resume"];
@@ -180,6 +180,35 @@ fn a_smaller_picture_is_the_one_with_smaller_pixel_sizes() {
     let off = (0..512).map(|i| (small[0].samples()[i] - mean(i % 32, i / 32)).abs());
     let mean = off.sum::<f32>() / 512.0;
     assert!(mean < 0.03, "{mean}");
+}
+
+#[test]
+fn a_draft_replaces_no_larger_picture_unasked() {
+    let scene = Scene::new(SCENE);
+    let (draft, whole) = (["render", "a.json", "--frames", "1-2", "--scale", "1/2"], ["render", "a.json"]);
+    scene.run(&draft).code(0);
+    // Drafts replace drafts, and finished pictures replace them.
+    scene.run(&draft).code(0);
+    scene.run(&whole).code(0);
+    let before: Vec<Vec<u8>> = scene.files().iter().map(|name| fs::read(scene.path(name)).unwrap()).collect();
+    let mut told = Told::new("draft");
+    told.is("over_the_finished_pictures", 2, &scene, &draft);
+    told.is("over_a_recipe", 2, &scene, &{
+        let recipe = ["render", "a.json", "--output", "beauty", "--frames", "1", "--out", "x.exr", "--recipe", "r.exr"];
+        scene.run(&recipe).code(0);
+        fs::remove_file(scene.path("x.exr")).unwrap();
+        [&recipe[..], &["--scale", "1/2"]].concat()
+    });
+    fs::remove_file(scene.path("r.exr")).unwrap();
+    told.ends();
+    let after: Vec<Vec<u8>> = scene.files().iter().map(|name| fs::read(scene.path(name)).unwrap()).collect();
+    assert!(before == after);
+    // The whole size is no draft, and another name or the option is a way out.
+    scene.run(&[&whole[..], &["--scale", "1"]].concat()).code(0);
+    scene.run(&[&draft[..], &["--out", "draft.{output}.####.png", "--output", "beauty"]].concat()).code(0);
+    scene.run(&[&draft[..], &["--overwrite"]].concat()).code(0);
+    let found = trochoid::io::info(scene.path("out/mask.0001.png"), &Default::default()).unwrap();
+    assert_eq!(found.parts[0].display.width(), 8);
 }
 
 #[test]
