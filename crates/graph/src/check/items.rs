@@ -73,6 +73,7 @@ impl<'a> Checker<'a> {
             return;
         }
         draft.record = self.record(ty.declaration().items, &own, place, names);
+        draft.has_gaps = std::mem::take(&mut self.has_gaps);
         draft.faulty = self.diagnostics[before..].iter().any(|found| found.severity == Severity::Error);
     }
 
@@ -169,24 +170,32 @@ impl<'a> Checker<'a> {
             (Arity::One | Arity::Optional, Some(value)) => {
                 self.source(port.accepts, value, place, names).into_iter().collect()
             }
-            (Arity::Many { min, max }, Some(value)) => match &value.json {
-                Json::Array(items) if (min..=max).contains(&items.len()) => items
-                    .iter()
-                    .enumerate()
-                    .filter_map(|(index, item)| {
-                        self.element = Some(index);
-                        let source = self.source(port.accepts, item, place.at(item.offset), names);
-                        self.element = None;
-                        source
-                    })
-                    .collect(),
-                _ => {
-                    let expected = format!("a list of {}", count(min, max, &port.accepts.to_string()));
-                    self.error(place, value.brief(), expected, "write them in brackets: [ … ]");
-                    Vec::new()
+            (Arity::Many { min, max }, Some(value)) => {
+                let Json::Array(items) = &value.json else {
+                    self.no_list(port, [min, max], value, place);
+                    return Vec::new();
+                };
+                let mut sources = Vec::new();
+                for (index, item) in items.iter().enumerate() {
+                    self.element = Some(index);
+                    sources.extend(self.source(port.accepts, item, place.at(item.offset), names));
+                    self.element = None;
                 }
-            },
+                self.has_gaps |= sources.len() < items.len();
+                if !(min..=max).contains(&items.len()) {
+                    self.no_list(port, [min, max], value, place);
+                    return Vec::new();
+                }
+                sources
+            }
         }
+    }
+
+    /// Reports a value that is no list of as many connections as a port takes.
+    fn no_list(&mut self, port: &Port, [min, max]: [usize; 2], value: &Spanned, place: FaultLocation<'_>) {
+        self.has_gaps = true;
+        let expected = format!("a list of {}", count(min, max, &port.accepts.to_string()));
+        self.error(place, value.brief(), expected, "write them in brackets: [ … ]");
     }
 
     /// Returns the node and the item at a place, such as `stops[1].color`, while they are read.

@@ -8,8 +8,7 @@ pub(super) fn name_kinds(drafts: &mut [Draft<'_>], first: i64) {
     for draft in drafts.iter_mut() {
         if let Some(ty) = draft.ty {
             let settled = ty.settle(draft.record.settle(first as f64));
-            // A wrong choice may be the one that decides the kinds.
-            draft.kinds = if draft.lacks_a_choice() { Vec::new() } else { settled.kinds() };
+            draft.kinds = draft.kinds_of(&settled);
             draft.settled = Some(settled);
         }
     }

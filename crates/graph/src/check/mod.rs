@@ -50,6 +50,7 @@ pub fn check(document: &Document, registry: &Registry, folder: &Path) -> (Option
         knob_values: knobs::values(&expanded.knobs),
         records: Vec::new(),
         element: None,
+        has_gaps: false,
     };
     let graph = checker.graph(folder);
     let mut diagnostics = checker.diagnostics;
@@ -75,6 +76,8 @@ struct Checker<'a> {
     records: Vec<(&'static str, usize)>,
     /// Index of what is read of a list of connections.
     element: Option<usize>,
+    /// Whether a list of connections of the node that is being read lacks what was faulty.
+    has_gaps: bool,
 }
 
 /// Place of a fault: byte offset, node, port or knob.
@@ -109,6 +112,8 @@ struct Draft<'a> {
     offsets: Vec<(&'static str, usize)>,
     /// Whether items of the node are faulty; then checks across knobs are skipped, which would only repeat the faults.
     faulty: bool,
+    /// Whether one of its lists of connections lacks what was faulty; then its number of weights is unknown.
+    has_gaps: bool,
     kinds: Vec<Kind>,
 }
 
@@ -123,6 +128,14 @@ impl Draft<'_> {
                 }
                 _ => false,
             })
+    }
+
+    /// Returns the kinds of its outputs; none if they are unknown.
+    fn kinds_of(&self, settled: &Settled) -> Vec<Kind> {
+        let kinds = settled.kinds();
+        let is_unknown = self.has_gaps && kinds.iter().any(|kind| matches!(kind, Kind::Weights(_)));
+        // A wrong choice may be the one that decides the kinds.
+        if is_unknown || self.lacks_a_choice() { Vec::new() } else { kinds }
     }
 
     /// Returns the place of an item in the text, or that of the node if the document does not set the item.
@@ -374,6 +387,7 @@ impl<'a> Checker<'a> {
             settled: None,
             offsets: Vec::new(),
             faulty: false,
+            has_gaps: false,
             kinds: Vec::new(),
         };
         let Json::Object(items) = &entry.value.json else {

@@ -14,6 +14,11 @@ impl<'a> Checker<'a> {
     pub(super) fn literal_weights(&mut self, items: &'a [Spanned], place: FaultLocation<'_>) -> Option<Source> {
         let mut numbers = Vec::with_capacity(items.len());
         for item in items {
+            if let Json::String(_) = item.json {
+                let remedy = "write numbers; or instead of the list the name of one node that makes all weights";
+                self.error(place.at(item.offset), item.brief(), "a finite number", remedy);
+                return None;
+            }
             numbers.push(self.number(item, f64::MIN, f64::MAX, place.at(item.offset))?);
         }
         let sum: f64 = numbers.iter().sum();
