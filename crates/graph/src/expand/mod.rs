@@ -106,6 +106,7 @@ pub(crate) fn expand<'d>(document: &'d Document, registry: &'d Registry) -> Expa
         faults: Vec::new(),
         uses: Vec::new(),
         moved: HashMap::new(),
+        legal: HashMap::new(),
         picks: BTreeMap::new(),
         taken: BTreeMap::new(),
         top,
@@ -201,6 +202,9 @@ struct Expander<'d> {
     faults: Vec<ExpansionFault>,
     uses: Vec<Use>,
     moved: HashMap<usize, String>,
+    /// Legal values of knobs in place of those whose fault is reported, by the place of the value, so that no port reports
+    /// it again.
+    legal: HashMap<usize, f64>,
     /// Nodes that pick weights, by name.
     picks: BTreeMap<String, Picked>,
     /// How often the values of the document's knobs are taken.
@@ -414,6 +418,11 @@ impl<'d> Expander<'d> {
             }
             Json::Array(items) => items.iter().for_each(&mut written),
             _ => written(value),
+        }
+        if let Json::Number(number) = value.json
+            && !(min..=max).contains(&number)
+        {
+            self.legal.insert(value.offset, number.min(max).max(min));
         }
     }
 

@@ -218,7 +218,7 @@ impl<'d> Expander<'d> {
             self.error(offset, found, "one of its knobs", remedy);
             return None;
         };
-        match (scope.given(name), &scope.of) {
+        let mut value = match (scope.given(name), &scope.of) {
             (Some(given), Some(within)) => {
                 let outside = within.outside.clone();
                 self.deeper(given.offset, (scope, name), |expander| expander.linked(given, &outside))
@@ -231,7 +231,11 @@ impl<'d> Expander<'d> {
                 let label = format!("knobs.{name}");
                 self.deeper(default.offset, (scope, &label), |expander| expander.linked(default, scope))
             }
+        }?;
+        if let (Json::Number(number), Some(legal)) = (&mut value.json, self.legal.get(&value.offset)) {
+            *number = *legal;
         }
+        Some(value)
     }
 }
 
