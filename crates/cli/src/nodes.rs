@@ -66,7 +66,9 @@ fn list(all: impl Iterator<Item = &'static Declaration>) -> String {
     ] {
         let _ = writeln!(text, "{HEADING}{heading}{HEADING:#}");
         for declaration in all.iter().filter(|declaration| declaration.end == end) {
-            let _ = writeln!(text, "  {:width$}  {}", declaration.name, declaration.summary);
+            // Further paragraphs are for the manual.
+            let summary = declaration.summary.lines().next().unwrap_or_default();
+            let _ = writeln!(text, "  {:width$}  {summary}", declaration.name);
         }
         text.push('\n');
     }
@@ -279,6 +281,20 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn every_type_is_one_line_of_the_list() {
+        let text = anstream::adapter::strip_str(&list(registry().iter().map(|ty| ty.declaration()))).to_string();
+        let listed: Vec<&str> = text.lines().filter(|line| line.starts_with("  ")).collect();
+        assert_eq!(listed.len(), registry().iter().count());
+        for name in registry().names() {
+            let is_own = |line: &&&str| line.split_whitespace().next() == Some(name);
+            let line = listed.iter().find(is_own).unwrap_or_else(|| panic!("{name} is not listed"));
+            assert!(line.ends_with('.'), "no whole sentence: {line}");
+        }
+        // Besides them, there are two headings, an empty line after each group, and the hint.
+        assert_eq!(text.lines().count(), listed.len() + 5, "{text}");
     }
 
     /// Nodes with the names that examples use.
