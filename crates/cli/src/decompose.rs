@@ -2,13 +2,15 @@
 //!
 //! `--graph` writes a document that repaints the picture, `--cube` a table of colors for other programs.
 //!
-//! The JSON output has `recipes`, a list of `{picture, files, outside, farthest}`: the number of pixels outside of the
-//! palette's hull, which get the weights of the nearest color in it, and the largest distance of one, in steps of 255.
+//! The JSON output has `recipes`, a list of `{picture, files, outside, farthest}`: the number of pixels that are farther
+//! outside of the palette's hull than the file's rounding moves a color, and the largest distance of a pixel, in steps of
+//! 255. Each gets the weights of the nearest color in the hull.
 
 use crate::failure::{FAILED, Failure};
 use crate::files::{self, OverwriteOptions};
 use crate::interrupt;
-use crate::palette::{named, source};
+use crate::palette::named;
+use crate::palette::source::{self, Pixels};
 use crate::progress::Progress;
 use crate::shell;
 use rayon::prelude::*;
@@ -72,6 +74,9 @@ pub(crate) struct Args {
     #[arg(long)]
     json: bool,
 }
+
+/// Distance from the hull that evaluating in f32 makes.
+const EVALUATED: f64 = 1e-6;
 
 /// Text that is no softness.
 #[derive(Debug, thiserror::Error)]
@@ -178,10 +183,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let (mut text, mut all) = (String::new(), Vec::new());
     for (index, picture) in args.pictures.iter().enumerate() {
         progress.begin(index, index as i64 + 1);
-        let (window, colors) = source::colors(picture, &progress)?;
+        let Pixels { window, colors, rounding, .. } = source::pixels(picture, &progress)?;
         let distances = colors.par_iter().map(|color| hull.signed_distance(color.map(f64::from)));
         let (outside, farthest) = distances
-            .map(|distance| if distance > 1e-6 { (1_u64, distance) } else { (0, 0.0) })
+            .map(|distance| (u64::from(distance > rounding + EVALUATED), distance.max(0.0)))
             .reduce(|| (0, 0.0), |a, b| (a.0 + b.0, a.1.max(b.1)));
         let mut files: Vec<&PathBuf> = Vec::new();
         if let Some(out) = outs.as_ref().map(|outs| &outs[index]) {
@@ -246,7 +251,9 @@ fn cube(args: &Args, inks: &named::Named, decomposer: &Decomposer) -> Result<Str
 
 fn line(picture: &Path, files: &[String], outside: u64, farthest: f64, colors: usize) -> String {
     let exact = match outside {
+        0 if farthest > 255.0 * EVALUATED => "every pixel is a mix of them, up to the rounding of the file".into(),
         0 => "every pixel is a mix of them".into(),
+        1 => format!("1 pixel outside of their hull, by {farthest:.1} steps of 255"),
         _ => format!("{outside} pixels outside of their hull, by up to {farthest:.1} steps of 255"),
     };
     let files = if files.is_empty() { "no file".into() } else { files.join(", ") };

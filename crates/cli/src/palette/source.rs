@@ -4,7 +4,7 @@ use crate::failure::{FAILED, Failure};
 use crate::{frames, remedies};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use trochoid::io::{self, Limits};
+use trochoid::io::{self, ChannelInfo, Encoding, Limits, PartInfo, SampleType};
 use trochoid::{
     Access, Buffers, Cache, Frame, Monitor, Plan, Settings, Window, escape_frame, expand_frame, parse_within,
     quoted_path,
@@ -50,10 +50,12 @@ pub(super) fn files(pictures: &[PathBuf], list: Option<&str>) -> Result<Vec<Path
 }
 
 /// Pixels of a picture, row by row.
-pub(super) struct Pixels {
-    pub(super) window: Window,
+pub(crate) struct Pixels {
+    pub(crate) window: Window,
     /// Colors as displayed.
-    pub(super) colors: Vec<[f32; 3]>,
+    pub(crate) colors: Vec<[f32; 3]>,
+    /// Largest distance to which the file's rounding moves a color from 0 to 1.
+    pub(crate) rounding: f64,
     /// Alpha, if the picture has one.
     alpha: Option<Vec<f32>>,
 }
@@ -80,7 +82,7 @@ pub(crate) fn colors(path: &Path, monitor: &dyn Monitor) -> Result<(Window, Vec<
 ///
 /// # Errors
 /// The picture cannot be read, or has illegal values.
-pub(super) fn pixels(path: &Path, monitor: &dyn Monitor) -> Result<Pixels, Failure> {
+pub(crate) fn pixels(path: &Path, monitor: &dyn Monitor) -> Result<Pixels, Failure> {
     let info = io::info(path, &Limits::default()).map_err(|error| Failure::new(FAILED, error))?;
     let part = &info.parts[0];
     let has_alpha = part.channels.iter().any(|channel| channel.full_name == "A");
@@ -102,7 +104,19 @@ pub(super) fn pixels(path: &Path, monitor: &dyn Monitor) -> Result<Pixels, Failu
     let frame = evaluated(path, &document, outputs, monitor)?;
     let colors = displayed(&frame);
     let alpha = has_alpha.then(|| frame.pictures[1].planes[0].samples().to_vec());
-    Ok(Pixels { window: frame.window, colors, alpha })
+    Ok(Pixels { window: frame.window, colors, rounding: rounding(part), alpha })
+}
+
+/// Returns the largest distance to which rounding moves a color from 0 to 1 that is stored in a part.
+fn rounding(part: &PartInfo) -> f64 {
+    let of = |channel: &ChannelInfo| match (channel.sample_type, part.encoding) {
+        (SampleType::U8, Encoding::Srgb) => 0.5 / 255.0,
+        (SampleType::U16, Encoding::Srgb) => 0.5 / 65535.0,
+        // Half an ulp of 11 bits; the sRGB curve makes of it at most this much, which it does of white.
+        (SampleType::Half, Encoding::Linear) => 1.055 / 2.4 / 2048.0,
+        _ => 0.0,
+    };
+    3.0_f64.sqrt() * part.channels.iter().map(of).fold(0.0, f64::max)
 }
 
 /// Returns the colors of a picture as displayed, row by row, scaled to a size.

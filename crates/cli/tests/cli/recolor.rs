@@ -107,6 +107,31 @@ fn pixels_outside_are_counted() {
 }
 
 #[test]
+fn what_only_the_file_rounds_is_not_outside() {
+    let scene = made();
+    let stored = |file: &str, precision: &str| {
+        let land = format!(r#""file": "{file}", "precision": "{precision}""#);
+        fs::write(scene.path("b.json"), SCENE.replace(r#""file": "land.png", "precision": "uint16""#, &land)).unwrap();
+        scene.run(&["render", "b.json"]).code(0);
+        let decompose = |more: &[&str]| {
+            let out = ["decompose", file, "--palette", "a.json", "--out", "r.exr"];
+            scene.run(&[&out[..], more].concat()).code(0)
+        };
+        decompose(&[]).says(&["5 colors, every pixel is a mix of them, up to the rounding of the file\n"]);
+        let found = decompose(&["--json"]).json()["recipes"][0].clone();
+        assert_eq!(found["outside"], 0, "{file}: {found}");
+        found["farthest"].as_f64().unwrap()
+    };
+    // Half a step along each of three axes, at most; never nothing, for edges of the hull are among the colors.
+    for (file, precision, most) in
+        [("b8.png", "uint8", 0.87), ("b16.png", "uint16", 0.87 / 257.0), ("b.exr", "half", 0.095)]
+    {
+        let farthest = stored(file, precision);
+        assert!((most / 100.0..most).contains(&farthest), "{file}: {farthest}");
+    }
+}
+
+#[test]
 fn what_cannot_be_done_is_told_before_anything_is_written() {
     let scene = made();
     let decompose = |more: &[&str]| scene.run(&[&["decompose", "land.png"][..], more].concat());
