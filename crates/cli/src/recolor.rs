@@ -182,9 +182,11 @@ fn colors(
 ) -> Result<Vec<[f64; 3]>, Failure> {
     let info = recipe.info();
     let mut colors = info.colors.clone();
-    let mut faults: Vec<Failure> = Vec::new();
-    let mut put = |name: &str, color: [f64; 3], from: &str| match info.names.iter().position(|own| own == name) {
-        Some(index) => colors[index] = color,
+    let (mut faults, mut unread) = (Vec::new(), Vec::new());
+    // `None` is a color that cannot be read.
+    let mut put = |name: &str, color: Option<[f64; 3]>, from: &str| match info.names.iter().position(|own| own == name)
+    {
+        Some(index) => colors[index] = color.unwrap_or(colors[index]),
         // A color of the document that is not in this picture.
         None if info.unused.iter().any(|unused| unused == name) => {}
         None => {
@@ -201,26 +203,28 @@ fn colors(
     if let Some(file) = &args.palette {
         let from = file.display().to_string();
         let Named { names, colors } = Named::at(palette, frame);
-        names.iter().zip(colors).for_each(|(name, color)| put(name, color, &from));
+        names.iter().zip(colors).for_each(|(name, color)| put(name, Some(color), &from));
     }
     for assignment in &args.set {
-        let parsed =
-            assignment.split_once('=').and_then(|(name, color)| Some((name, trochoid::parse_hex(color).ok()?)));
-        match parsed {
-            Some((name, color)) => {
-                // As render names it.
-                let name = name.strip_prefix("palette.").unwrap_or(name);
-                let linear = color.map(trochoid::srgb_decode);
-                // As in documents, where colors are ≥ 0.
-                let color = info.space.from_linear_srgb(linear).map(|channel| channel.max(0.0));
-                put(name, color, &format!("--set {assignment}"));
-            }
-            None => {
-                let message = format!("--set {assignment}: expected NAME=#rrggbb, for example glow=#f2c14e");
-                return Err(Failure::usage(message, "name a color of the recipe"));
-            }
+        let from = format!("--set {assignment}");
+        let Some((name, text)) = assignment.split_once('=') else {
+            let message = format!("{from}: found no =; expected NAME=#rrggbb");
+            unread.push(Failure::usage(message, "set a color of the recipe, such as glow=#f2c14e"));
+            continue;
+        };
+        // As render names it.
+        let name = name.strip_prefix("palette.").unwrap_or(name);
+        let parsed = trochoid::parse_hex(text).map(|color| {
+            // As in documents, where colors are ≥ 0.
+            info.space.from_linear_srgb(color.map(trochoid::srgb_decode)).map(|channel| channel.max(0.0))
+        });
+        if parsed.is_err() {
+            let message = format!("{from}: found \"{text}\" as the color; expected #rrggbb or #rgb");
+            unread.push(Failure::usage(message, format!("write its hexadecimal digits, such as {name}=#f2c14e")));
         }
+        put(name, parsed.ok(), &from);
     }
+    faults.extend(unread);
     Failure::all(faults)?;
     Ok(colors)
 }

@@ -147,7 +147,11 @@ fn what_cannot_be_done_is_told_before_anything_is_written() {
     let recolor = |more: &[&str]| scene.run(&[&["recolor", "r.exr"][..], more].concat());
     recolor(&["--set", "glow=#fff", "--out", "x.png"]).fails(2, &["found the color \"glow\"", "night, dusk, sun"]);
     recolor(&["--set", "foma=#fff", "--out", "x.png"]).fails(2, &["did you mean \"foam\"?"]);
-    recolor(&["--set", "foam=white", "--out", "x.png"]).fails(2, &["expected NAME=#rrggbb"]);
+    recolor(&["--set", "foam", "--out", "x.png"]).fails(2, &["--set foam: found no =; expected NAME=#rrggbb"]);
+    let no_color = "--set foam=white: found \"white\" as the color; expected #rrggbb";
+    recolor(&["--set", "foam=white", "--out", "x.png"]).fails(2, &[no_color, "such as foam=#f2c14e"]);
+    // Both are told at once.
+    recolor(&["--set", "foma=white", "--out", "x.png"]).fails(2, &["found \"white\"", "did you mean \"foam\"?"]);
     recolor(&["--out", "r.exr"]).fails(2, &["r.exr"]);
     scene.run(&["recolor", "land.png", "--out", "x.png"]).fails(2, &["land.png: found a picture without weights"]);
     assert!(!scene.path("x.png").exists());
