@@ -78,11 +78,6 @@ struct Blamed {
 /// # Errors
 /// The document is invalid, has no such pixel, or cannot be rendered.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    if trochoid::io::kind(&args.graph).is_ok() {
-        let message = format!("{}: found a picture; expected a document", args.graph.display());
-        let remedy = "for a picture, make one first: trochoid decompose PICTURE --palette FILE --graph a.json";
-        return Err(Failure::usage(message, remedy));
-    }
     let loaded = args.reach.load(&args.graph, &args.changes.assignments())?;
     let output = source::output(&loaded.graph, args.output.as_deref())?;
     let window = loaded.graph.format().window();

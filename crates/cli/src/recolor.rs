@@ -5,16 +5,16 @@
 //! colors, in the working space.
 
 use crate::decompose::outputs_at;
-use crate::failure::{FAILED, Failure};
+use crate::failure::Failure;
 use crate::files::OverwriteOptions;
 use crate::palette::named::{self, Named};
 use crate::progress::Progress;
-use crate::{frames, interrupt, shell};
+use crate::{frames, interrupt, remedies, shell};
 use painting::{Painting, Written};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use trochoid::{Form, PaletteColor, RecipeError, RecipeReader, WorkingSpace, expand_frame, nearest};
+use trochoid::{Form, PaletteColor, RecipeReader, WorkingSpace, expand_frame, nearest};
 
 mod painting;
 
@@ -146,17 +146,7 @@ fn recipes(args: &Args) -> Result<Vec<(PathBuf, Option<i64>)>, Failure> {
 }
 
 fn opened(path: &Path) -> Result<RecipeReader, Failure> {
-    RecipeReader::open(path).map_err(|error| unread(&error))
-}
-
-/// Returns the failure of a recipe that is not read.
-fn unread(error: &RecipeError) -> Failure {
-    match error {
-        RecipeError::Read(error) => Failure::new(FAILED, error),
-        RecipeError::NoRecipe { .. } => {
-            Failure::usage(error, "make one: trochoid render GRAPH --recipe FILE, or trochoid decompose PICTURE")
-        }
-    }
+    RecipeReader::open(path).map_err(|error| remedies::recipe(&error))
 }
 
 /// Formats the line of a picture: `a.exr → night.png: 24 colors, hull, 0 outside, within 0.12/255`.

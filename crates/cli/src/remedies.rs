@@ -1,10 +1,12 @@
 //! Options of the command line as remedies of the library's errors, which name no options themselves: they carry what can
 //! be allowed, chosen or set.
 
+use crate::failure::{FAILED, Failure};
 use serde_json::Value;
+use std::path::Path;
 use trochoid::{
-    AccessViolation, Diagnostic, EvalError, Means, MeasureError, NameFault, NamePlace, NodeError, RefusedFile,
-    folders_to_allow, io, quoted, quoted_path,
+    AccessViolation, Diagnostic, EvalError, Means, MeasureError, NameFault, NamePlace, NodeError, RecipeError,
+    RefusedFile, folders_to_allow, io, quoted, quoted_path,
 };
 use trochoid_terminal::enough_memory;
 
@@ -30,8 +32,46 @@ fn with_option(remedy: &str, means: &Means) -> String {
             format!("change \"{key}\" in the document itself: --set changes only nodes and the palette")
         }
         Means::ChooseOutput => format!("{remedy} with --output"),
+        Means::Decompose { picture } => {
+            let taken_apart = taken_apart(picture, "--graph repainted.json");
+            format!("for a picture, make one first: {taken_apart}")
+        }
         _ => remedy.into(),
     }
+}
+
+/// Returns commands that take a picture apart over a palette of its own.
+fn taken_apart(picture: &Path, into: &str) -> String {
+    let picture = quoted_path(picture);
+    format!("trochoid palette {picture} --out inks.json && trochoid decompose {picture} --palette inks.json {into}")
+}
+
+/// Returns commands that make a recipe of a picture, beside it.
+fn recipe_of(picture: &Path) -> String {
+    taken_apart(picture, &format!("--out {}", quoted_path(&picture.with_extension("recipe.exr"))))
+}
+
+/// Returns the failure of a recipe that is not read.
+pub(crate) fn recipe(error: &RecipeError) -> Failure {
+    match error {
+        RecipeError::Read(error) => Failure::new(FAILED, error),
+        RecipeError::NoRecipe { path, .. } => {
+            // Damaged recipes are EXR files, too, but have only weights.
+            let has_colors = |channel: &io::ChannelInfo| matches!(channel.full_name.as_str(), "R" | "Y");
+            let is_picture = io::info(path, &io::Limits::default())
+                .is_ok_and(|found| found.parts.iter().flat_map(|part| &part.channels).any(has_colors));
+            let render = "render its document with --recipe FILE";
+            let remedy = if is_picture { format!("{render}, or make one: {}", recipe_of(path)) } else { render.into() };
+            Failure::usage(error, remedy)
+        }
+    }
+}
+
+/// Returns commands that make a recipe over colors alone of one to which images contribute.
+pub(crate) fn without_images(recipe: &Path) -> String {
+    let picture = recipe.with_extension("png");
+    let (from, to) = (quoted_path(recipe), quoted_path(&picture));
+    format!("take the finished picture apart: trochoid recolor {from} --out {to} && {}", recipe_of(&picture))
 }
 
 /// Returns a diagnostic with the options that contain the fault and remedy it.

@@ -3,6 +3,7 @@
 
 use crate::AccessViolation;
 use std::fmt;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Place in a document.
@@ -73,6 +74,11 @@ pub enum Means {
     },
     /// Choosing one output of several.
     ChooseOutput,
+    /// Making a document of a picture.
+    Decompose {
+        /// Path of the picture.
+        picture: PathBuf,
+    },
     /// Leading a node to an output. Who is still building a document will do so anyway.
     LeadToOutput,
 }

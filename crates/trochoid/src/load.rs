@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use trochoid_graph::{
-    Access, CheckedGraph, Diagnostic, Document, MAX_BYTES, MAX_FILE_BYTES, NodeId, PaletteColor, Registry, Severity,
-    check, escape_remedy,
+    Access, CheckedGraph, Diagnostic, Document, MAX_BYTES, MAX_FILE_BYTES, Means, NodeId, PaletteColor, Registry,
+    Severity, check, escape_remedy,
 };
 use trochoid_image::WorkingSpace;
 
@@ -64,7 +64,7 @@ fn folder_of(path: &Path) -> &Path {
 /// As [`load`].
 pub fn load_within(path: &Path, set: &[String], access: Access) -> Result<Loaded, LoadError> {
     let name = path.display().to_string();
-    let text = text_of(path, MAX_BYTES, "a document", "split the scene into several documents")?;
+    let text = document_of(path)?;
     parse_within(&name, &text, folder_of(path), set, access)
 }
 
@@ -93,6 +93,17 @@ fn is_picture(path: &Path) -> bool {
     is_picture
 }
 
+/// Reads a document.
+pub(crate) fn document_of(path: &Path) -> Result<String, LoadError> {
+    if is_picture(path) {
+        let remedy = "`trochoid decompose` makes a document of a picture";
+        let mut fault = fault(path.display().to_string(), (0, 0), "a picture".into(), "a document".into(), remedy);
+        fault.means = Some(Means::Decompose { picture: path.into() });
+        return Err(LoadError::Invalid(vec![fault]));
+    }
+    text_of(path, MAX_BYTES, "a document", "split the scene into several documents")
+}
+
 /// Reads a palette file.
 fn palette_of(path: &Path) -> Result<String, LoadError> {
     if is_picture(path) {
@@ -103,7 +114,11 @@ fn palette_of(path: &Path) -> Result<String, LoadError> {
 }
 
 fn invalid(file: String, place: (usize, usize), found: String, expected: String, remedy: &str) -> LoadError {
-    LoadError::Invalid(vec![Diagnostic {
+    LoadError::Invalid(vec![fault(file, place, found, expected, remedy)])
+}
+
+fn fault(file: String, place: (usize, usize), found: String, expected: String, remedy: &str) -> Diagnostic {
+    Diagnostic {
         severity: Severity::Error,
         file,
         is_assigned: false,
@@ -116,7 +131,7 @@ fn invalid(file: String, place: (usize, usize), found: String, expected: String,
         remedy: remedy.into(),
         means: None,
         used: None,
-    }])
+    }
 }
 
 /// Checks the text of a document. `name` is its name in diagnostics; its paths are relative to `folder`. The files that

@@ -1,11 +1,10 @@
 //! Makes looks from documents.
 
 use crate::asked::Asked;
-use crate::load::{LoadError, Loaded, Parsed, list, parse_as, registry, text_of};
+use crate::load::{LoadError, Loaded, Parsed, document_of, list, parse_as, registry};
 use crate::{Access, Diagnostic, Illegal, Look, PlanError, Registry, Settings};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use trochoid_graph::MAX_BYTES;
 
 /// Why a look cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -101,7 +100,7 @@ impl LookBuilder {
     /// # Errors
     /// The file cannot be read.
     pub fn open(path: &Path) -> Result<Self, LoadError> {
-        let text = text_of(path, MAX_BYTES, "a document", "split the scene into several documents")?;
+        let text = document_of(path)?;
         let folder = path.parent().unwrap_or(Path::new("."));
         Ok(Self::new(text).named(&path.display().to_string()).within(folder))
     }

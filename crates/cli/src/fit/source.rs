@@ -6,8 +6,7 @@ use crate::progress::Progress;
 use crate::{interrupt, remedies};
 use std::path::Path;
 use trochoid::{
-    Buffers, Cache, CheckedGraph, EvalError, Kind, LoadError, Plan, Plane, Recipe, RecipeError, Settings, Window,
-    WorkingSpace,
+    Buffers, Cache, CheckedGraph, EvalError, Kind, LoadError, Plan, Plane, Recipe, Settings, Window, WorkingSpace,
 };
 
 /// A picture by its weights.
@@ -29,12 +28,7 @@ impl Source {
     /// # Errors
     /// The file cannot be read, or is none.
     pub(crate) fn of_recipe(path: &Path) -> Result<Self, Failure> {
-        let mut recipe = Recipe::read(path).map_err(|error| match &error {
-            RecipeError::Read(_) => Failure::new(FAILED, &error),
-            RecipeError::NoRecipe { .. } => {
-                Failure::usage(&error, "make one: trochoid render GRAPH --recipe FILE, or trochoid decompose PICTURE")
-            }
-        })?;
+        let mut recipe = Recipe::read(path).map_err(|error| remedies::recipe(&error))?;
         if recipe.info.has_images {
             // The weight of all images together.
             recipe.channels.remove(recipe.info.names.len());

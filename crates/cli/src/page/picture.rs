@@ -5,14 +5,14 @@ use super::sources::Source;
 use super::weights::Weights;
 use super::{cube, shrink};
 use crate::failure::{FAILED, Failure};
-use crate::interrupt;
+use crate::{interrupt, remedies};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use libdeflater::{CompressionLvl, Compressor};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use trochoid::io::{Limits, info};
-use trochoid::{Recipe, RecipeError, WorkingSpace, in_bytes};
+use trochoid::{Recipe, WorkingSpace, in_bytes};
 
 /// Most pixels of a picture: what browsers decode at ease, and graphics cards hold.
 const MOST_PIXELS: usize = 1 << 24;
@@ -78,7 +78,7 @@ fn read_one(source: Source, width: Option<u32>, bytes: &mut usize) -> Result<Pic
         }
     }
     let message = format!("{}: found no frames; expected some", source.name);
-    picture.ok_or_else(|| Failure::usage(message, "say which with --frames"))
+    picture.ok_or_else(|| Failure::usage(message, "say which, for example --frames 1-48"))
 }
 
 /// Adds a picture of one frame to those before it, and its bytes.
@@ -142,15 +142,10 @@ fn alone(
     }
     // Frames need not have the size of the first.
     together(path, width)?;
-    let recipe = Recipe::read(path).map_err(|error| match error {
-        RecipeError::Read(error) => Failure::new(FAILED, error),
-        error @ RecipeError::NoRecipe { .. } => {
-            Failure::usage(error, "make one: trochoid render --recipe FILE, or trochoid decompose PICTURE")
-        }
-    })?;
+    let recipe = Recipe::read(path).map_err(|error| remedies::recipe(&error))?;
     let recipe = Weights::of(recipe).ok_or_else(|| {
         let message = format!("{}: found pixels of images; expected mixes of named colors alone", path.display());
-        Failure::usage(message, "decompose the finished picture: trochoid decompose PICTURE --palette FILE")
+        Failure::usage(message, remedies::without_images(path))
     })?;
     let cube = if is_first { cube::of(&recipe).map(|lattice| text(&pack(&lattice, None).bytes)) } else { None };
     let size = sized(path, [recipe.window.width(), recipe.window.height()], width)?;

@@ -1,6 +1,5 @@
 //! A recipe as a picture in given colors: painted and judged strip by strip, on all threads.
 
-use super::unread;
 use crate::failure::{FAILED, Failure};
 use crate::files::OverwriteOptions;
 use crate::interrupt;
@@ -128,7 +127,7 @@ impl Painting<'_> {
             scratch.painted.iter_mut().for_each(|channel| channel.resize(rows.area(), 0.0));
             self.recipe
                 .paint(rows, self.colors, &mut scratch.recipe, &mut scratch.painted)
-                .map_err(|error| unread(&error))?;
+                .map_err(|error| remedies::recipe(&error))?;
             let [r, g, b] = scratch.painted.each_ref().map(Vec::as_slice);
             let outside = if self.recipe.info().has_images { 0 } else { hull.exits(r, g, b, margin).0 };
             take(index, rows, &scratch.painted, &mut strip, &mut scratch.encode)?;

@@ -62,6 +62,9 @@ fn invalid_documents_are_code_2_and_write_nothing() {
     let scene = Scene::new("");
     fs::write(scene.path("a.json"), b"{ \"notes\":\n \"caf\xe9\" }").unwrap();
     told.is("no_text", 2, &scene, &["render", "a.json"]);
+    scene.write_picture("in.exr", 0.5);
+    told.is("picture", 2, &scene, &["render", "in.exr"]);
+    told.is("picture_blamed", 2, &scene, &["blame", "in.exr", "--at", "0,0"]);
     told.ends();
 }
 

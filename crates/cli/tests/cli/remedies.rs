@@ -17,6 +17,52 @@ fn in_shell(scene: &Scene, folder: &str, words: &str) -> Run {
     Run::of(shell.args(["-c", &format!("'{program}' {words}")]).current_dir(scene.path(folder)))
 }
 
+/// Runs commands of a remedy, which call the program by its name.
+#[track_caller]
+fn pasted(scene: &Scene, commands: &str) {
+    let program = env!("CARGO_BIN_EXE_trochoid");
+    let script = format!("set -e; trochoid() {{ '{program}' \"$@\"; }}; {commands}");
+    Run::of(std::process::Command::new("sh").args(["-c", &script]).current_dir(scene.path(""))).code(0);
+}
+
+/// A picture of two colors.
+const PAINTED: &str = r##"{ "trochoid": 1, "format": { "width": 12, "height": 8 }, "working_space": "srgb",
+  "nodes": { "x": { "type": "ScreenX" }, "mix": { "type": "Mix", "a": "#102030", "b": "#f0e0c0", "weight": "x" } },
+  "outputs": { "mix": { "color": "mix", "file": "it's in.png" } } }"##;
+
+/// That picture, half covered.
+const HALF: &str = r##"{ "trochoid": 1, "format": { "width": 12, "height": 8 }, "working_space": "srgb",
+  "nodes": { "in": { "type": "Read", "file": "it's in.png", "as": "color" },
+             "half": { "type": "Mix", "a": "in", "b": "#fff", "weight": 0.5 } },
+  "outputs": { "half": { "color": "half", "file": "half.png" } } }"##;
+
+#[test]
+fn pictures_become_documents_and_recipes_as_the_remedies_say() {
+    let scene = Scene::new(PAINTED);
+    scene.run(&["render", "a.json"]).code(0);
+    let after = |run: &Run, word: &str| remedy(run).split_once(word).expect(word).1.to_owned();
+    let run = scene.run(&["check", "it's in.png"]).code(2);
+    pasted(&scene, &after(&run, "for a picture, make one first: "));
+    scene.run(&["render", "repainted.json"]).code(0);
+    for command in [&["page", "it's in.png", "-o", "p.html"][..], &["recolor", "it's in.png", "--out", "r.png"]] {
+        let run = scene.run(command).code(2);
+        pasted(&scene, &after(&run, "or make one: "));
+        scene.run(&[&[command[0], "it's in.recipe.exr"], &command[2..]].concat()).code(0);
+    }
+    fs::write(scene.path("half.json"), HALF).unwrap();
+    scene.run(&["render", "half.json", "--recipe", "half.exr"]).code(0);
+    let run = scene.run(&["page", "half.exr", "-o", "p.html"]).code(2);
+    pasted(&scene, &after(&run, "take the finished picture apart: "));
+    scene.run(&["page", "half.recipe.exr", "-o", "p.html"]).code(0);
+    // A recipe that is damaged is no picture.
+    let recipe = fs::read(scene.path("half.recipe.exr")).unwrap();
+    let at = recipe.windows(6).position(|bytes| bytes == b"colors").unwrap();
+    let damaged = [&recipe[..at], b"kolors", &recipe[at + 6..]].concat();
+    fs::write(scene.path("damaged.exr"), damaged).unwrap();
+    let run = scene.run(&["recolor", "damaged.exr", "--out", "r.png"]).code(2);
+    assert_eq!(remedy(&run), "render its document with --recipe FILE");
+}
+
 #[test]
 fn signs_in_folders_and_names_can_be_escaped_as_the_remedy_says() {
     let cases = [
