@@ -7,7 +7,7 @@ use crate::shell::{self, printable};
 use crate::{outputs, warnings};
 use std::path::{Path, PathBuf};
 use trochoid::{Form, GENERATOR, LookBuilder, VERSION, quoted};
-use trochoid_export::{ExportError, Language, Request};
+use trochoid_export::{ExportError, InputError, Language, Request};
 
 /// Options of `trochoid export`.
 #[derive(Debug, clap::Args)]
@@ -122,10 +122,18 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 /// Returns the failures of an export, with the options that remedy them.
 fn failures(refused: ExportError) -> Vec<Failure> {
     match refused {
-        ExportError::Inputs(faults) => faults
-            .into_iter()
-            .map(|fault| Failure::usage(format!("--bind: {fault}"), "name nodes that the output depends on"))
-            .collect(),
+        ExportError::Inputs(faults) => {
+            let failure = |fault: InputError| {
+                let remedy = match &fault {
+                    InputError::Constant { name, .. } => {
+                        format!("bind the node that takes it, or export once for each value: --set {name}=VALUE")
+                    }
+                    _ => "name nodes that the output depends on".into(),
+                };
+                Failure::usage(format!("--bind: {fault}"), remedy)
+            };
+            faults.into_iter().map(failure).collect()
+        }
         ExportError::Unbound(unbound) => {
             let options: Vec<String> = unbound.iter().map(|node| format!("--bind {}", quoted(&node.input))).collect();
             let remedy = format!("make them inputs of the shader: {}", options.join(" "));

@@ -14,6 +14,14 @@ pub enum InputError {
         /// A node of a similar name.
         near: Option<String>,
     },
+    /// A color of the palette or a knob of the document, which a shader has as a constant.
+    #[error("input \"{name}\": found a {what}, which a shader cannot take, for it is written into it; expected a node")]
+    Constant {
+        /// Name as given.
+        name: String,
+        /// What it is.
+        what: &'static str,
+    },
     /// The node has no such output.
     #[error("input \"{name}\": found no such output of \"{node}\" (a {ty}); expected one of {known}")]
     NoOutput {
@@ -199,6 +207,10 @@ fn find(graph: &CheckedGraph, name: &str) -> Result<(NodeId, usize), InputError>
         None => {
             let parts = name.rsplit_once('.').and_then(|(node, output)| Some((graph.find(node)?, Some(output))));
             parts.ok_or_else(|| {
+                let constants = [("palette.", "color of the palette"), ("knobs.", "knob of the document")];
+                if let Some((_, what)) = constants.into_iter().find(|(prefix, _)| name.starts_with(prefix)) {
+                    return InputError::Constant { name: name.into(), what };
+                }
                 let near = nearest(name, graph.nodes().iter().map(|node| node.name.as_str())).map(String::from);
                 InputError::NoNode { name: name.into(), near }
             })?

@@ -38,9 +38,10 @@ fn knobs_are_those_of_the_frame_and_of_the_command_line() {
 #[test]
 fn exports_that_are_refused_write_nothing() {
     let (scene, mut told) = (Scene::new(SCENE), Told::new("export"));
-    let cases: [(&str, &[&str]); 6] = [
+    let cases: [(&str, &[&str]); 7] = [
         ("unbound", &["--to", "glsl", "-o", "x.glsl"]),
         ("unknown_node", &["--to", "glsl", "--bind", "acros", "-o", "x.glsl"]),
+        ("constants", &["--to", "glsl", "--bind", "palette.deep", "--bind", "knobs.storm"]),
         ("unknown_output", &["--to", "osl", "--bind", "across", "--output", "beaty", "-o", "x.osl"]),
         ("unknown_language", &["--to", "hlsl", "--bind", "across"]),
         ("unknown_ending", &["--to", "materialx", "--bind", "across", "-o", "x.xml"]),
