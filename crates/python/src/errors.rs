@@ -3,6 +3,8 @@
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyMemoryError, PyOSError, PyValueError};
 use pyo3::prelude::*;
+use std::path::Path;
+use trochoid::io;
 use trochoid::{BufferFault, Diagnostic, EvalError, LoadError, LookError, PictureError, ShadeError};
 use trochoid_cli::Outcome;
 
@@ -74,8 +76,33 @@ fn with(py: Python<'_>, raised: PyErr, attributes: impl FnOnce(&Bound<'_, PyAny>
 pub(crate) fn of_load(py: Python<'_>, error: LoadError) -> PyErr {
     let text = error.to_string();
     match error {
-        LoadError::Io(_) => PyOSError::new_err(text),
+        LoadError::Io(error) => of_file(py, &error),
         LoadError::Invalid(faults) => listed(py, InvalidDocument::new_err(text), &faults),
+    }
+}
+
+/// Returns what `open` of Python would raise, such as FileNotFoundError with its `errno` and `filename`, in our words.
+fn of_file(py: Python<'_>, error: &io::Error) -> PyErr {
+    let text = error.to_string();
+    // Python adds the path itself, and the number is the errno.
+    let words = |path: &Path| {
+        let text = text.strip_prefix(&format!("{}: ", path.display())).unwrap_or(&text);
+        text.split(" (os error ").next().unwrap_or(text).to_owned()
+    };
+    match error {
+        io::Error::Io { path, source, .. } if let Some(code) = source.raw_os_error() => {
+            if cfg!(windows) {
+                return PyOSError::new_err((0, words(path), path.as_os_str().to_owned(), code));
+            }
+            PyOSError::new_err((code, words(path), path.as_os_str().to_owned()))
+        }
+        io::Error::NotAFile { path, .. } if path.is_dir() => {
+            match py.import("errno").and_then(|errno| errno.getattr("EISDIR")?.extract::<i32>()) {
+                Ok(code) => PyOSError::new_err((code, words(path), path.as_os_str().to_owned())),
+                Err(other) => other,
+            }
+        }
+        _ => PyOSError::new_err(text),
     }
 }
 

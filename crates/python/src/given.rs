@@ -32,10 +32,25 @@ impl<'p> Given<'p> {
         {
             return Ok(Self::Uniform(numbers.into_iter().map(|number| number as f32).collect()));
         }
+        let none = |found: &str| {
+            let name = &slot.name;
+            PyTypeError::new_err(format!("\"{name}\": found {found}; expected samples of it: an array, or numbers"))
+        };
+        if value.is_none() {
+            return Err(none("None"));
+        }
         let numpy = value.py().import("numpy")?;
-        let array = numpy
-            .call_method1("asarray", (value, numpy.getattr("float32")?))
-            .map_err(|error| PyTypeError::new_err(format!("\"{}\": expected numbers: {error}", slot.name)))?;
+        let asarray = |arguments| {
+            let made = numpy.call_method1("asarray", arguments);
+            made.map_err(|error| PyTypeError::new_err(format!("\"{}\": expected numbers: {error}", slot.name)))
+        };
+        let found = asarray((value, value.py().None()))?;
+        let is_objects = found.getattr("dtype")?.getattr("kind")?.extract::<char>()? == 'O';
+        // Numpy would make NaN of it.
+        if is_objects && found.getattr("flat")?.try_iter()?.any(|item| item.is_ok_and(|item| item.is_none())) {
+            return Err(none("None among others"));
+        }
+        let array = asarray((&found, numpy.getattr("float32")?.unbind()))?;
         Self::array(slot, array.cast_into::<PyArrayDyn<f32>>()?)
     }
 

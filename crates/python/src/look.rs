@@ -3,7 +3,7 @@
 use crate::arrays::{Runs, Strided, common, zeros};
 use crate::errors;
 use crate::given::Given;
-use crate::options::{Options, assigned, begun, dictionary};
+use crate::options::{Options, assigned, begun, dictionary, listed};
 use crate::picture::Picture;
 use crate::watch::watched;
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
@@ -207,7 +207,7 @@ impl Look {
     #[expect(clippy::too_many_arguments, reason = "arguments by name")]
     fn new<'p>(
         document: &Bound<'p, PyAny>,
-        inputs: Vec<String>,
+        #[pyo3(from_py_with = listed)] inputs: Vec<String>,
         output: Option<&str>,
         set: Option<Bound<'p, PyAny>>,
         frame: i64,
@@ -215,7 +215,7 @@ impl Look {
         name: Option<&str>,
         samples: Option<usize>,
         illegal: &str,
-        allow: Vec<PathBuf>,
+        #[pyo3(from_py_with = listed)] allow: Vec<PathBuf>,
         threads: Option<usize>,
     ) -> PyResult<Self> {
         let options = Options { output, inputs, set: set.as_ref(), frame, samples, illegal, allow, threads };
@@ -233,13 +233,13 @@ impl Look {
     fn load<'p>(
         py: Python<'p>,
         path: PathBuf,
-        inputs: Vec<String>,
+        #[pyo3(from_py_with = listed)] inputs: Vec<String>,
         output: Option<&str>,
         set: Option<Bound<'p, PyAny>>,
         frame: i64,
         samples: Option<usize>,
         illegal: &str,
-        allow: Vec<PathBuf>,
+        #[pyo3(from_py_with = listed)] allow: Vec<PathBuf>,
         threads: Option<usize>,
     ) -> PyResult<Self> {
         let builder = LookBuilder::open(&path).map_err(|error| errors::of_load(py, error))?;
@@ -295,6 +295,13 @@ impl Look {
     fn __repr__(&self) -> String {
         let names: Vec<&str> = self.look.slots().iter().map(|slot| slot.name.as_str()).collect();
         format!("Look(output={:?}, inputs={names:?})", self.look.output())
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "a Look cannot be pickled, for it has machine code: make it anew in each process, of the same document by Look or \
+             Look.load",
+        ))
     }
 
     /// Shades samples.

@@ -1,6 +1,7 @@
 //! Documents, and what is said of them by name.
 
 use crate::errors;
+use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -43,6 +44,15 @@ impl Options<'_, '_> {
     }
 }
 
+/// Takes a list of names or paths. A single one, whose letters Python would take one by one, is refused.
+pub(crate) fn listed<'p, T: FromPyObjectOwned<'p>>(value: &Bound<'p, PyAny>) -> PyResult<Vec<T>> {
+    if value.is_instance_of::<PyString>() {
+        let one = value.repr()?;
+        return Err(PyTypeError::new_err(format!("found {one}; expected a list, such as [{one}]")));
+    }
+    value.extract()
+}
+
 /// Returns a mapping as a dictionary.
 pub(crate) fn dictionary<'p>(what: &str, mapping: &Bound<'p, PyAny>) -> PyResult<Bound<'p, PyDict>> {
     if let Ok(dictionary) = mapping.cast::<PyDict>() {
@@ -70,15 +80,31 @@ pub(crate) fn assigned(mut builder: LookBuilder, set: Option<&Bound<'_, PyAny>>)
     Ok(builder)
 }
 
+/// Whether a text is more likely a path than a document, which begins with a brace.
+fn is_path(text: &str) -> bool {
+    let is_document = text.trim_start_matches('\u{feff}').trim_start().starts_with('{');
+    !is_document && !text.is_empty() && !text.contains('\n')
+}
+
 /// Begins with a document that is given as text or as a dictionary.
 pub(crate) fn begun(document: &Bound<'_, PyAny>, folder: Option<PathBuf>, name: Option<&str>) -> PyResult<LookBuilder> {
     let text: String = if let Ok(text) = document.cast::<PyString>() {
-        text.extract()?
+        let text: String = text.extract()?;
+        if is_path(&text) {
+            let path = document.repr()?;
+            return Err(PyValueError::new_err(format!(
+                "found {path}; expected the text of a document, or a dictionary: Look.load({path}) reads a file"
+            )));
+        }
+        text
     } else if document.is_instance_of::<PyDict>() {
         json(document)?
     } else {
         let found = document.get_type();
-        return Err(PyTypeError::new_err(format!("found {found}; expected the text of a document, or a dictionary")));
+        let load = if document.hasattr("__fspath__")? { ": Look.load reads a file" } else { "" };
+        return Err(PyTypeError::new_err(format!(
+            "found {found}; expected the text of a document, or a dictionary{load}"
+        )));
     };
     let mut builder = LookBuilder::new(text);
     if let Some(folder) = folder {

@@ -1,13 +1,16 @@
 """Looks over numpy arrays."""
 
+import copy
 import json
 import os
+import pickle
 import threading
+from fractions import Fraction
 
 import numpy as np
 import pytest
 import trochoid
-from conftest import INPUTS, MIST, POINTS, WATER, known, passes
+from conftest import EXAMPLES, INPUTS, MIST, POINTS, WATER, known, passes
 
 
 def test_results_are_those_of_c(look):
@@ -159,8 +162,55 @@ def test_wrong_names_are_told(look):
         look.shade({"lihgt": 0.5, "rim": 0.5, "palette.mist": MIST})
     with pytest.raises(ValueError, match='no "rim"'):
         look.shade({"light": 0.5, "palette.mist": MIST})
-    with pytest.raises(OSError):
-        trochoid.Look.load("no such file.json")
+
+
+def test_files_that_are_not_read_raise_what_open_raises(tmp_path):
+    for path in ["no such file.json", tmp_path]:
+        with pytest.raises(OSError) as known:
+            open(path)
+        with pytest.raises(type(known.value), match="found a folder|cannot open the file") as raised:
+            trochoid.Look.load(path)
+        assert (raised.value.errno, raised.value.filename) == (known.value.errno, str(path))
+        assert "os error" not in str(raised.value) and str(raised.value).count(str(path)) == 1
+    with pytest.raises(ValueError, match="Look.load\\('water.json'\\) reads a file"):
+        trochoid.Look("water.json")
+    with pytest.raises(TypeError, match="Look.load reads a file"):
+        trochoid.Look(tmp_path / "water.json")
+
+
+def test_one_name_is_no_list():
+    with pytest.raises(TypeError, match="found 'light'; expected a list, such as .*\n.*'inputs'"):
+        trochoid.Look(WATER, inputs="light")
+    with pytest.raises(TypeError, match="found '.'; expected a list, such as .*\n.*'allow'"):
+        trochoid.Look.load(EXAMPLES / "water.json", allow=".")
+
+
+def test_none_is_no_pass(look):
+    for none in [None, [None, 0.5]]:
+        with pytest.raises(TypeError, match='"rim": found None.*; expected samples of it'):
+            look.shade({"light": 0.5, "rim": none, "palette.mist": MIST})
+    half = look.shade({"light": 0.5, "rim": [Fraction(1, 2)], "palette.mist": MIST})
+    np.testing.assert_array_equal(half, look.shade({"light": 0.5, "rim": [0.5], "palette.mist": MIST}))
+    fields = {"a": {"type": "Noise"}, "b": {"type": "FieldMath", "a": "a", "expression": "a"}}
+    field = trochoid.Look({"trochoid": 1, "nodes": fields, "outputs": {"b": {"field": "b"}}}, inputs=["a"])
+    # NaN is legal in a field, so nothing else would tell.
+    with pytest.raises(TypeError, match='"a": found None'):
+        field.shade({"a": None})
+
+
+def test_a_look_says_that_it_cannot_be_pickled(look):
+    for copied in [pickle.dumps, copy.copy]:
+        with pytest.raises(TypeError, match="make it anew in each process"):
+            copied(look)
+
+
+def test_a_fault_is_told_once():
+    document = json.loads(WATER)
+    document["knobs"] = {"storm": {"value": 0.5, "min": 0, "max": 1}}
+    document["nodes"]["beauty"]["weight"] = "= knobs.storm"
+    with pytest.raises(trochoid.InvalidDocument, match="from 0 to 1") as raised:
+        trochoid.Look(document, set={"knobs.storm": 5})
+    assert len(raised.value.diagnostics) == 1 and str(raised.value).count("found") == 1
 
 
 def test_faults_of_documents_are_listed():
