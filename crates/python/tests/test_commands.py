@@ -1,5 +1,6 @@
 """The commands of the program."""
 
+import errno
 import inspect
 import json
 import logging
@@ -47,8 +48,11 @@ def test_documents_are_checked(scene):
     with pytest.raises(trochoid.InvalidDocument, match="nothing"):
         trochoid.check("water.json", set={"water.nothing": 1})
     assert trochoid.check("water.json", set={"palette.foam": "#fff"}) == []
-    with pytest.raises(OSError, match="absent.json"):
+    with pytest.raises(FileNotFoundError, match="cannot open the file.*absent.json") as raised:
         trochoid.check("absent.json")
+    assert (raised.value.errno, raised.value.filename) == (errno.ENOENT, "absent.json")
+    with pytest.raises(IsADirectoryError, match="found a folder"):
+        trochoid.check(scene)
     with pytest.raises(TypeError, match="frame"):
         trochoid.check(WATER, frame=1)
     with pytest.raises(TypeError, match="folder"):
@@ -123,9 +127,9 @@ def test_all_options_have_arguments(name):
 
 def test_failures_have_the_code_of_the_program(scene):
     (scene / "foreign.png").write_bytes(b"not by Trochoid")
-    with pytest.raises(trochoid.CommandError, match="foreign.png") as raised:
+    with pytest.raises(trochoid.CommandError, match="foreign.png(.|\n)*replace it with overwrite=True") as raised:
         trochoid.render("water.json", frames=1, out="foreign.png")
-    assert raised.value.code in (1, 2)
+    assert raised.value.code in (1, 2) and "--overwrite" not in "".join(raised.value.messages)
     assert (scene / "foreign.png").read_bytes() == b"not by Trochoid"
     trochoid.render("water.json", frames=1, out="foreign.png", overwrite=True)
     with pytest.raises(trochoid.CommandError) as raised:

@@ -10,6 +10,7 @@ import json
 import logging
 import operator
 import os
+import re
 import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Mapping
@@ -71,7 +72,7 @@ def check(
         found = _trochoid.run(["check", "--json", *arguments]).json()
     except CommandError as error:
         if error.code == 1:
-            raise OSError(str(error)) from None
+            raise _unread(document, str(error)) from None
         if not error.text:
             raise
         found = json.loads(error.text)
@@ -203,8 +204,8 @@ def decompose(
     """Takes pictures apart into weights over the colors of a palette, as `trochoid decompose` does.
 
     Returns a dictionary for each picture: {"picture": ..., "files": [...], "outside": 0, "farthest": 0.0}: the
-    files that were written, the number of pixels outside of the palette's hull, and how far the farthest one is, in
-    steps of 255. `out` is an EXR file, a recipe; `graph` a small document that mixes the picture again. In both,
+    files that were written, the number of pixels that are farther outside of the palette's hull than the file's rounding
+    moves them, and how far the farthest one is, in steps of 255. `out` is an EXR file, a recipe; `graph` a small document that mixes the picture again. In both,
     {name} stands for the picture's name. `palette` is a dictionary of colors by name, as `palette` returns it, or a
     file with such colors. `cube` is a 3-D LUT for other programs, which paints in the colors of `to`;
     for it alone, `pictures` may be empty.
@@ -295,7 +296,13 @@ def plan(
 
 def _text(arguments: list[str], progress: Progress | None) -> str:
     """Runs a command for a function of this module; returns what it prints."""
-    output = _trochoid.run(arguments, progress=progress)
+    try:
+        output = _trochoid.run(arguments, progress=progress)
+    except CommandError as error:
+        # Remedies name options of the command line; here they are arguments.
+        error.messages = [_argument(message) for message in error.messages]
+        error.args = tuple(_argument(text) for text in error.args)
+        raise
     for message in output.messages:
         kind, _, text = message.partition(": ")
         if kind == "warning":
@@ -304,6 +311,20 @@ def _text(arguments: list[str], progress: Progress | None) -> str:
         else:
             _NOTES.info(message)
     return output.text
+
+
+def _argument(text: str) -> str:
+    return re.sub(r"--overwrite\b", "overwrite=True", text)
+
+
+def _unread(path: Path, message: str) -> OSError:
+    """What `open` raises for a file that cannot be read, in the words of the program."""
+    words = message.removeprefix("error: ").removeprefix(f"{os.fspath(path)}: ")
+    try:
+        with open(path, "rb"):
+            return OSError(message)
+    except OSError as error:
+        return OSError(error.errno, words.split(" (os error ")[0], os.fspath(path))
 
 
 def _paths(paths: Paths) -> list[str]:
