@@ -2,6 +2,7 @@
 
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
+use std::ops::Range;
 use trochoid_image::Window;
 
 /// Shape of a kernel.
@@ -107,8 +108,15 @@ impl Kernel {
 
 /// Sums computed at a time: enough of them to hide the latency of an addition.
 const LANES: usize = 32;
-/// Rows in one task for a thread.
-const BATCH: usize = 16;
+/// Rows in one task for a thread, across and down. Each task down reads all rows under its kernel.
+const BATCH: [usize; 2] = [16, 64];
+/// Columns that are summed at a time down, for some rows together: each value is read once for all of these, and their
+/// sums fit into registers.
+const COLUMNS: usize = 8;
+const TOGETHER: usize = 4;
+/// Bytes of a strip, and most blocks of columns in it.
+const CACHE: usize = 192 << 10;
+const MOST: usize = 32;
 
 /// Filters the part `from` of an image and writes the part `to` of the result. Beyond the edge of `from`, the nearest
 /// pixel repeats; `extent` is the window of the whole image.
@@ -135,47 +143,66 @@ pub fn filter(
     let level = Level::new();
     let mut rows = vec![0.0; width * from.height()];
     let first = to.x0 - across.radius() as i64 - from.x0;
-    let batches = rows.par_chunks_mut(width * BATCH).zip(samples.par_chunks(stride * BATCH));
+    let batches = rows.par_chunks_mut(width * BATCH[0]).zip(samples.par_chunks(stride * BATCH[0]));
     batches.for_each(|(rows, samples)| {
         let mut line = vec![0.0f64; across.weights.len() - 1 + width.next_multiple_of(LANES)];
         for (row, samples) in rows.chunks_mut(width).zip(samples.chunks(stride)) {
             if stop() {
                 return;
             }
-            for (value, x) in line.iter_mut().zip(first..) {
-                *value = f64::from(samples[x.clamp(0, stride as i64 - 1) as usize]);
-            }
+            widen(samples, first, &mut line);
             across.row(level, &line, row);
         }
     });
-    let last = from.height() as i64 - 1;
-    out.par_chunks_mut(width * BATCH).enumerate().for_each(|(batch, out)| {
-        let y0 = to.y0 + (batch * BATCH) as i64;
-        let mut taps: Vec<(f64, &[f32])> = Vec::with_capacity(down.weights.len());
-        for (out, y) in out.chunks_mut(width).zip(y0..) {
-            if stop() {
-                return;
+    let down = Down::new(&down);
+    out.par_chunks_mut(width * BATCH[1]).enumerate().for_each_init(Strip::default, |strip, (batch, out)| {
+        let top = to.y0 + (batch * BATCH[1]) as i64 - down.radius as i64 - from.y0;
+        let under = top..top + (out.len() / width + 2 * down.radius) as i64;
+        let wide = Strip::width(&under);
+        dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+            for x in (0..width).step_by(wide) {
+                if stop() {
+                    return;
+                }
+                let columns = x..width.min(x + wide);
+                strip.gather(&rows, width, columns.clone(), under.clone());
+                for (y, out) in out.chunks_mut(width * TOGETHER).enumerate() {
+                    for block in 0..strip.blocks.len() {
+                        let start = x + block * COLUMNS;
+                        let columns = start..columns.end.min(start + COLUMNS);
+                        down.filter(strip, block, y * TOGETHER, columns, width, out);
+                    }
+                }
             }
-            let row = |y: i64| {
-                let start = (y - from.y0).clamp(0, last) as usize * width;
-                &rows[start..start + width]
-            };
-            taps.clear();
-            let weights = down.weights.iter().zip(y - down.radius() as i64..);
-            taps.extend(weights.filter(|(w, _)| **w != 0.0).map(|(w, y)| (f64::from(*w), row(y))));
-            column(level, &taps, row(y), out);
-        }
+        }));
     });
+}
+
+/// Fills a line with a row's samples from the one at `first` on. Beyond the row, its first and last samples repeat.
+fn widen(samples: &[f32], first: i64, line: &mut [f64]) {
+    let [left, right] = [-first, samples.len() as i64 - first].map(|end| end.clamp(0, line.len() as i64) as usize);
+    line[..left].fill(f64::from(samples[0]));
+    line[right..].fill(f64::from(samples[samples.len() - 1]));
+    let inner = &mut line[left..right];
+    for (value, sample) in inner.iter_mut().zip(samples.iter().skip(first.max(0) as usize)) {
+        *value = f64::from(*sample);
+    }
 }
 
 impl Kernel {
     /// Filters one row, from `line`, which begins one radius before it.
     fn row(&self, level: Level, line: &[f64], out: &mut [f32]) {
         let center = self.radius();
+        // Values of 0 change no sum, whatever their weights.
+        let used = line.iter().position(|value| *value != 0.0).unwrap_or(line.len())
+            ..line.iter().rposition(|value| *value != 0.0).map_or(0, |last| last + 1);
         dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
             for (out, start) in out.chunks_mut(LANES).zip((0..).step_by(LANES)) {
                 let mut sums = [0.0f64; LANES];
-                for (weight, k) in self.weights.iter().zip(start..).filter(|(weight, _)| **weight != 0.0) {
+                let from = used.start.saturating_sub(start + LANES - 1).min(self.weights.len());
+                let to = used.end.saturating_sub(start).clamp(from, self.weights.len());
+                let weights = self.weights[from..to].iter().zip(start + from..);
+                for (weight, k) in weights.filter(|(weight, _)| **weight != 0.0) {
                     let weight = f64::from(*weight);
                     for (sum, value) in sums.iter_mut().zip(&line[k..k + LANES]) {
                         *sum += weight * value;
@@ -190,25 +217,154 @@ impl Kernel {
     }
 }
 
-/// Fills one row with the weighted sum of others; `center` is the middle one.
-fn column(level: Level, taps: &[(f64, &[f32])], center: &[f32], out: &mut [f32]) {
-    let whole = out.len() / LANES * LANES;
-    let (blocks, rest) = out.split_at_mut(whole);
-    dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
-        for (out, start) in blocks.chunks_exact_mut(LANES).zip((0..).step_by(LANES)) {
-            let mut sums = [0.0f64; LANES];
-            for (weight, row) in taps {
-                for (sum, value) in sums.iter_mut().zip(&row[start..start + LANES]) {
-                    *sum += weight * f64::from(*value);
+/// Columns of some rows, in blocks of a few columns.
+#[derive(Default)]
+struct Strip {
+    rows: Vec<[f64; COLUMNS]>,
+    /// Number of rows.
+    height: usize,
+    /// Of each block, the rows outside of which all values are 0.
+    blocks: Vec<Range<usize>>,
+}
+
+impl Strip {
+    /// Returns a number of columns that lie side by side in memory, as far as a strip of these rows stays in the cache.
+    fn width(rows: &Range<i64>) -> usize {
+        let bytes = (rows.end - rows.start) as usize * size_of::<[f64; COLUMNS]>();
+        (CACHE / bytes.max(1)).clamp(1, MOST) * COLUMNS
+    }
+
+    /// Takes columns of rows of an image that is `width` wide. Above and below it, its first and last rows repeat.
+    #[inline(always)]
+    fn gather(&mut self, image: &[f32], width: usize, columns: Range<usize>, rows: Range<i64>) {
+        let last = (image.len() / width) as i64 - 1;
+        let count = columns.len().div_ceil(COLUMNS);
+        self.height = (rows.end - rows.start) as usize;
+        self.rows.resize(count * self.height, [0.0; COLUMNS]);
+        self.blocks.clear();
+        self.blocks.resize(count, usize::MAX..0);
+        // Plain loops: closures would not be compiled for the vectors of the caller.
+        for (index, y) in rows.enumerate() {
+            let row = &image[y.clamp(0, last) as usize * width..][columns.clone()];
+            for (block, used) in self.blocks.iter_mut().enumerate() {
+                let row = &row[block * COLUMNS..];
+                let values = if let Some(values) = row.first_chunk() { *values } else { filled(row) };
+                let mut wide = [0.0f64; COLUMNS];
+                let mut is_used = false;
+                for (wide, value) in wide.iter_mut().zip(&values) {
+                    *wide = f64::from(*value);
+                    is_used |= *value != 0.0;
                 }
-            }
-            for ((out, sum), value) in out.iter_mut().zip(sums).zip(&center[start..]) {
-                *out = if sum.is_nan() { *value } else { sum as f32 };
+                if is_used {
+                    *used = used.start.min(index)..index + 1;
+                }
+                self.rows[block * self.height + index] = wide;
             }
         }
-    }));
-    for (out, x) in rest.iter_mut().zip(whole..) {
-        let sum = taps.iter().fold(0.0, |sum, (weight, row)| sum + weight * f64::from(row[x]));
-        *out = if sum.is_nan() { center[x] } else { sum as f32 };
+    }
+}
+
+/// A kernel that filters strips down, some rows together.
+struct Down {
+    radius: usize,
+    /// The weights between zeros, so that each row can begin one value later than the row before.
+    weights: Vec<f64>,
+    /// The values, counted from the first that any row reads, whose weights in all rows are not 0.
+    dense: Range<usize>,
+}
+
+impl Down {
+    fn new(kernel: &Kernel) -> Self {
+        let zeros = [0.0; TOGETHER - 1];
+        let weights = kernel.weights.iter().map(|weight| f64::from(*weight));
+        let is_dense = weights.clone().all(|weight| weight != 0.0) && kernel.weights.len() >= TOGETHER;
+        let dense = if is_dense { TOGETHER - 1..kernel.weights.len() } else { 0..0 };
+        Self { radius: kernel.radius(), weights: zeros.into_iter().chain(weights).chain(zeros).collect(), dense }
+    }
+
+    /// Fills columns of some rows, which are `width` long, from a block of a strip. It begins `y` rows and one radius
+    /// above them.
+    #[inline(always)]
+    fn filter(&self, strip: &Strip, block: usize, y: usize, columns: Range<usize>, width: usize, out: &mut [f32]) {
+        let rows = &strip.rows[block * strip.height..][y..strip.height];
+        let mut sums = [[0.0f64; COLUMNS]; TOGETHER];
+        // A value of 0 changes no sum, whatever its weight.
+        let used = &strip.blocks[block];
+        let used = used.start.saturating_sub(y)..used.end.saturating_sub(y);
+        let part = |from: usize, to: usize| from.max(used.start)..to.min(used.end);
+        let Range { start, end } = self.dense;
+        self.add::<true>(part(0, start), rows, &mut sums);
+        self.add::<false>(part(start, end), rows, &mut sums);
+        self.add::<true>(part(end, usize::MAX), rows, &mut sums);
+        for ((out, sums), center) in out.chunks_mut(width).zip(sums).zip(&rows[self.radius..]) {
+            let mut means = [0.0f32; COLUMNS];
+            let mut is_nan = false;
+            for (mean, sum) in means.iter_mut().zip(&sums) {
+                *mean = *sum as f32;
+                is_nan |= sum.is_nan();
+            }
+            if is_nan {
+                keep(&mut means, center);
+            }
+            let out = &mut out[columns.clone()];
+            if let Some(out) = out.first_chunk_mut() {
+                *out = means;
+            } else {
+                begin(out, &means);
+            }
+        }
+    }
+
+    /// Adds values with their weights to the sums of all rows. If `SPARSE`, some of the weights may be 0.
+    #[inline(always)]
+    fn add<const SPARSE: bool>(
+        &self,
+        values: Range<usize>,
+        strip: &[[f64; COLUMNS]],
+        sums: &mut [[f64; COLUMNS]; TOGETHER],
+    ) {
+        if values.is_empty() {
+            return;
+        }
+        let last = self.weights.len() + 1 - TOGETHER;
+        let values = values.start.min(last)..values.end.min(last).min(strip.len());
+        let weights = self.weights[values.start..].array_windows::<TOGETHER>();
+        for (weights, values) in weights.zip(&strip[values.start.min(values.end)..values.end]) {
+            for (sums, weight) in sums.iter_mut().zip(weights.iter().rev()) {
+                // 0 times infinity would have no value.
+                if SPARSE && *weight == 0.0 {
+                    continue;
+                }
+                for (sum, value) in sums.iter_mut().zip(values) {
+                    *sum += weight * value;
+                }
+            }
+        }
+    }
+}
+
+/// Returns values followed by zeros.
+// Not inlined, since all copies would then be of any length.
+#[cold]
+#[inline(never)]
+fn filled(values: &[f32]) -> [f32; COLUMNS] {
+    let mut all = [0.0; COLUMNS];
+    all[..values.len()].copy_from_slice(values);
+    all
+}
+
+/// Writes the first of some values.
+#[cold]
+#[inline(never)]
+fn begin(out: &mut [f32], values: &[f32; COLUMNS]) {
+    out.copy_from_slice(&values[..out.len()]);
+}
+
+/// Keeps the centers where there is no mean, as of +∞ and −∞.
+#[cold]
+#[inline(never)]
+fn keep(means: &mut [f32; COLUMNS], centers: &[f64; COLUMNS]) {
+    for (mean, center) in means.iter_mut().zip(centers).filter(|(mean, _)| mean.is_nan()) {
+        *mean = *center as f32;
     }
 }

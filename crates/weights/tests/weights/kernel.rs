@@ -95,6 +95,46 @@ fn parts_have_the_bits_of_the_whole() {
     }
 }
 
+/// Returns the sums of one row or column after another, in the order of the kernel, straight from the definition.
+fn plain([across, down]: [&Kernel; 2], [width, height]: [usize; 2], image: &[f32]) -> Vec<f32> {
+    let sum = |kernel: &Kernel, length: usize, center: usize, at: &dyn Fn(usize) -> f32| {
+        let kernel = weights(&folded(kernel, length)).to_vec();
+        let place = |k: usize| (center as i64 + k as i64 - (kernel.len() / 2) as i64).clamp(0, length as i64 - 1);
+        let used = kernel.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+        let sum = used.fold(0.0, |sum, (k, weight)| sum + f64::from(*weight) * f64::from(at(place(k) as usize)));
+        if sum.is_nan() { at(center) } else { sum as f32 }
+    };
+    let rows: Vec<f32> = (0..width * height)
+        .map(|index| sum(across, width, index % width, &|x| image[index / width * width + x]))
+        .collect();
+    (0..width * height).map(|index| sum(down, height, index / width, &|y| rows[y * width + index % width])).collect()
+}
+
+#[test]
+fn all_bits_are_those_of_plain_sums() {
+    let hostile = [f32::INFINITY, -f32::INFINITY, f32::NAN, f32::MAX, -0.0, 1e-45];
+    // Weights between which some are 0, and fewer of them than rows that are summed together.
+    let holes = kernel_of(vec![0.25, 0.0, 0.125, 0.25, 0.125, 0.0, 0.25]);
+    let kernels = [0.0, 0.4, 1.0, 3.7, 40.0].map(|size| Kernel::new(Shape::Gaussian, size));
+    for size in [[1, 1], [7, 3], [16, 5], [17, 33], [40, 70]] {
+        let area = size[0] * size[1];
+        let smooth: Vec<f32> = (0..area).map(|index| (index as f32 * 0.37).sin()).collect();
+        let rough: Vec<f32> =
+            (0..area).map(|index| if index % 11 == 3 { hostile[index / 11 % 6] } else { smooth[index] }).collect();
+        let window = Window::sized(size[0] as u32, size[1] as u32);
+        for across in kernels.iter().chain([&holes]) {
+            for down in kernels.iter().chain([&holes]) {
+                for image in [&smooth, &rough] {
+                    let mut out = vec![0.0; area];
+                    filter([across, down], window, image, window, window, &|| false, &mut out);
+                    let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+                    assert_eq!(bits(&out), bits(&plain([across, down], size, image)), "{size:?} {across:?} {down:?}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn infinities_spread_and_opposite_ones_keep_the_center() {
     let window = Window::sized(5, 1);
