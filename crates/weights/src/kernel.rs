@@ -217,6 +217,9 @@ impl Kernel {
     }
 }
 
+/// The rows of a block that has none, to which others are added.
+const NO_ROWS: Range<usize> = Range { start: usize::MAX, end: 0 };
+
 /// Columns of some rows, in blocks of a few columns.
 #[derive(Default)]
 struct Strip {
@@ -242,7 +245,7 @@ impl Strip {
         self.height = (rows.end - rows.start) as usize;
         self.rows.resize(count * self.height, [0.0; COLUMNS]);
         self.blocks.clear();
-        self.blocks.resize(count, usize::MAX..0);
+        self.blocks.resize(count, NO_ROWS);
         // Plain loops: closures would not be compiled for the vectors of the caller.
         for (index, y) in rows.enumerate() {
             let row = &image[y.clamp(0, last) as usize * width..][columns.clone()];

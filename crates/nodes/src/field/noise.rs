@@ -196,33 +196,33 @@ impl Footprints {
             _ => Span::exactly(self.at(pixels, depth.low)).with(depth.clear),
         }
     }
-
-    /// Returns the footprints of a block of samples; empty if all are 0.
-    #[cfg_attr(not(feature = "scene"), allow(unused_variables, reason = "only views have depths"))]
-    fn over(&self, block: &Block<'_>, depths: Option<&[f32]>) -> Vec<f32> {
-        match (self, depths) {
-            (Self::None, _) => Vec::new(),
-            (Self::Even(size), _) => vec![*size as f32; block.window.area()],
-            #[cfg(feature = "scene")]
-            (Self::Seen(_), None) => Vec::new(),
-            #[cfg(feature = "scene")]
-            (Self::Seen(_), Some(depths)) => {
-                block.places().zip(depths).map(|(place, depth)| self.at(place, f64::from(*depth)) as f32).collect()
-            }
-        }
-    }
 }
 
+/// Number of points on surfaces whose noise is computed at once.
+const AT_ONCE: usize = 256;
+
 impl PreparedNoise {
-    /// Fills the noise at the positions in the given channels of the view.
+    /// Fills the noise at the positions in the given channels of the view; 0 where no surface is seen.
     fn on<const S: usize>(&self, block: &Block<'_>, inputs: &Inputs<'_>, channels: [Channel; S], out: &mut [f32]) {
-        let footprints = self.footprints.over(block, inputs.view_if_any(&self.node.view, Channel::Depth));
+        let depths = inputs.view_if_any(&self.node.view, Channel::Depth);
+        let coverage = inputs.view(&self.node.view, Channel::Coverage);
         let planes = channels.map(|channel| inputs.view(&self.node.view, channel));
         let place = |index: usize| std::array::from_fn(|axis| f64::from(planes[axis][index]) - self.moved(axis));
-        self.octaves.fill::<S>((0..out.len()).map(place), &footprints, out);
-        for (out, coverage) in out.iter_mut().zip(inputs.view(&self.node.view, Channel::Coverage)) {
-            if *coverage == 0.0 {
-                *out = 0.0;
+        out.fill(0.0);
+        let mut places = block.places().enumerate().filter(|(index, _)| coverage[*index] != 0.0).peekable();
+        while places.peek().is_some() {
+            // Points on surfaces lie side by side, however few of them there are.
+            let (mut indices, mut prints, mut values) = ([0; AT_ONCE], [0.0; AT_ONCE], [0.0; AT_ONCE]);
+            let mut count = 0;
+            for (index, at) in places.by_ref().take(AT_ONCE) {
+                indices[count] = index;
+                prints[count] = depths.map_or(0.0, |depths| self.footprints.at(at, f64::from(depths[index])) as f32);
+                count += 1;
+            }
+            let (indices, values) = (&indices[..count], &mut values[..count]);
+            self.octaves.fill::<S>(indices.iter().map(|index| place(*index)), &prints[..count], values);
+            for (index, value) in indices.iter().zip(values) {
+                out[*index] = *value;
             }
         }
     }
@@ -245,7 +245,11 @@ impl Prepared for PreparedNoise {
                     let [x, y] = self.screen.at(pixels);
                     [x - self.moved(0), y - self.moved(1)]
                 };
-                self.octaves.fill::<2>(block.places().map(place), &self.footprints.over(block, None), out);
+                let prints = match self.footprints {
+                    Footprints::Even(size) => vec![size as f32; out.len()],
+                    _ => Vec::new(),
+                };
+                self.octaves.fill::<2>(block.places().map(place), &prints, out);
             }
         }
         Ok(())

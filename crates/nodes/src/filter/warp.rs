@@ -1,6 +1,7 @@
 //! Warp: looks up an image at displaced positions.
 
-use crate::filter::{BoundedChannel, BoundedSum, blended, fill, kind, mean, numbers, value, weights};
+use crate::filter::{BoundedChannel, BoundedSum, blended, fill_together, kind, mean, numbers, value, weights};
+use std::convert::Infallible;
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 
@@ -123,39 +124,42 @@ impl Prepared for PreparedWarp {
             |plane: Option<&[f32]>, index: usize| self.split(plane.map_or(0.0, |p| f64::from(p[index]) * self.scale));
         let column = |x: i64| (x.clamp(from.x0, from.x1 - 1) - from.x0) as usize;
         let row = |y: i64| (y.clamp(from.y0, from.y1 - 1) - from.y0) as usize * from.width();
-        // Lookups of all displaced samples, computed once for all channels.
-        let places = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
-        let taps: Vec<(usize, [usize; 4], [f32; 4])> = places
-            .enumerate()
-            .filter_map(|(index, (x, y))| {
-                let ((dx, u), (dy, v)) = (split(dx, index), split(dy, index));
-                if (dx, dy) == (0, 0) && u == 0.0 && v == 0.0 {
-                    return None;
-                }
-                let (left, right) = (column(x + dx), column(x + dx + 1));
-                let (above, below) = (row(y + dy), row(y + dy + 1));
-                Some((index, [above + left, above + right, below + left, below + right], weights(u, v)))
-            })
-            .collect();
-        fill(self.kind, window.area(), outputs, |channel, out| {
-            if let Some(Some(samples)) = image.planes.get(channel) {
-                // First copy all samples without displacement, then overwrite the displaced ones.
-                for (y, out) in (window.y0..window.y1).zip(out.chunks_exact_mut(window.width().max(1))) {
-                    let (first, end) = (window.x0.max(from.x0), window.x1.min(from.x1));
-                    for (x, out) in (window.x0..window.x1).zip(out.iter_mut()) {
-                        if x < first || x >= end {
-                            *out = samples[row(y) + column(x)];
+        let (first, end) = (window.x0.max(from.x0), window.x1.min(from.x1));
+        // Lookups of a row's displaced samples, computed once for all channels.
+        let mut taps: Vec<(usize, [usize; 4], [f32; 4])> = Vec::with_capacity(window.width());
+        let Ok(()) = fill_together(self.kind, window.area(), outputs, |planes| -> Result<(), Infallible> {
+            for (y, start) in (window.y0..window.y1).zip((0..).step_by(window.width().max(1))) {
+                taps.clear();
+                taps.extend((window.x0..window.x1).enumerate().filter_map(|(index, x)| {
+                    let ((dx, u), (dy, v)) = (split(dx, start + index), split(dy, start + index));
+                    if (dx, dy) == (0, 0) && u == 0.0 && v == 0.0 {
+                        return None;
+                    }
+                    let (left, right) = (column(x + dx), column(x + dx + 1));
+                    let (above, below) = (row(y + dy), row(y + dy + 1));
+                    Some((index, [above + left, above + right, below + left, below + right], weights(u, v)))
+                }));
+                for (channel, plane) in planes.iter_mut().enumerate() {
+                    let (Some(plane), Some(Some(samples))) = (plane, image.planes.get(channel)) else { continue };
+                    let out = &mut plane[start..start + window.width()];
+                    // First copy all samples without displacement, then overwrite the displaced ones.
+                    if taps.len() < out.len() {
+                        for (x, out) in (window.x0..window.x1).zip(out.iter_mut()) {
+                            if x < first || x >= end {
+                                *out = samples[row(y) + column(x)];
+                            }
+                        }
+                        if first < end {
+                            let within = (first - window.x0) as usize..(end - window.x0) as usize;
+                            out[within].copy_from_slice(&samples[row(y) + column(first)..][..(end - first) as usize]);
                         }
                     }
-                    if first < end {
-                        let within = (first - window.x0) as usize..(end - window.x0) as usize;
-                        out[within].copy_from_slice(&samples[row(y) + column(first)..][..(end - first) as usize]);
+                    for (index, at, weights) in &taps {
+                        out[*index] = blended(at.map(|at| samples[at]), weights);
                     }
                 }
-                for (index, at, weights) in &taps {
-                    out[*index] = blended(at.map(|at| samples[at]), weights);
-                }
             }
+            Ok(())
         });
         Ok(())
     }
