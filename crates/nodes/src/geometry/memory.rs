@@ -8,8 +8,8 @@ use trochoid_scene::Visible;
 /// Bytes per vertex of a view's mesh: position, three derivatives or a normal, rest point, slope, screen position, and
 /// its share of the bins.
 const VERTEX: u64 = 80;
-/// Bytes per vertex of the surfaces that rays hit: position, triangles and boxes.
-const OBSTACLE: u64 = 48;
+/// Bytes per vertex of the surfaces that rays hit: position, triangles and nodes of a tree.
+const OBSTACLE: u64 = 120;
 /// Maximum number of vertices of a surface in a view.
 const MOST: u64 = 8_000_000;
 

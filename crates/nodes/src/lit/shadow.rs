@@ -61,7 +61,7 @@ impl RayQuantity for Shadow {
 
     fn work(&self, format: Format) -> Option<Work> {
         // Seconds for a ray, including the one that moves the point onto the facets.
-        const RAY: f64 = 2.5e-7;
+        const RAY: f64 = 6e-8;
         let rays = if self.size > 0.0 { self.rays as f64 } else { 1.0 };
         let samples = format.window().area() as f64 * format.samples() as f64;
         let seconds = samples * (1.0 + rays * self.lights.len() as f64) * RAY;
