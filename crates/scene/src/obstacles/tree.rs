@@ -1,9 +1,10 @@
 //! A tree of boxes over triangles, eight in each node.
 //!
-//! A part of many triangles has a tree in the order of its triangles. Parts are divided by the surface area heuristic: MacDonald and Booth, *Heuristics for Ray Tracing Using Space
-//! Subdivision*, 1990, over bins of middles: Wald, *On Fast Construction of SAH-Based Bounding Volume Hierarchies*, 2007.
-//! Wide nodes after Wald, Benthin and Boulos, *Getting Rid of Packets*, 2008, which here hold what a packet of rays may
-//! meet. The tree depends neither on the number of threads nor on their timing.
+//! A part of many triangles has a tree in the order of its triangles. Parts are divided by the surface area heuristic:
+//! MacDonald and Booth, *Heuristics for Ray Tracing Using Space Subdivision*, 1990, over bins of middles: Wald, *On Fast
+//! Construction of SAH-Based Bounding Volume Hierarchies*, 2007. Wide nodes after Wald, Benthin and Boulos, *Getting Rid of
+//! Packets*, 2008, which here hold what a packet of rays may meet. The tree depends neither on the number of threads nor on
+//! their timing.
 
 use super::bounds::Bounds;
 use super::facets::{Facets, Part};
