@@ -204,11 +204,11 @@ def decompose(
     """Takes pictures apart into weights over the colors of a palette, as `trochoid decompose` does.
 
     Returns a dictionary for each picture: {"picture": ..., "files": [...], "outside": 0, "farthest": 0.0}: the
-    files that were written, the number of pixels that are farther outside of the palette's hull than the file's rounding
-    moves them, and how far the farthest one is, in steps of 255. `out` is an EXR file, a recipe; `graph` a small document that mixes the picture again. In both,
-    {name} stands for the picture's name. `palette` is a dictionary of colors by name, as `palette` returns it, or a
-    file with such colors. `cube` is a 3-D LUT for other programs, which paints in the colors of `to`;
-    for it alone, `pictures` may be empty.
+    files that were written, the number of pixels that are farther outside of the palette's hull than the file's
+    rounding moves them, and how far the farthest one is, in steps of 255. `out` is an EXR file, a recipe; `graph` a
+    small document that mixes the picture again. In both, {name} stands for the picture's name. `palette` is a
+    dictionary of colors by name, as `palette` returns it, or a file with such colors. `cube` is a 3-D LUT for other
+    programs, which paints in the colors of `to`; for it alone, `pictures` may be empty.
 
     >>> found = trochoid.decompose("water.beauty.png", "inks.json", out="{name}.recipe.exr")
     >>> found[0]["files"], found[0]["outside"]
