@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 use trochoid::certificate::PrivateKey;
 use trochoid::io::{Claim, Claims};
 use trochoid::{
-    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Monitor, NodeReport, OutputError,
+    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Keep, Monitor, NodeReport, OutputError,
     OutputFile, Pictures, Plan, ReferenceError, Repair, RunReport, Settings, Sink, Switches, Work, clear_partial_files,
     expand_frame, frame_report, misses, quoted, write_output,
 };
@@ -82,6 +82,8 @@ impl<'a> Job<'a> {
         }
         if args.unoptimized {
             settings.switches = Switches::NONE;
+        } else if frames.len() > 1 {
+            settings.keep = Keep::ForFrames;
         }
         let (required, accuracy) = (args.required(), Accuracy::default());
         let key = args.sign.as_ref().map(|path| PrivateKey::read(path)).transpose();

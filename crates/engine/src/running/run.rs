@@ -1,6 +1,6 @@
 //! Evaluates a plan: prepares, then computes tiles on all cores and judges them as they are made.
 
-use super::bands::{Bands, Rows};
+use super::bands::{Bands, OwnRows, Rows};
 use super::frame::{Frame, NodeReport, Phases, Picture, State};
 use super::keep::PlaneKeeper;
 use super::memory::Pictures;
@@ -88,9 +88,9 @@ impl Plan<'_> {
         let old = std::mem::take(&mut frame.pictures);
         let mut pictures = Vec::new();
         let into = &mut pictures;
-        *frame = self.run(buffers, cache, monitor, Pictures::Whole, move |rows| {
+        *frame = self.run(buffers, cache, monitor, Pictures::Whole, move |tile| {
             *into = self.allocate(old)?;
-            Ok(Bands::of_planes(into.iter_mut().collect(), self.window, rows))
+            Ok(Bands::of_planes(into.iter_mut().collect(), self.window, tile))
         })?;
         for (picture, planes) in frame.pictures.iter_mut().zip(pictures) {
             picture.planes = planes;
@@ -111,9 +111,9 @@ impl Plan<'_> {
         monitor: &dyn Monitor,
     ) -> Result<Frame, EvalError> {
         let channels: Vec<usize> = self.outputs.iter().map(|output| output.kind.channels()).collect();
-        self.run(buffers, cache, monitor, Pictures::Rows, |rows| {
-            let height = rows.next_multiple_of(sink.rows().max(1));
-            Ok(Bands::of_sink(sink, channels, self.window, height))
+        self.run(buffers, cache, monitor, Pictures::Rows, |(width, height)| {
+            let height = height.next_multiple_of(sink.rows().max(1));
+            Ok(Bands::of_sink(sink, channels, self.window, (width, height)))
         })
     }
 
@@ -140,7 +140,7 @@ impl Plan<'_> {
         cache: &mut Cache,
         monitor: &dyn Monitor,
         pictures: Pictures,
-        bands: impl FnOnce(usize) -> Result<Bands<'s>, EvalError> + Send,
+        bands: impl FnOnce((usize, usize)) -> Result<Bands<'s>, EvalError> + Send,
     ) -> Result<Frame, EvalError> {
         self.in_pool(|| {
             self.validate(buffers)?;
@@ -157,18 +157,18 @@ impl Plan<'_> {
             let bytes = [account.held(), spare].map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX));
             let mut keeper = PlaneKeeper::new(self, &ready, bytes, cache);
             let tile = self.tile(&ready, keeper.halo(self));
-            let bands = bands(tile.1)?;
+            let bands = bands(tile)?;
             let mut totals = WorkerTotals::default();
             let mut steps = || {
                 while keeper.begin_step(self) {
-                    let between = (!keeper.is_last_step()).then(|| Bands::of_planes(Vec::new(), self.window, tile.1));
+                    let between = (!keeper.is_last_step()).then(|| Bands::of_planes(Vec::new(), self.window, tile));
                     let bands = between.as_ref().unwrap_or(&bands);
-                    // No more workers than bands.
-                    let workers = account.workers().min(bands.count()).max(1);
+                    // No more workers than tiles.
+                    let workers = account.workers().min(bands.tiles()).max(1);
                     let judges = &judges[..];
                     let evaluation =
                         Evaluation { plan: self, ready: &ready, buffers, judges, keeper: &keeper, monitor };
-                    self.tiles(evaluation, tile.0, bands, workers, &mut totals)?;
+                    self.tiles(evaluation, bands, workers, &mut totals)?;
                     keeper.end_step();
                 }
                 Ok(())
@@ -298,17 +298,16 @@ impl Plan<'_> {
         self.outputs.iter().map(|output| (0..output.kind.channels()).map(|_| plane()).collect()).collect()
     }
 
-    /// Evaluates every band of a step in tiles of some width, on `workers` threads.
+    /// Evaluates every tile of a step, on `workers` threads.
     fn tiles(
         &self,
         evaluation: Evaluation<'_>,
-        width: usize,
         bands: &Bands<'_>,
         workers: usize,
         totals: &mut WorkerTotals,
     ) -> Result<(), EvalError> {
         let monitor = evaluation.monitor;
-        let tiles = bands.count() * self.window.width().div_ceil(width);
+        let tiles = bands.tiles();
         let [before, steps] = evaluation.keeper.progress();
         let done = AtomicUsize::new(before * tiles);
         let totals = Mutex::new(totals);
@@ -317,18 +316,17 @@ impl Plan<'_> {
         let work = || {
             let mut chunks = Chunks::of(self.passes.iter().flat_map(programs));
             let mut worker = Worker::new(evaluation, chunks.all());
-            let mut band = |window: Window, rows: &mut Rows<'_>| {
-                for tile in window.tiles(width, window.height()) {
-                    if monitor.cancelled() {
-                        return Err(EvalError::Cancelled);
-                    }
-                    worker.tile(tile, window, rows)?;
-                    monitor.progress(done.fetch_add(1, Ordering::Relaxed) + 1, steps * tiles);
+            let mut own = OwnRows::new();
+            let mut run = |tile: Window, rows: &mut Rows<'_>| {
+                if monitor.cancelled() {
+                    return Err(EvalError::Cancelled);
                 }
+                worker.tile(tile, rows)?;
+                monitor.progress(done.fetch_add(1, Ordering::Relaxed) + 1, steps * tiles);
                 Ok(())
             };
             while !stop.load(Ordering::Relaxed) {
-                match bands.work(&mut band) {
+                match bands.work(&mut own, &mut run) {
                     Ok(true) => {}
                     Ok(false) => break,
                     Err(error) => {

@@ -57,15 +57,6 @@ struct PassState<'p> {
     rows: Vec<Vec<f32>>,
 }
 
-/// A tile within a band of full rows.
-#[derive(Clone, Copy)]
-struct BandTile {
-    tile: Window,
-    /// Columns of the band before the tile, and width of the band.
-    x: usize,
-    stride: usize,
-}
-
 impl<'p> Worker<'p> {
     /// Makes a worker; its machines take the chunks that they need from `chunks`.
     pub(crate) fn new(evaluation: Evaluation<'p>, mut chunks: &'p mut [Chunk]) -> Self {
@@ -95,9 +86,8 @@ impl<'p> Worker<'p> {
         }
     }
 
-    /// Evaluates a tile of a band into the band's rows; before the last step, only its stages.
-    pub(crate) fn tile(&mut self, tile: Window, band: Window, rows: &mut Rows<'_>) -> Result<(), EvalError> {
-        let place = BandTile { tile, x: (tile.x0 - band.x0) as usize, stride: band.width() };
+    /// Evaluates a tile into its rows; before the last step, only its stages.
+    pub(crate) fn tile(&mut self, tile: Window, rows: &mut Rows<'_>) -> Result<(), EvalError> {
         if !self.keeper.is_last_step() {
             for PassState { pass, fills, .. } in &mut self.passes {
                 pass.samples().try_for_each(|sample| fills.fill(tile, sample, &mut self.fill_seconds))?;
@@ -106,9 +96,9 @@ impl<'p> Worker<'p> {
         }
         for index in 0..self.passes.len() {
             let mut seen = if self.passes[index].pass.offsets.len() == 1 {
-                self.single(index, place, rows)?
+                self.single(index, tile, rows)?
             } else {
-                self.averaged(index, place, rows)?
+                self.averaged(index, tile, rows)?
             };
             for (output, seen) in seen.iter_mut().enumerate() {
                 if self.passes[index].pass.roots.iter().any(|(owner, _)| *owner == output) {
@@ -120,24 +110,24 @@ impl<'p> Worker<'p> {
         Ok(())
     }
 
-    /// Evaluates one sample per pixel: the program writes straight into the band.
-    fn single(&mut self, index: usize, place: BandTile, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
+    /// Evaluates one sample per pixel: the program writes straight into the rows.
+    fn single(&mut self, index: usize, tile: Window, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
         let (plan, judges) = (self.plan, self.judges);
         let state = &mut self.passes[index];
         let pass = state.pass;
-        state.fills.fill(place.tile, Sample { index: 0, offset: pass.offsets[0] }, &mut self.fill_seconds)?;
+        state.fills.fill(tile, Sample { index: 0, offset: pass.offsets[0] }, &mut self.fill_seconds)?;
         let started = Instant::now();
-        let width = place.tile.width();
+        let width = tile.width();
         let planes = state.fills.planes(&pass.program);
         let machine = &mut state.machine;
-        let mut seen = run_rows(plan, pass, judges, machine, &planes, place, rows);
+        let mut seen = run_rows(plan, pass, judges, machine, &planes, tile, rows);
         if machine.has_illegal_input() {
             // The caller's planes hold an illegal value or −0. −0 must be treated like 0, so that no bit depends on
             // pruning.
             machine.reset_checks();
-            let normalized = self.buffers.normalized(plan, &pass.program.planes, &planes, place.tile)?;
+            let normalized = self.buffers.normalized(plan, &pass.program.planes, &planes, tile)?;
             let planes = with_normalized(&planes, &normalized, width);
-            seen = run_rows(plan, pass, judges, machine, &planes, place, rows);
+            seen = run_rows(plan, pass, judges, machine, &planes, tile, rows);
         }
         for (root, &(output, _)) in pass.roots.iter().enumerate() {
             let judge = &judges[output];
@@ -146,7 +136,7 @@ impl<'p> Worker<'p> {
                 None => state.machine.saw_nan(root),
             };
             if suspicious {
-                seen[output] = audit_tile(judge.as_deref(), &rows[output], place);
+                seen[output] = audit_tile(judge.as_deref(), &rows[output], tile);
             }
         }
         self.program_seconds += started.elapsed().as_secs_f64();
@@ -154,11 +144,11 @@ impl<'p> Worker<'p> {
     }
 
     /// Averages several samples per pixel, with equal weights.
-    fn averaged(&mut self, index: usize, place: BandTile, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
+    fn averaged(&mut self, index: usize, tile: Window, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
         let plan = self.plan;
         let state = &mut self.passes[index];
         let pass = state.pass;
-        let (width, height) = (place.tile.width(), place.tile.height());
+        let (width, height) = (tile.width(), tile.height());
         for sums in &mut state.sums {
             sums.clear();
             sums.resize(width * height, 0.0);
@@ -166,13 +156,13 @@ impl<'p> Worker<'p> {
         state.rows.iter_mut().for_each(|row| row.resize(width, 0.0));
         let mut normalized = None;
         for sample in pass.samples() {
-            state.fills.fill(place.tile, sample, &mut self.fill_seconds)?;
+            state.fills.fill(tile, sample, &mut self.fill_seconds)?;
             let started = Instant::now();
             let planes = state.fills.planes(&pass.program);
             // The caller's buffers are the same for every sample.
             let normalized = match &mut normalized {
                 Some(known) => known,
-                none => none.insert(self.buffers.normalized(plan, &pass.program.planes, &planes, place.tile)?),
+                none => none.insert(self.buffers.normalized(plan, &pass.program.planes, &planes, tile)?),
             };
             let planes = with_normalized(&planes, normalized, width);
             let mut views = state.machine.begin(&planes, width);
@@ -192,18 +182,15 @@ impl<'p> Worker<'p> {
         let scale = 1.0 / pass.offsets.len() as f64;
         dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || {
             for (slice, sums) in slices(pass, rows).into_iter().zip(&state.sums) {
-                for (y, sums) in sums.chunks_exact(width).enumerate() {
-                    let start = y * place.stride + place.x;
-                    for (to, sum) in slice[start..start + width].iter_mut().zip(sums) {
-                        *to = (sum * scale) as f32;
-                    }
+                for (to, sum) in slice.iter_mut().zip(sums) {
+                    *to = (sum * scale) as f32;
                 }
             }
         }));
         let mut seen = vec![Audit::default(); self.judges.len()];
         // The channels of weights are separate roots, and are audited together.
         for &(output, _) in pass.roots.iter().filter(|(_, first)| *first == 0) {
-            seen[output] = audit_tile(self.judges[output].as_deref(), &rows[output], place);
+            seen[output] = audit_tile(self.judges[output].as_deref(), &rows[output], tile);
         }
         Ok(seen)
     }
@@ -226,17 +213,17 @@ fn add(sums: &mut [f64], row: &[f32]) {
     }
 }
 
-/// Runs a pass's program over a tile, straight into the band.
+/// Runs a pass's program over a tile, straight into its rows.
 fn run_rows(
     plan: &Plan<'_>,
     pass: &Pass,
     judges: &[Option<Arc<Judge>>],
     machine: &mut Machine<'_>,
     planes: &[Plane<'_>],
-    place: BandTile,
+    tile: Window,
     rows: &mut Rows<'_>,
 ) -> Vec<Audit> {
-    let width = place.tile.width();
+    let width = tile.width();
     let mut seen = vec![Audit::default(); judges.len()];
     let mut views = machine.begin(planes, width);
     let mut run = |targets: &mut [Target<'_>]| {
@@ -246,15 +233,17 @@ fn run_rows(
                 seen[output] = seen[output].merge(judge.row(color));
             }
         };
-        for y in 0..place.tile.height() {
-            let judged = is_judged(plan.settings.judge, place.tile.y0 + y as i64);
+        for y in 0..tile.height() {
+            let judged = is_judged(plan.settings.judge, tile.y0 + y as i64);
             let look = judged.then_some(&mut look as Look<'_>);
-            machine.row(&mut views, y, targets, y * place.stride + place.x, look);
+            machine.row(&mut views, y, targets, y * width, look);
         }
     };
     let slices = slices(pass, rows);
     let read = pass.program.planes.iter().filter(|slot| plan.bound[slot.node.0]).count();
-    if 4 * plan.window.area() * (slices.len() + read) > CACHE {
+    // Rows of narrower tiles are copied from here.
+    let stay = width == plan.window.width();
+    if stay && 4 * plan.window.area() * (slices.len() + read) > CACHE {
         write_around(slices, run);
     } else {
         run(&mut slices.into_iter().map(Target::new).collect::<Vec<_>>());
@@ -276,19 +265,19 @@ pub(crate) fn channel_count(pass: &Pass) -> usize {
     pass.program.roots.iter().sum()
 }
 
-/// Returns the rows of a band that a pass writes, channel by channel in the order of its roots.
+/// Returns the rows of a tile that a pass writes, channel by channel in the order of its roots.
 fn slices<'r>(pass: &Pass, rows: &'r mut Rows<'_>) -> Vec<&'r mut [f32]> {
     let made = |output: usize| pass.roots.iter().any(|(owner, _)| *owner == output);
     let mine = rows.iter_mut().enumerate().filter(|(output, _)| made(*output));
     mine.flat_map(|(_, channels)| channels.iter_mut().map(|channel| &mut **channel)).collect()
 }
 
-/// Audits every pixel of a tile of a finished band.
-fn audit_tile(judge: Option<&Judge>, channels: &[&mut [f32]], place: BandTile) -> Audit {
+/// Audits every pixel of a finished tile.
+fn audit_tile(judge: Option<&Judge>, channels: &[&mut [f32]], tile: Window) -> Audit {
     let mut audit = Audit::default();
-    for y in 0..place.tile.height() {
-        let start = y * place.stride + place.x;
-        let row: Vec<&[f32]> = channels.iter().map(|channel| &channel[start..start + place.tile.width()]).collect();
+    for y in 0..tile.height() {
+        let start = y * tile.width();
+        let row: Vec<&[f32]> = channels.iter().map(|channel| &channel[start..start + tile.width()]).collect();
         audit = audit.merge(match (judge, &row[..]) {
             (Some(judge), &[r, g, b]) => judge.row([r, g, b]),
             _ => Audit { nan_count: nan_count(&row), ..Audit::default() },

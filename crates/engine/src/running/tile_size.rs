@@ -9,20 +9,32 @@ use trochoid_graph::{NodeId, Variance};
 /// Size of tiles, which keeps the planes of a few stages in L2.
 const TILE: (usize, usize) = (256, 16);
 
-/// Average share of a band for which a thread idles at the end of a picture.
-const IDLE: f64 = 0.3;
+/// Most pixels of a tile whose stages reach beyond it, but not far.
+const AREA: usize = 480 * 270;
 
-/// Returns the number of bands, at least `least`, into which to divide a picture for threads that share them. Few
-/// bands are better since each one computes `halo` additional rows at both ends; many are better since bands differ,
-/// and threads idle at the end of the picture.
-fn divided(height: usize, least: usize, halo: usize, threads: usize) -> usize {
-    let least = least.max(1);
-    let rows = |bands: usize| {
-        let band = height as f64 / bands as f64 + 2.0 * halo as f64;
-        ((bands as f64 / threads as f64).max(1.0) + IDLE) * band
+/// Average share of a tile for which a thread idles at the end of a picture.
+const IDLE: f64 = 0.5;
+
+/// Returns the numbers of columns, at most `most`, and of bands into which to divide a picture whose stages reach beyond
+/// a tile, for threads that share the tiles. Few tiles are better since their stages fill the same pixels again; many are
+/// better since tiles differ, and threads idle at the end of the picture.
+fn divided((width, height): (usize, usize), most: usize, (across, down): Reach, threads: usize) -> (usize, usize) {
+    let area = AREA.max(across.saturating_mul(down).saturating_mul(72));
+    // Pixels along an axis that all tiles fill, on average: about half of the stages reach beyond.
+    let filled = |size: usize, parts: usize, halo: usize| {
+        let own = size as f64 / parts as f64;
+        let beyond = (2 * halo * (parts - 1)) as f64 / parts as f64;
+        [own, (own + beyond).min(size as f64)]
     };
-    let most = least.max(2 * threads).min(height.max(1));
-    (least..=most).min_by(|a, b| rows(*a).total_cmp(&rows(*b))).unwrap_or(least)
+    let time = |&(columns, bands): &(usize, usize)| {
+        let ([x, wide], [y, high]) = (filled(width, columns, across), filled(height, bands, down));
+        (((columns * bands) as f64 / threads as f64).max(1.0) + IDLE) * (x * y + wide * high)
+    };
+    let is_small = |&(columns, bands): &(usize, usize)| width.div_ceil(columns) * height.div_ceil(bands) <= area;
+    // At least as many rows as a tile without a halo has.
+    let (columns, bands) = (1..=most.max(1), 1..=(height / TILE.1).max(1));
+    let ways = columns.flat_map(|columns| bands.clone().map(move |bands| (columns, bands)));
+    ways.filter(is_small).min_by(|a, b| time(a).total_cmp(&time(b))).unwrap_or((most.max(1), (height / TILE.1).max(1)))
 }
 
 impl Plan<'_> {
@@ -41,21 +53,19 @@ impl Plan<'_> {
         let fills = || self.passes.iter().flat_map(|pass| &pass.fills);
         let in_place = fills().all(|fill| self.bound[fill.node.0] || fill.variance <= Variance::Column);
         let (width, height) = (self.window.width(), self.window.height());
-        // Height of bands that reach beyond their own rows, of which they have at least `least`.
-        let band = |least: usize| height.div_ceil(divided(height, height / TILE.1.max(least), down, self.threads()));
+        let tile = |most: usize| {
+            let (columns, bands) = divided((width, height), most, (across, down), self.threads());
+            (width.div_ceil(columns), height.div_ceil(bands))
+        };
         match bands {
             // Whole rows, so that every block of a file is decoded once.
             Some(rows) => {
-                let height = if down == 0 { TILE.1 } else { band(4 * down) };
+                let height = if down == 0 { TILE.1 } else { tile(1).1 };
                 (width, height.next_multiple_of(rows.max(1)))
             }
-            None if in_place && across + down == 0 => (self.window.width(), TILE.1),
-            // Tiles that are large compared with the overlap with their neighbors, and wide, since threads share the
-            // bands.
-            None => {
-                let columns = (width / TILE.0.max(12 * across)).max(1);
-                (width.div_ceil(columns), band(6 * down))
-            }
+            None if in_place && across + down == 0 => (width, TILE.1),
+            None if across + down == 0 => (width.div_ceil((width / TILE.0).max(1)), TILE.1),
+            None => tile(width / TILE.0),
         }
     }
 }
