@@ -7,6 +7,7 @@
 pub(crate) mod bounds;
 mod controls;
 pub(crate) mod explain;
+pub(crate) mod gates;
 pub(crate) mod left_out;
 mod lower;
 mod optimize;

@@ -1,5 +1,6 @@
 //! The plan: what some outputs need at one frame, in which order, and why the rest is left out.
 
+use super::gates::Gates;
 use super::planner::Planner;
 use super::shading::ViewsByNode;
 use crate::judge::Judge;
@@ -76,9 +77,18 @@ pub(crate) struct Fill {
     /// Views that must see the same surface for a sample to reuse the result of the pixel's first sample; `None` if
     /// samples never reuse it.
     pub(crate) shared: Option<Vec<NodeId>>,
+    /// Set of the pass's gates that are open where it shows; `None` if it may show everywhere.
+    pub(crate) gates: Option<usize>,
 }
 
 impl Fill {
+    /// Returns the slots that the stage reads, and the program before it.
+    pub(crate) fn slots(&self) -> impl Iterator<Item = &Slot> {
+        let feeds = self.inputs.iter().flat_map(|(_, connections)| connections.iter().flatten());
+        let slots = feeds.filter_map(|feed| if let Feed::Slot(slot) = feed { Some(slot) } else { None });
+        slots.chain(self.taps.iter().flat_map(|taps| &taps.planes))
+    }
+
     /// Returns whether it fills the plane of `slot`.
     pub(crate) fn fills(&self, slot: &Slot) -> bool {
         self.node == slot.node
@@ -104,6 +114,8 @@ pub(crate) enum Feed {
 pub(crate) struct Pass {
     pub(crate) offsets: Vec<[f64; 2]>,
     pub(crate) fills: Vec<Fill>,
+    /// Where some of them show.
+    pub(crate) gates: Option<Gates>,
     /// How far the stages reach beyond a tile, horizontally and vertically: the sum along the longest chain of
     /// filters. Tiles that are small compared with the halo compute most samples several times.
     pub(crate) halo: (usize, usize),

@@ -70,6 +70,7 @@ impl Scheduler<'_, '_, '_> {
                         steady: false,
                         read: false,
                         shared: None,
+                        gates: None,
                     });
                 }
                 continue;
@@ -93,6 +94,8 @@ impl Scheduler<'_, '_, '_> {
         for fill in &mut fills {
             fill.read = program.planes.iter().any(|slot| fill.fills(slot));
         }
+        let is_gated = self.switches().demand && !sharing && !self.planner.settings.bounds();
+        let gates = is_gated.then(|| self.gates(&roots, &mut fills)).flatten();
         let halo = self.halo(&fills);
         let mut owners = Vec::new();
         for &member in members {
@@ -100,11 +103,11 @@ impl Scheduler<'_, '_, '_> {
                 owners.push((member, channel));
             }
         }
-        Pass { offsets, fills, halo, sharing, program, roots: owners }
+        Pass { offsets, fills, gates, halo, sharing, program, roots: owners }
     }
 
     /// Returns the slots that the `needed` operations load.
-    fn loads(&self, needed: &[bool]) -> impl Iterator<Item = Slot> {
+    pub(super) fn loads(&self, needed: &[bool]) -> impl Iterator<Item = Slot> {
         let ops = self.program.ops().iter().zip(needed).filter(|(_, needed)| **needed);
         ops.flat_map(|((op, _), _)| match op {
             Op::Load(slot) => vec![*slot],
@@ -137,7 +140,7 @@ impl Scheduler<'_, '_, '_> {
         self.stage(id).map_or(ChannelSet::EMPTY, Stage::supplied_channels)
     }
 
-    fn stage(&self, id: NodeId) -> Option<&dyn Stage> {
+    pub(super) fn stage(&self, id: NodeId) -> Option<&dyn Stage> {
         self.planner.stage(self.lowered, id)
     }
 
@@ -193,7 +196,7 @@ impl Scheduler<'_, '_, '_> {
         } else {
             Variance::Pixel
         };
-        Fill { node: id, wanted: own, variance, inputs, taps, steady, read: false, shared }
+        Fill { node: id, wanted: own, variance, inputs, taps, steady, read: false, shared, gates: None }
     }
 
     #[expect(clippy::too_many_arguments, reason = "what is asked of a source")]
@@ -307,11 +310,16 @@ impl Scheduler<'_, '_, '_> {
     /// everything, since that would read the stage itself. Without `hoist`, the program may run over single pixels
     /// instead of rows.
     fn compile(&self, roots: &[u32], everything: bool, hoist: bool) -> CompiledProgram {
-        let mut kept = cone(self.program, roots.iter().copied());
+        self.compile_of(self.program, roots, everything, hoist)
+    }
+
+    /// Does the same with another program.
+    pub(super) fn compile_of(&self, source: &Program, roots: &[u32], everything: bool, hoist: bool) -> CompiledProgram {
+        let mut kept = cone(source, roots.iter().copied());
         if everything {
             kept.fill(true);
         }
-        let (program, map) = extract(self.program, &kept);
+        let (program, map) = extract(source, &kept);
         let roots: Vec<u32> = roots.iter().map(|root| map[*root as usize]).collect();
         let switches = self.switches();
         let format = self.planner.graph.format();

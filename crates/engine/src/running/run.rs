@@ -456,5 +456,6 @@ impl Plan<'_> {
 
 /// Lists every program that a pass runs.
 pub(crate) fn programs(pass: &Pass) -> impl Iterator<Item = &CompiledProgram> {
-    pass.fills.iter().filter_map(|fill| fill.taps.as_ref()).chain([&pass.program])
+    let gates = pass.gates.iter().map(|gates| &gates.program);
+    pass.fills.iter().filter_map(|fill| fill.taps.as_ref()).chain(gates).chain([&pass.program])
 }

@@ -5,6 +5,7 @@
 //! asked for pixels outside of its image.
 
 mod extent;
+mod gated;
 mod parts;
 mod runner;
 mod shared;
@@ -18,6 +19,7 @@ use crate::running::prepare::{PreparedStage, node_error};
 use crate::{Buffers, EvalError, Monitor, Plan};
 use extent::clamped;
 pub(crate) use extent::extents;
+use gated::Gated;
 use runner::Runner;
 use shared::{ReplacedValues, SharingView, UnsharedPixels};
 use std::borrow::Cow;
@@ -57,6 +59,8 @@ pub(crate) struct Fills<'p> {
     tapped: Tapped,
     /// Copies of regions, whose memory is used again and again.
     spare: RefCell<Vec<Vec<f32>>>,
+    /// Where stages show.
+    gated: Option<Gated<'p>>,
 }
 
 struct FillState<'p> {
@@ -117,6 +121,7 @@ impl<'p> Fills<'p> {
         let by_slot = by_slot(fills);
         let views = SharingView::of(fills, &by_slot);
         let extents = extents(plan, ready, fills);
+        let gated = Gated::of(pass, chunks);
         let picture = plan.graph.format().window();
         let bounding = plan.settings.bounds();
         let image = |fill: &Fill, feeds: &Vec<Feed>| {
@@ -167,12 +172,14 @@ impl<'p> Fills<'p> {
             keeper: None,
             tapped: Tapped::default(),
             spare: RefCell::default(),
+            gated,
         }
     }
 
     /// Uses planes that were filled before, and keeps planes that are not known yet.
     pub(crate) fn with_keeper(self, keeper: &'p PlaneKeeper) -> Self {
-        Self { keeper: Some(keeper), ..self }
+        let gated = self.gated.map(|gated| gated.with_keeper(keeper));
+        Self { keeper: Some(keeper), gated, ..self }
     }
 
     /// Returns the planes of a fill for the current sample that an earlier evaluation filled, by output and channel.
@@ -201,7 +208,10 @@ impl<'p> Fills<'p> {
                 Some(views) if sample.index > 0 && self.known(index).is_none() => {
                     self.fill_unshared(index, views, sample.offset)
                 }
-                _ => self.fill_stage(index, sample).map(|()| self.compare_sample(index, sample.index)),
+                _ => self.fill_gated(index, sample).and_then(|is_filled| match is_filled {
+                    true => Ok(()),
+                    false => self.fill_stage(index, sample).map(|()| self.compare_sample(index, sample.index)),
+                }),
             };
             filled.map_err(|error| node_error(self.plan, id, error, self.monitor))?;
             if let Some(keeper) = self.keeper.filter(|keeper| keeper.wants(index)) {

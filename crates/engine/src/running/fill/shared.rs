@@ -254,7 +254,7 @@ impl<'p> Fills<'p> {
     }
 
     /// Computes the stage's planes at single pixels of its window.
-    fn fill_pixels(
+    pub(super) fn fill_pixels(
         &self,
         index: usize,
         unshared: &UnsharedPixels,
