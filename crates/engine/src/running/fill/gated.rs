@@ -1,13 +1,14 @@
 //! Stages that are filled only where they show.
 
+use super::extent::clamped;
 use super::runner::Runner;
 use super::shared::UnsharedPixels;
-use super::{Chunk, Fills};
+use super::{Chunk, FillState, Fills};
 use crate::planning::gates::{Condition, Gates};
-use crate::planning::plan::{Fill, Pass, Sample};
+use crate::planning::plan::{Feed, Fill, Pass, Sample};
 use crate::running::keep::PlaneKeeper;
 use trochoid_graph::{NodeError, Rate};
-use trochoid_image::Window;
+use trochoid_image::{Format, Window};
 use trochoid_kernel::Plane;
 
 /// Share of a tile from which on a stage is filled everywhere: pixels by themselves cost more.
@@ -20,12 +21,19 @@ pub(super) struct Gated<'p> {
     machine: Runner<'p>,
     /// Planes of the program's roots.
     roots: Vec<Vec<f32>>,
-    /// By set of conditions, the pixels of the tile at which all of them hold.
-    open: Vec<UnsharedPixels>,
+    /// By set of conditions, where in the tile all of them hold.
+    open: Vec<Open>,
     /// Tile and sample of which this is known.
     known: Option<(Window, usize)>,
     /// Fills of which whole planes are kept, or which those read: what does not show now may show after an edit.
     kept: Vec<bool>,
+}
+
+/// Pixels at which something shows, and the smallest window around them.
+#[derive(Default)]
+struct Open {
+    pixels: UnsharedPixels,
+    bounds: Window,
 }
 
 impl<'p> Gated<'p> {
@@ -64,12 +72,35 @@ impl<'p> Gated<'p> {
         self.machine.tile(planes, tile.width(), tile.height(), &mut |root, _, _, row| {
             roots[root].extend_from_slice(row);
         });
-        let holds = |condition: &Condition, index: usize| self.roots[condition.root][index] != condition.hides;
-        self.open.clear();
-        self.open.extend(self.gates.sets.iter().map(|set| {
-            let open = (0..tile.area()).filter(|index| set.iter().all(|condition| holds(condition, *index)));
-            UnsharedPixels::at(tile, open.collect())
-        }));
+        self.open.resize_with(self.gates.sets.len(), Open::default);
+        for (set, open) in self.gates.sets.iter().zip(&mut self.open) {
+            open.find(set, &self.roots, tile);
+        }
+    }
+}
+
+impl Open {
+    /// Finds the pixels of a tile at which all conditions hold.
+    fn find(&mut self, set: &[Condition], roots: &[Vec<f32>], tile: Window) {
+        let width = tile.width();
+        self.pixels.begin(tile);
+        self.bounds = Window::default();
+        let mut row = vec![true; width];
+        for (y, start) in (tile.y0..tile.y1).zip((0..).step_by(width)) {
+            row.fill(true);
+            for condition in set {
+                for (open, value) in row.iter_mut().zip(&roots[condition.root][start..]) {
+                    *open &= *value != condition.hides;
+                }
+            }
+            let Some(first) = row.iter().position(|open| *open) else { continue };
+            let last = row.iter().rposition(|open| *open).unwrap_or(first);
+            let (x0, x1) = (tile.x0 + first as i64, tile.x0 + last as i64 + 1);
+            self.bounds = self.bounds.union(Window::new(x0, y, x1, y + 1));
+            for x in (first..=last).filter(|x| row[*x]) {
+                self.pixels.push(start + x, [tile.x0 + x as i64, y]);
+            }
+        }
     }
 }
 
@@ -94,11 +125,13 @@ impl<'p> Fills<'p> {
             gated.known = now;
         }
         let open = &gated.open[set];
-        let share = open.indices.len() as f64 / self.tile.area() as f64;
-        let filled = if share > MOST || (share > 0.0 && !is_scattered) {
-            Ok(false)
+        let share = |pixels: usize| pixels as f64 / self.tile.area() as f64;
+        let filled = if share(open.pixels.indices.len()) <= if is_scattered { MOST } else { 0.0 } {
+            self.fill_open(index, &open.pixels, sample.offset).map(|()| true)
+        } else if share(open.bounds.area()) <= MOST {
+            self.fill_within(index, open.bounds, sample).map(|()| true)
         } else {
-            self.fill_open(index, open, sample.offset).map(|()| true)
+            Ok(false)
         };
         self.gated = Some(gated);
         filled
@@ -126,5 +159,54 @@ impl<'p> Fills<'p> {
         (state.planes, state.taps, state.columns, state.found) = (planes, machine, None, None);
         state.replaced.indices.clear();
         filled
+    }
+
+    /// Fills a stage within a window of the tile, and 0 elsewhere.
+    fn fill_within(&mut self, index: usize, within: Window, sample: Sample) -> Result<(), NodeError> {
+        let tile = self.tile;
+        let state = &mut self.fills[index];
+        let (mut planes, mut machine) = (std::mem::take(&mut state.planes), state.taps.take());
+        let mut part: Vec<Vec<Vec<f32>>> =
+            state.fill.wanted.iter().map(|channels| vec![Vec::new(); channels.len()]).collect();
+        let (images, tap_window) = (state.images.clone(), state.tap_window);
+        state.narrow(within, self.plan.graph.format());
+        let mut tapped = std::mem::take(&mut self.tapped);
+        let filled = self.fill_into(index, sample, &mut part, machine.as_mut(), &mut tapped).map(|_| ());
+        self.tapped = tapped;
+        let wanted = self.fills[index].fill.wanted.iter().flatten();
+        for ((plane, part), wanted) in planes.iter_mut().flatten().zip(part.iter().flatten()).zip(wanted) {
+            plane.clear();
+            plane.resize(if *wanted { tile.area() } else { 0 }, 0.0);
+            if *wanted && filled.is_ok() {
+                for (y, row) in (within.y0..).zip(part.chunks_exact(within.width())) {
+                    let start = (y - tile.y0) as usize * tile.width() + (within.x0 - tile.x0) as usize;
+                    plane[start..start + row.len()].copy_from_slice(row);
+                }
+            }
+        }
+        let state = &mut self.fills[index];
+        (state.planes, state.taps, state.columns, state.found) = (planes, machine, None, None);
+        (state.window, state.images, state.tap_window) = (tile, images, tap_window);
+        state.replaced.indices.clear();
+        filled
+    }
+}
+
+impl FillState<'_> {
+    /// Makes the windows of a stage those that it has for a part of the tile.
+    fn narrow(&mut self, to: Window, format: Format) {
+        self.window = to;
+        let Some(stage) = self.stage else { return };
+        let mut taps = Window::default();
+        for ((port, connections), images) in self.fill.inputs.iter().zip(&mut self.images) {
+            let asked = stage.regions_of_interest(*port, to, format);
+            for (feeds, image) in connections.iter().zip(images) {
+                image.region = clamped(asked, image.extent);
+                if feeds.iter().any(|feed| matches!(feed, Feed::Tap(..))) {
+                    taps = taps.union(image.region);
+                }
+            }
+        }
+        self.tap_window = taps;
     }
 }

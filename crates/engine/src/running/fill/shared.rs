@@ -30,6 +30,7 @@ pub(super) struct SharingView {
 }
 
 /// Pixels of a window at which the current sample does not share, according to some views.
+#[derive(Default)]
 pub(super) struct UnsharedPixels {
     views: Vec<NodeId>,
     window: Window,
@@ -145,6 +146,19 @@ fn is_doubtful([first, first_bounds]: [[f32; 2]; 2], [here, bounds]: [[f32; 2]; 
 }
 
 impl UnsharedPixels {
+    /// Begins with none of another window.
+    pub(super) fn begin(&mut self, window: Window) {
+        self.window = window;
+        self.indices.clear();
+        self.pixels.clear();
+    }
+
+    /// Adds a pixel, and its index in planes over the window.
+    pub(super) fn push(&mut self, index: usize, pixel: [i64; 2]) {
+        self.indices.push(index);
+        self.pixels.push(pixel);
+    }
+
     /// Makes those of a window with these indices.
     pub(super) fn at(window: Window, indices: Vec<usize>) -> Self {
         let width = window.width();
