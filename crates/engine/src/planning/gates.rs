@@ -34,58 +34,107 @@ type Closed = BTreeSet<Gate>;
 /// Where some stages of a pass show.
 #[derive(Clone, Debug)]
 pub(crate) struct Gates {
-    /// Computes the values on which it depends.
-    pub(crate) program: CompiledProgram,
+    /// Programs that compute the values on which it depends. Each reads stages of its own level and of those before it.
+    pub(crate) levels: Vec<CompiledProgram>,
     /// Sets of conditions. Stages refer to them by index.
-    pub(crate) sets: Vec<Vec<Condition>>,
+    pub(crate) sets: Vec<GateSet>,
 }
 
-/// A condition on a root of the program: what it must not be for something to show.
+/// Conditions that all hold where something shows.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct GateSet {
+    /// Level of the stages that show there: what the levels before it compute decides.
+    pub(crate) level: usize,
+    pub(crate) conditions: Vec<Condition>,
+}
+
+/// A condition on a root of a level's program: what it must not be for something to show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Condition {
+    pub(crate) level: usize,
     pub(crate) root: usize,
     pub(crate) hides: f32,
 }
 
 impl Scheduler<'_, '_, '_> {
-    /// Finds the stages of a pass that show only in places, says so in them, and moves them behind the others, of which
-    /// the values depend that tell the places.
+    /// Finds the stages of a pass that show only in places, says so in them, and moves them behind those that decide where.
+    ///
+    /// *That a stage may be left out where it does not show, although the values that decide this depend on such stages
+    /// themselves:* if a value decides, all of its own uses are behind the same gates as the operations at which it decides.
+    /// So where a stage before it was left out, either one of these gates is closed, and the stage does not show whatever the
+    /// value is; or the value does not depend on what was left out.
     pub(crate) fn gates(&self, roots: &[u32], fills: &mut [Fill]) -> Option<Gates> {
         let read = self.read_where(roots);
-        let all = self.shown_where(fills, &read, &|_| true);
-        // A gate must not depend on a stage that is itself filled in places only.
-        let hidden = |gate: &Gate| {
-            let needed = cone(self.program, [gate.position()]);
-            let mut loads = self.loads(&needed);
-            loads.any(|slot| fills.iter().zip(&all).any(|(fill, gates)| !gates.is_empty() && fill.fills(&slot)))
-        };
-        let mut gates: Vec<Gate> = all.iter().flatten().copied().collect();
+        let shown = self.shown_where(fills, &read);
+        let mut gates: Vec<Gate> = shown.iter().flatten().copied().collect();
         gates.sort_unstable();
         gates.dedup();
-        gates.retain(|gate| !hidden(gate));
-        let shown = self.shown_where(fills, &read, &|gate| gates.contains(gate));
-        gates.retain(|gate| shown.iter().any(|shown| shown.contains(gate)));
         if gates.is_empty() {
             return None;
         }
+        let levels = self.levels(fills, &shown, &gates)?;
+        let level_of = |gate: &Gate| levels.gates[gates.binary_search(gate).unwrap_or_default()];
         let mut source = self.program.clone();
-        let positions: Vec<u32> = gates.iter().map(|gate| scalar(&mut source, *gate)).collect();
-        let program = self.compile_of(&source, &positions, false, false);
-        let mut sets: Vec<Vec<Condition>> = Vec::new();
+        let count = levels.gates.iter().max().map_or(0, |level| level + 1);
+        let mut compiled = Vec::new();
+        let mut at = vec![(0, 0); gates.len()];
+        for level in 0..count {
+            let of_level = gates.iter().enumerate().filter(|(index, _)| levels.gates[*index] == level);
+            let mut positions = Vec::new();
+            for (index, gate) in of_level {
+                at[index] = (level, positions.len());
+                positions.push(scalar(&mut source, *gate));
+            }
+            compiled.push(self.compile_of(&source, &positions, false, false));
+        }
+        let mut sets: Vec<GateSet> = Vec::new();
         for (fill, shown) in fills.iter_mut().zip(&shown).filter(|(_, shown)| !shown.is_empty()) {
-            let condition = |gate: &Gate| Condition {
-                root: gates.iter().position(|known| known == gate).unwrap_or_default(),
-                hides: if matches!(gate, Gate::NotOne(_)) { 1.0 } else { 0.0 },
+            let condition = |gate: &Gate| {
+                let (level, root) = at[gates.binary_search(gate).unwrap_or_default()];
+                Condition { level, root, hides: if matches!(gate, Gate::NotOne(_)) { 1.0 } else { 0.0 } }
             };
-            let set: Vec<Condition> = shown.iter().map(condition).collect();
+            let level = shown.iter().map(level_of).max().map_or(0, |level| level + 1);
+            let set = GateSet { level, conditions: shown.iter().map(condition).collect() };
             let known = sets.iter().position(|known| *known == set);
             fill.gates = Some(known.unwrap_or_else(|| {
                 sets.push(set);
                 sets.len() - 1
             }));
         }
-        fills.sort_by_key(|fill| fill.gates.is_some());
-        Some(Gates { program, sets })
+        let mut order: Vec<usize> = (0..fills.len()).collect();
+        order.sort_by_key(|index| levels.fills[*index]);
+        let sorted: Vec<Fill> = order.into_iter().map(|index| fills[index].clone()).collect();
+        fills.clone_from_slice(&sorted);
+        Some(Gates { levels: compiled, sets })
+    }
+
+    /// Returns the levels of fills and of gates: a fill is behind its gates and what it reads, a gate at the highest level of
+    /// what it depends on. `None` if there is no such order.
+    fn levels(&self, fills: &[Fill], shown: &[Closed], gates: &[Gate]) -> Option<Levels> {
+        let of_slot = |slot: &Slot| (0..fills.len()).filter(|index| fills[*index].fills(slot)).collect::<Vec<_>>();
+        let before: Vec<Vec<usize>> = fills.iter().map(|fill| fill.slots().flat_map(of_slot).collect()).collect();
+        let behind: Vec<Vec<usize>> = gates
+            .iter()
+            .map(|gate| self.loads(&cone(self.program, [gate.position()])).flat_map(|slot| of_slot(&slot)).collect())
+            .collect();
+        let mut levels = Levels { fills: vec![0; fills.len()], gates: vec![0; gates.len()] };
+        // Each round that changes something raises a level, of which there are no more than fills.
+        for _ in 0..=fills.len() {
+            let old = levels.clone();
+            for (gate, behind) in behind.iter().enumerate() {
+                levels.gates[gate] = behind.iter().map(|fill| levels.fills[*fill]).max().unwrap_or_default();
+            }
+            for fill in 0..fills.len() {
+                let own =
+                    shown[fill].iter().map(|gate| gates.binary_search(gate).map_or(0, |gate| levels.gates[gate] + 1));
+                let read = before[fill].iter().map(|fill| levels.fills[*fill]);
+                levels.fills[fill] = own.chain(read).max().unwrap_or_default();
+            }
+            if levels == old {
+                return Some(levels);
+            }
+        }
+        None
     }
 
     /// Returns the gates through which each slot is read that the program loads.
@@ -144,13 +193,13 @@ impl Scheduler<'_, '_, '_> {
         nodes.len()
     }
 
-    /// Returns the gates through which each fill shows, of those that count. What shows everywhere has none.
-    fn shown_where(&self, fills: &[Fill], read: &[(Slot, Closed)], counts: &dyn Fn(&Gate) -> bool) -> Vec<Closed> {
+    /// Returns the gates through which each fill shows. What shows everywhere has none.
+    fn shown_where(&self, fills: &[Fill], read: &[(Slot, Closed)]) -> Vec<Closed> {
         let mut shown: Vec<Option<Closed>> = vec![None; fills.len()];
         let narrow = |known: &mut Option<Closed>, gates: &Closed| {
             *known = Some(match known.take() {
                 Some(known) => known.intersection(gates).copied().collect(),
-                None => gates.iter().filter(|gate| counts(gate)).copied().collect(),
+                None => gates.clone(),
             });
         };
         for index in (0..fills.len()).rev() {
@@ -196,6 +245,13 @@ impl Scheduler<'_, '_, '_> {
             fill.inputs.iter().all(|(port, _)| stage.regions_of_interest(*port, window, format) == window)
         })
     }
+}
+
+/// Levels by fill and by gate.
+#[derive(Clone, PartialEq)]
+struct Levels {
+    fills: Vec<usize>,
+    gates: Vec<usize>,
 }
 
 /// Returns the position of a gate's value as a scalar, which may have to be appended.

@@ -456,6 +456,6 @@ impl Plan<'_> {
 
 /// Lists every program that a pass runs.
 pub(crate) fn programs(pass: &Pass) -> impl Iterator<Item = &CompiledProgram> {
-    let gates = pass.gates.iter().map(|gates| &gates.program);
+    let gates = pass.gates.iter().flat_map(|gates| &gates.levels);
     pass.fills.iter().filter_map(|fill| fill.taps.as_ref()).chain(gates).chain([&pass.program])
 }

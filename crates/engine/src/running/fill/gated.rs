@@ -4,7 +4,7 @@ use super::extent::clamped;
 use super::runner::Runner;
 use super::shared::UnsharedPixels;
 use super::{Chunk, FillState, Fills};
-use crate::planning::gates::{Condition, Gates};
+use crate::planning::gates::{Condition, GateSet, Gates};
 use crate::planning::plan::{Feed, Fill, Pass, Sample};
 use crate::running::keep::PlaneKeeper;
 use trochoid_graph::{NodeError, Rate};
@@ -18,13 +18,13 @@ const MOST: f64 = 0.6;
 pub(super) struct Gated<'p> {
     fills: &'p [Fill],
     gates: &'p Gates,
-    machine: Runner<'p>,
-    /// Planes of the program's roots.
-    roots: Vec<Vec<f32>>,
-    /// By set of conditions, where in the tile all of them hold.
-    open: Vec<Open>,
-    /// Tile and sample of which this is known.
-    known: Option<(Window, usize)>,
+    machines: Vec<Runner<'p>>,
+    /// Planes of the programs' roots, by level.
+    roots: Vec<Vec<Vec<f32>>>,
+    /// Number of levels that have run.
+    known: usize,
+    /// By set of conditions, where in the tile all of them hold, as far as this was asked.
+    open: Vec<Option<Open>>,
     /// Fills of which whole planes are kept, or which those read: what does not show now may show after an edit.
     kept: Vec<bool>,
 }
@@ -42,12 +42,18 @@ impl<'p> Gated<'p> {
         Some(Self {
             fills: &pass.fills,
             gates,
-            machine: Runner::new(&gates.program, false, chunks),
-            roots: vec![Vec::new(); gates.program.roots.len()],
-            open: Vec::new(),
-            known: None,
+            machines: gates.levels.iter().map(|level| Runner::new(level, false, chunks)).collect(),
+            roots: gates.levels.iter().map(|level| vec![Vec::new(); level.roots.len()]).collect(),
+            known: 0,
+            open: gates.sets.iter().map(|_| None).collect(),
             kept: vec![false; pass.fills.len()],
         })
+    }
+
+    /// Begins with another sample or tile.
+    pub(super) fn begin(&mut self) {
+        self.known = 0;
+        self.open.iter_mut().for_each(|open| *open = None);
     }
 
     /// Returns the same for evaluations that keep planes.
@@ -65,42 +71,40 @@ impl<'p> Gated<'p> {
         Self { kept, ..self }
     }
 
-    /// Finds the pixels of a tile at which each set of conditions holds.
+    /// Runs the next level over a tile.
     fn look(&mut self, planes: &[Plane<'_>], tile: Window) {
-        self.roots.iter_mut().for_each(Vec::clear);
-        let roots = &mut self.roots;
-        self.machine.tile(planes, tile.width(), tile.height(), &mut |root, _, _, row| {
+        let roots = &mut self.roots[self.known];
+        roots.iter_mut().for_each(Vec::clear);
+        self.machines[self.known].tile(planes, tile.width(), tile.height(), &mut |root, _, _, row| {
             roots[root].extend_from_slice(row);
         });
-        self.open.resize_with(self.gates.sets.len(), Open::default);
-        for (set, open) in self.gates.sets.iter().zip(&mut self.open) {
-            open.find(set, &self.roots, tile);
-        }
+        self.known += 1;
     }
 }
 
 impl Open {
     /// Finds the pixels of a tile at which all conditions hold.
-    fn find(&mut self, set: &[Condition], roots: &[Vec<f32>], tile: Window) {
+    fn find(set: &[Condition], roots: &[Vec<Vec<f32>>], tile: Window) -> Self {
         let width = tile.width();
-        self.pixels.begin(tile);
-        self.bounds = Window::default();
+        let mut found = Self::default();
+        found.pixels.begin(tile);
         let mut row = vec![true; width];
         for (y, start) in (tile.y0..tile.y1).zip((0..).step_by(width)) {
             row.fill(true);
             for condition in set {
-                for (open, value) in row.iter_mut().zip(&roots[condition.root][start..]) {
+                for (open, value) in row.iter_mut().zip(&roots[condition.level][condition.root][start..]) {
                     *open &= *value != condition.hides;
                 }
             }
             let Some(first) = row.iter().position(|open| *open) else { continue };
             let last = row.iter().rposition(|open| *open).unwrap_or(first);
             let (x0, x1) = (tile.x0 + first as i64, tile.x0 + last as i64 + 1);
-            self.bounds = self.bounds.union(Window::new(x0, y, x1, y + 1));
+            found.bounds = found.bounds.union(Window::new(x0, y, x1, y + 1));
             for x in (first..=last).filter(|x| row[*x]) {
-                self.pixels.push(start + x, [tile.x0 + x as i64, y]);
+                found.pixels.push(start + x, [tile.x0 + x as i64, y]);
             }
         }
+        found
     }
 }
 
@@ -118,13 +122,13 @@ impl<'p> Fills<'p> {
             return Ok(false);
         }
         let Some(mut gated) = self.gated.take() else { return Ok(false) };
-        let now = Some((self.tile, sample.index));
-        if gated.known != now {
-            let planes = self.planes(&gated.gates.program);
+        let GateSet { level, conditions } = &gated.gates.sets[set];
+        while gated.known < *level {
+            let planes = self.planes(&gated.gates.levels[gated.known]);
             gated.look(&planes, self.tile);
-            gated.known = now;
         }
-        let open = &gated.open[set];
+        let roots = &gated.roots;
+        let open = gated.open[set].get_or_insert_with(|| Open::find(conditions, roots, self.tile));
         let share = |pixels: usize| pixels as f64 / self.tile.area() as f64;
         let filled = if share(open.pixels.indices.len()) <= if is_scattered { MOST } else { 0.0 } {
             self.fill_open(index, &open.pixels, sample.offset).map(|()| true)

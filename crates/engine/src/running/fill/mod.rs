@@ -195,6 +195,7 @@ impl<'p> Fills<'p> {
         }
         self.sample = sample.index;
         self.unshared.clear();
+        self.gated.iter_mut().for_each(Gated::begin);
         for index in 0..self.fills.len() {
             if self.fills[index].need.is_empty() {
                 continue;
