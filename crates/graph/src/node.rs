@@ -211,6 +211,11 @@ pub trait Stage {
         Rate::Sample
     }
 
+    /// Returns whether a pixel takes so long to fill that it pays to find out first where the stage shows.
+    fn is_costly(&self) -> bool {
+        false
+    }
+
     /// Returns the region of interest: the part of the images at a port that is needed to fill `window`. For a filter
     /// it is larger than the window itself.
     ///

@@ -4,7 +4,7 @@ use super::optimize::cone;
 use super::plan::Fill;
 use super::schedule::Scheduler;
 use std::collections::BTreeSet;
-use trochoid_graph::{Kind, NodeId, Op, Program, Slot, Variance};
+use trochoid_graph::{Kind, NodeId, Op, Program, Slot, Stage, Variance};
 use trochoid_image::Window;
 use trochoid_kernel::CompiledProgram;
 
@@ -65,7 +65,12 @@ impl Scheduler<'_, '_, '_> {
     /// value is; or the value does not depend on what was left out.
     pub(crate) fn gates(&self, roots: &[u32], fills: &mut [Fill]) -> Option<Gates> {
         let read = self.read_where(roots);
-        let shown = self.shown_where(fills, &read);
+        let mut shown = self.shown_where(fills, &read);
+        for (fill, shown) in fills.iter().zip(&mut shown) {
+            if !self.stage(fill.node).is_some_and(Stage::is_costly) {
+                shown.clear();
+            }
+        }
         let mut gates: Vec<Gate> = shown.iter().flatten().copied().collect();
         gates.sort_unstable();
         gates.dedup();

@@ -93,6 +93,10 @@ impl Node for Noise {
 }
 
 impl Stage for Noise {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         match self.space.channels() {
             [] => ChannelSet::EMPTY,

@@ -85,6 +85,10 @@ impl Node for Shape {
 }
 
 impl Stage for Shape {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn interval(&self, _output: usize, _channel: usize) -> Option<(f64, f64)> {
         Some((0.0, 1.0))
     }

@@ -73,6 +73,10 @@ impl Node for Blur {
 }
 
 impl Stage for Blur {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn regions_of_interest(&self, _port: PortId, window: Window, _format: Format) -> Window {
         let [across, down] = self.sizes().map(|size| self.shape().radius(size));
         Window::new(window.x0 - across, window.y0 - down, window.x1 + across, window.y1 + down)

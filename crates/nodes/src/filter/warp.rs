@@ -40,6 +40,10 @@ pub(crate) struct Warp {
 impl Node for Warp {}
 
 impl Stage for Warp {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn regions_of_interest(&self, port: PortId, window: Window, _format: Format) -> Window {
         let reach = if port == self.image.id() { self.reach.ceil() as i64 } else { 0 };
         Window::new(window.x0 - reach, window.y0 - reach, window.x1 + reach, window.y1 + reach)

@@ -78,6 +78,10 @@ impl Node for LightPool {
 }
 
 impl Stage for LightPool {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&POSITION).union(Channel::Coverage.into())
     }

@@ -185,6 +185,10 @@ impl Node for Hooks {
 }
 
 impl Stage for Hooks {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Depth.into()
     }

@@ -116,6 +116,10 @@ impl LineSet {
 }
 
 impl Stage for LineSet {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn interval(&self, output: usize, _channel: usize) -> Option<(f64, f64)> {
         Some((0.0, if output < self.lines.widths.len() { 1.0 } else { 0.0 }))
     }

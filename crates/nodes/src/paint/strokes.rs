@@ -99,6 +99,10 @@ impl Node for Strokes {
 }
 
 impl Stage for Strokes {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         let rests = if self.is_on_surfaces() { ChannelSet::of(&RESTS) } else { ChannelSet::EMPTY };
         rests.union(Channel::Coverage.into())

@@ -80,6 +80,10 @@ impl Node for DriftLines {
 }
 
 impl Stage for DriftLines {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         let always = [Channel::Coverage, Channel::Height, Channel::DriftWeight];
         ChannelSet::of(&self.coordinate.phase()).union(ChannelSet::of(&always))

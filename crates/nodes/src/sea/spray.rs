@@ -252,6 +252,10 @@ impl Node for Spray {
 }
 
 impl Stage for Spray {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Depth.into()
     }

@@ -73,6 +73,10 @@ const RESTS: [Channel; 3] = [Channel::RestX, Channel::RestY, Channel::RestZ];
 impl Node for SurfaceLines {}
 
 impl Stage for SurfaceLines {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&RESTS).union(Channel::Coverage.into())
     }

@@ -155,6 +155,10 @@ impl Node for Clouds {
 }
 
 impl Stage for Clouds {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn depends_on_time(&self) -> bool {
         true
     }

@@ -122,6 +122,10 @@ impl Node for FlowField {
 }
 
 impl Stage for FlowField {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         if !self.along.is_of_surface() {
             return ChannelSet::EMPTY;

@@ -83,6 +83,10 @@ impl Outline {
 }
 
 impl Stage for Outline {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&[Channel::Coverage, Channel::Depth])
     }

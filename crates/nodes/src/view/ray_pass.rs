@@ -88,6 +88,10 @@ impl<T: RayQuantity> Computes for RayPass<T> {
 }
 
 impl<T: RayQuantity> Stage for RayPass<T> {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         required_channels()
     }

@@ -52,6 +52,10 @@ enum Out {
 impl Node for Silhouette {}
 
 impl Stage for Silhouette {
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         ChannelSet::of(&NORMAL).union(Channel::Coverage.into())
     }
