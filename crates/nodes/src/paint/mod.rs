@@ -1,6 +1,7 @@
 //! Nodes that paint and draw (strokes, hooks, line sets), and what they share: random numbers, the seeds and shapes of
 //! strokes, and access to their surroundings.
 
+mod brush;
 mod canvas;
 #[cfg(feature = "scene")]
 mod hooks;
@@ -11,10 +12,11 @@ pub(crate) mod seeds;
 mod stroke;
 mod strokes;
 
+pub(crate) use brush::{Brush, LANES};
 pub(crate) use canvas::{BlockSurroundings, Canvas, RESTS, ReferenceSurroundings, StrokeInputs, index, sample};
 pub(crate) use layer::{Layer, LayerKnobs, MARGIN, STRIDES, layers, reach};
 pub(crate) use seeds::{Cells, Corner, Seed, placed, seeds_of};
-pub(crate) use stroke::{Stroke, StrokeSettings, StrokeSurroundings, pixels};
+pub(crate) use stroke::{Stroke, StrokeSettings, StrokeSurroundings, ceiling, floor, pixels};
 
 use trochoid_graph::NodeType;
 

@@ -3,7 +3,6 @@
 use super::{Layer, MARGIN, Seed};
 use std::f64::consts::TAU;
 use trochoid_field::random::draw;
-use trochoid_image::Window;
 
 /// Surroundings of a stroke, by pixel. Beyond the picture, the values are those of the nearest pixel.
 pub(crate) trait StrokeSurroundings {
@@ -48,18 +47,18 @@ pub(crate) struct Stroke {
     /// Center of the stroke, in pixels from the center of pixel (0, 0).
     pub(crate) at: [f64; 2],
     /// Unit vector along the stroke.
-    along: [f64; 2],
+    pub(crate) along: [f64; 2],
     /// Half its length and half its width, in pixels.
-    half: [f64; 2],
+    pub(crate) half: [f64; 2],
     /// Sideways displacement of its ends by the bend, in half widths.
-    bend: f64,
-    opacity: f64,
-    bristle: f64,
+    pub(crate) bend: f64,
+    pub(crate) opacity: f64,
+    pub(crate) bristle: f64,
     /// Phases of its two patterns of bristles.
-    hairs: [f64; 2],
+    pub(crate) hairs: [f64; 2],
     /// Surface it lies on and its depth, if edges cut the stroke.
-    edge: Option<(f64, f64)>,
-    step: f64,
+    pub(crate) edge: Option<(f64, f64)>,
+    pub(crate) step: f64,
     /// Pixel whose color it takes.
     pub(crate) source: [i64; 2],
     /// Sort key of the painting order within its layer.
@@ -76,7 +75,7 @@ const MOST_BEND: f64 = 0.6;
 /// Number of directions in which a stroke looks for surfaces that hide it.
 const LOOKS: usize = 16;
 /// Frequencies of the two patterns of bristles: bristles across half a width.
-const HAIRS: [f64; 2] = [2.3, 3.9];
+pub(crate) const HAIRS: [f64; 2] = [2.3, 3.9];
 
 /// Returns the area in the picture per stroke, in pixels², where the input `size` has the given value.
 #[inline(always)]
@@ -95,14 +94,14 @@ fn rounded(x: f64) -> i64 {
 
 /// Returns the largest integer that is ≤ `x`.
 #[inline(always)]
-fn floor(x: f64) -> i64 {
+pub(crate) fn floor(x: f64) -> i64 {
     let toward_zero = x as i64;
     toward_zero - i64::from(toward_zero as f64 > x)
 }
 
 /// Returns the smallest integer that is ≥ `x`.
 #[inline(always)]
-fn ceiling(x: f64) -> i64 {
+pub(crate) fn ceiling(x: f64) -> i64 {
     -floor(-x)
 }
 
@@ -231,73 +230,6 @@ impl Stroke {
         let dry = 1.0 - 0.55 * self.bristle * (1.0 - hair);
         let end = 1.0 - 0.8 * self.bristle * a.max(0.0) * hair;
         self.opacity * body * dry * end
-    }
-
-    /// Returns the pixels that it may cover.
-    pub(crate) fn bounds(&self) -> Window {
-        let ([cos, sin], [y0, y1]) = (self.along, self.rows());
-        let reach = self.half[0] * cos.abs() + (1.0 + self.bend.abs()) * self.half[1] * sin.abs() + 1e-3;
-        Window::new(ceiling(self.at[0] - reach), y0, floor(self.at[0] + reach) + 1, y1 + 1)
-    }
-
-    /// Returns the rows that it may cover.
-    pub(crate) fn rows(&self) -> [i64; 2] {
-        let [cos, sin] = self.along;
-        let aside = (1.0 + self.bend.abs()) * self.half[1];
-        let reach = self.half[0] * sin.abs() + aside * cos.abs();
-        [ceiling(self.at[1] - reach), floor(self.at[1] + reach)]
-    }
-
-    /// Returns the columns that it may cover in a row: the intersection of the row with two strips, along and across.
-    pub(crate) fn columns(&self, y: i64) -> [i64; 2] {
-        let [cos, sin] = self.along;
-        let dy = y as f64 - self.at[1];
-        let aside = (1.0 + self.bend.abs()) * self.half[1];
-        let reach = self.half[0] * cos.abs() + aside * sin.abs();
-        let (mut low, mut high) = (-reach, reach);
-        for (slope, offset, most) in [(cos, dy * sin, self.half[0]), (-sin, dy * cos, aside)] {
-            if slope.abs() > 1e-9 {
-                let (one, other) = ((-most - offset) / slope, (most - offset) / slope);
-                (low, high) = (low.max(one.min(other)), high.min(one.max(other)));
-            } else if offset.abs() > most {
-                return [0, -1];
-            }
-        }
-        [ceiling(self.at[0] + low - 1e-3), floor(self.at[0] + high + 1e-3)]
-    }
-
-    /// Fills the coverage of pixels in a row, in f32. The result is that of [`Self::covers`]. `[dx, dy]` is the offset
-    /// of the row's first covered pixel from the center, and `skipped` the number of pixels from there to the first of
-    /// `out`; counting from the same pixel gives the same bits for whatever part of the row is filled.
-    #[inline(always)]
-    pub(crate) fn cover_row(&self, [dx, dy]: [f64; 2], skipped: i64, parts: &[f32], depths: &[f32], out: &mut [f32]) {
-        let [cos, sin] = self.along;
-        let (half, bend) = (self.half, self.bend as f32);
-        // Positions along and across at the beginning of the row, and their change per pixel.
-        let (a0, a1) = (((dx * cos + dy * sin) / half[0]) as f32, (cos / half[0]) as f32);
-        let (b0, b1) = (((dy * cos - dx * sin) / half[1]) as f32, (-sin / half[1]) as f32);
-        let (own, far) = self.edge.unwrap_or((0.0, 1.0));
-        let (own, far, step) = (own as f32, far as f32, self.step as f32);
-        let is_free = self.edge.is_none();
-        let far_step = far * step;
-        let [h0, h1] = self.hairs.map(|hair| hair as f32);
-        let (bristle, opacity) = (self.bristle as f32, self.opacity as f32);
-        // Adding and subtracting this rounds to the nearest integer.
-        const WHOLE: f32 = 12_582_912.0;
-        let hair = |x: f32| 2.0 * (x - ((x + WHOLE) - WHOLE)).abs();
-        for (index, ((out, part), depth)) in out.iter_mut().zip(parts).zip(depths).enumerate() {
-            let x = (skipped as usize + index) as f32;
-            let a = a1.mul_add(x, a0);
-            let b = (-bend * a).mul_add(a, b1.mul_add(x, b0));
-            let (aa, bb) = (1.0 - a * a, 1.0 - b * b);
-            let body = (2.2 * aa * bb).min(1.0);
-            let hair = 0.5 * (hair((HAIRS[0] as f32).mul_add(b, h0)) + hair((HAIRS[1] as f32).mul_add(b, h1)));
-            let dry = 1.0 - 0.55 * bristle * (1.0 - hair);
-            let end = 1.0 - 0.8 * bristle * a.max(0.0) * hair;
-            let same = (*part == own) & (*depth <= far_step) & (far <= *depth * step);
-            let covers = (aa >= 0.0) & (bb >= 0.0) & (is_free | same);
-            *out = if covers { opacity * body * dry * end } else { 0.0 };
-        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::filter::{fill_together, kind, numbers, value};
 use crate::paint::{
-    BlockSurroundings, Canvas, Cells, Layer, LayerKnobs, MARGIN, RESTS, ReferenceSurroundings, STRIDES, Stroke,
+    BlockSurroundings, Brush, Canvas, Cells, LANES, Layer, LayerKnobs, MARGIN, RESTS, ReferenceSurroundings, STRIDES, Stroke,
     StrokeInputs, StrokeSettings, StrokeSurroundings, index as place, layers, pixels, placed, reach, sample, seeds_of,
 };
 use fearless_simd::{Level, Simd, dispatch};
@@ -216,45 +216,65 @@ impl Sums {
     /// Starts with another part; the memory stays.
     fn begin(&mut self, part: Window, is_used: Vec<bool>) {
         self.sums.resize_with(is_used.len(), Vec::new);
+        // Groups of lanes may end behind the last row.
+        let area = part.area() + LANES;
         for (sums, _) in self.sums.iter_mut().zip(&is_used).filter(|(_, is_used)| **is_used) {
             sums.clear();
-            sums.resize(part.area(), 0.0);
+            sums.resize(area, 0.0);
         }
         self.left.clear();
-        self.left.resize(part.area(), 1.0);
+        self.left.resize(area, 1.0);
         (self.part, self.is_used) = (part, is_used);
     }
 
     /// Adds a stroke to pixels of a row, given its coverage of each pixel and its values by channel.
     #[inline(always)]
-    fn add(&mut self, start: usize, covers: &[f32], values: &[(usize, f64)], weights: &mut [f64]) {
-        let left = &mut self.left[start..start + covers.len()];
-        for ((weight, left), covers) in weights.iter_mut().zip(left).zip(covers) {
-            *weight = f64::from(*covers) * *left;
-            *left -= *weight;
-        }
-        for (channel, value) in values {
-            if !self.is_used[*channel] {
-                continue;
-            }
-            let sums = &mut self.sums[*channel][start..start + covers.len()];
-            if value.is_finite() {
-                for (sum, weight) in sums.iter_mut().zip(&*weights) {
-                    *sum += weight * value;
+    fn add(&mut self, start: usize, covers: &[[f32; LANES]], values: &[(usize, f64)]) {
+        for (covers, start) in covers.iter().zip((start..).step_by(LANES)) {
+            let Some(left) = self.left[start..].first_chunk_mut::<LANES>() else { return };
+            let weights = weights(*covers, left);
+            for (channel, value) in values {
+                if !self.is_used[*channel] {
+                    continue;
                 }
-                continue;
-            }
-            // 0 times infinity counts as 0.
-            for (sum, weight) in sums.iter_mut().zip(&*weights).filter(|(_, weight)| **weight > 0.0) {
-                *sum += weight * value;
+                let Some(sums) = self.sums[*channel][start..].first_chunk_mut::<LANES>() else { return };
+                *sums = weighted(*sums, &weights, *value);
             }
         }
     }
 }
 
+/// Returns the weights of a stroke at a group of pixels, and takes them from what is left.
+#[inline(always)]
+fn weights(covers: [f32; LANES], left: &mut [f64; LANES]) -> [f64; LANES] {
+    let (mut weights, mut rest) = ([0.0; LANES], *left);
+    for lane in 0..LANES {
+        weights[lane] = f64::from(covers[lane]) * rest[lane];
+        rest[lane] -= weights[lane];
+    }
+    *left = rest;
+    weights
+}
+
+/// Returns sums with the value of a stroke added.
+#[inline(always)]
+fn weighted(mut sums: [f64; LANES], weights: &[f64; LANES], value: f64) -> [f64; LANES] {
+    if value.is_finite() {
+        for lane in 0..LANES {
+            sums[lane] += weights[lane] * value;
+        }
+        return sums;
+    }
+    // 0 times infinity counts as 0.
+    for (sum, weight) in sums.iter_mut().zip(weights).filter(|(_, weight)| **weight > 0.0) {
+        *sum += weight * value;
+    }
+    sums
+}
+
 /// Strokes from the top down, and the image's values at their sources.
 struct BlockStrokes {
-    strokes: Vec<Stroke>,
+    brushes: Vec<Brush>,
     /// Of every stroke, the channels that are not 0, with their values. Recipes have many channels, of which most are.
     values: Vec<(usize, f64)>,
     /// Of every stroke, the end of its values.
@@ -323,17 +343,17 @@ impl PreparedStrokes {
             let at = |axis: usize| a.at[axis].total_cmp(&b.at[axis]);
             other.cmp(layer).then(b.order.cmp(&a.order)).then_with(|| at(1)).then_with(|| at(0))
         });
-        let strokes: Vec<Stroke> = strokes.into_iter().map(|(_, stroke)| stroke).collect();
         let is_used = used(Level::new(), image, self.kind.channels(), image.window);
         let channels: Vec<usize> = (0..is_used.len()).filter(|channel| is_used[*channel]).collect();
         let (mut values, mut ends) = (Vec::new(), Vec::with_capacity(strokes.len()));
-        for stroke in &strokes {
+        for (_, stroke) in &strokes {
             let [x, y] = stroke.source;
             let value = |channel: &usize| (*channel, sample(Some(image), *channel, x, y).unwrap_or(0.0));
             values.extend(channels.iter().map(value).filter(|(_, value)| *value != 0.0));
             ends.push(values.len());
         }
-        Ok(BlockStrokes { strokes, values, ends, offset: block.offset })
+        let brushes = strokes.iter().map(|(_, stroke)| Brush::new(stroke)).collect();
+        Ok(BlockStrokes { brushes, values, ends, offset: block.offset })
     }
 }
 
@@ -355,18 +375,17 @@ impl Prepared for PreparedStrokes {
             }
         };
         let shift = [0, 1].map(|axis| block.offset[axis] - block_strokes.offset[axis]);
-        let strokes: Vec<Stroke> = block_strokes.strokes.iter().map(|stroke| stroke.seen_from(shift)).collect();
         let area = window.area();
         let width = window.width();
-        let (mut covers, mut weights) = (vec![0.0f32; width], vec![0.0f64; width]);
+        let mut covers = vec![[0.0f32; LANES]; PART.0.div_ceil(LANES)];
         let (flat, far) = (vec![-1.0f32; width], vec![f32::INFINITY; width]);
         let level = Level::new();
         // Paint part by part, so that the sums stay in the cache; results do not depend on where parts end.
         let parts: Vec<Window> = window.tiles(PART.0, PART.1).collect();
         let across = width.div_ceil(PART.0);
         let mut on: Vec<Vec<u32>> = vec![Vec::new(); parts.len()];
-        for (index, stroke) in strokes.iter().enumerate() {
-            let bounds = stroke.bounds().intersect(window);
+        for (index, brush) in block_strokes.brushes.iter().enumerate() {
+            let bounds = brush.bounds(brush.seen_from(shift)).intersect(window);
             if bounds.is_empty() {
                 continue;
             }
@@ -390,11 +409,12 @@ impl Prepared for PreparedStrokes {
                 sums.begin(part, is_used);
                 dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
                     for index in &on {
-                        let stroke = &strokes[*index as usize];
+                        let brush = &block_strokes.brushes[*index as usize];
                         let values = block_strokes.values(*index as usize);
-                        let [first, last] = stroke.rows();
-                        for y in first.max(part.y0)..(last + 1).min(part.y1) {
-                            let [begin, end] = stroke.columns(y);
+                        let at = brush.seen_from(shift);
+                        let bounds = brush.bounds(at);
+                        for y in bounds.y0.max(part.y0)..bounds.y1.min(part.y1) {
+                            let [begin, end] = brush.columns(at, y);
                             let (x0, x1) = (begin.max(part.x0), (end + 1).min(part.x1));
                             if x0 >= x1 {
                                 continue;
@@ -402,9 +422,10 @@ impl Prepared for PreparedStrokes {
                             let count = (x1 - x0) as usize;
                             let [parts, depths] = around.row([x0, x1], y);
                             let (parts, depths) = (parts.unwrap_or(&flat[..count]), depths.unwrap_or(&far[..count]));
-                            let from = [begin as f64 - stroke.at[0], y as f64 - stroke.at[1]];
-                            stroke.cover_row(from, x0 - begin, parts, depths, &mut covers[..count]);
-                            sums.add(place(part, x0, y), &covers[..count], values, &mut weights[..count]);
+                            let from = [begin as f64 - at[0], y as f64 - at[1]];
+                            let covers = &mut covers[..count.div_ceil(LANES)];
+                            brush.cover_row(from, x0 - begin, parts, depths, covers);
+                            sums.add(place(part, x0, y), covers, values);
                         }
                     }
                     for (channel, plane) in planes.iter_mut().enumerate() {
