@@ -45,6 +45,7 @@ mod references;
 mod scale;
 mod scenes;
 mod shading;
+mod shown;
 mod spray;
 mod stores;
 mod streaming;

@@ -45,7 +45,11 @@ struct Open {
 
 impl<'a> Bands<'a> {
     /// Makes bands of planes, in tiles of a width and a height.
-    pub(crate) fn of_planes(pictures: Vec<&'a mut Vec<Plane>>, window: Window, (width, height): (usize, usize)) -> Self {
+    pub(crate) fn of_planes(
+        pictures: Vec<&'a mut Vec<Plane>>,
+        window: Window,
+        (width, height): (usize, usize),
+    ) -> Self {
         let windows: Vec<Window> = window.tiles(window.width(), height).collect();
         let channels = pictures.iter().map(|planes| planes.len()).collect();
         let mut bands: Vec<Rows<'a>> = windows.iter().map(|_| pictures.iter().map(|_| Vec::new()).collect()).collect();

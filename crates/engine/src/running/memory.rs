@@ -172,6 +172,11 @@ impl Plan<'_> {
             Pictures::Whole | Pictures::Files => 0,
         };
         let tiles = tiles.saturating_add(band.saturating_mul(size_of::<f32>() as u64 + ENCODED_ROWS));
+        // Tiles that are narrower than the picture are computed beside their band.
+        let tile =
+            self.passes.iter().map(|pass| self.tile_before(pass)).filter(|[width, _]| *width < self.window.width());
+        let beside = tile.map(|tile| samples(channels().sum(), tile)).max().unwrap_or(0);
+        let tiles = tiles.saturating_add(beside.saturating_mul(size_of::<f32>() as u64));
         let remedy = "lower the format's \"width\", or reduce the reach of filters";
         account.workers = self.threads();
         account.consumers.push((MemoryConsumer::Tiles, tiles.saturating_mul(account.workers as u64), remedy));

@@ -37,6 +37,8 @@ pub trait Sink: Sync {
 #[derive(Default)]
 pub(crate) struct WorkerTotals {
     pub(crate) fill_seconds: Vec<f64>,
+    /// By node, the number of samples left out since they do not show.
+    pub(crate) left_out: HashMap<NodeId, u64>,
     pub(crate) program_seconds: f64,
     pub(crate) weights: WeightAudit,
     pub(crate) audits: Vec<Audit>,
@@ -48,6 +50,7 @@ impl WorkerTotals {
         for (all, own) in self.fill_seconds.iter_mut().zip(&worker.fill_seconds) {
             *all += own;
         }
+        worker.left_out().for_each(|(node, count)| *self.left_out.entry(node).or_default() += count);
         self.program_seconds += worker.program_seconds;
         self.weights = self.weights.merge(worker.audit());
         self.audits.resize(worker.audits.len(), Audit::default());
@@ -424,6 +427,9 @@ impl Plan<'_> {
             for fill in pass.fills.iter().filter(|fill| !spared.contains(&fill.node)) {
                 samples[fill.node.0] += taken;
             }
+        }
+        for (node, count) in &totals.left_out {
+            samples[node.0] = samples[node.0].saturating_sub(*count);
         }
         let total: f64 = costs.iter().sum();
         let nodes = self.graph.nodes().iter().enumerate();

@@ -195,6 +195,11 @@ impl<'p> Worker<'p> {
         Ok(seen)
     }
 
+    /// Lists nodes with the number of samples that they left out since they do not show; nodes may come several times.
+    pub(crate) fn left_out(&self) -> impl Iterator<Item = (NodeId, u64)> {
+        self.passes.iter().flat_map(|state| state.fills.left_out())
+    }
+
     /// Returns the extremes of weights over everything that this worker ran.
     pub(crate) fn audit(&self) -> WeightAudit {
         let audits = self.passes.iter().map(|state| state.fills.audit().merge(state.machine.audit()));

@@ -160,3 +160,93 @@ impl Brush {
         out
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trochoid_field::random::{draw, key};
+
+    /// Strokes of all directions, small and large, bent, next to edges and free, some along the axes.
+    fn stroke(index: i64) -> Stroke {
+        let random = |which: u64| draw(key(7, index), which);
+        let (sin, cos) = match index % 8 {
+            0 => (0.0, 1.0),
+            1 => (-1.0, 0.0),
+            2 => (1.0, -1e-12),
+            _ => libm::sincos(std::f64::consts::TAU * random(0)),
+        };
+        Stroke {
+            at: [40.0 * random(1), 12.0 * random(2)],
+            along: [cos, sin],
+            half: [0.5 + 30.0 * random(3) * random(4), 0.5 + 6.0 * random(5)],
+            bend: if index % 3 == 0 { 0.0 } else { 3.0 * random(6) - 1.5 },
+            opacity: random(7),
+            bristle: random(8),
+            hairs: [random(9), random(10)],
+            edge: (index % 2 == 0).then(|| (f64::from((3.0 * random(11)) as f32).floor() - 1.0, 5.0)),
+            step: 1.125,
+            source: [0, 0],
+            order: index as u64,
+        }
+    }
+
+    /// Surfaces and depths of a row: some of the stroke's own, some others, some where nothing is seen.
+    fn row(y: i64, width: usize) -> (Vec<f32>, Vec<f32>) {
+        let random = |x: usize, which| draw(key(key(1, y), x as i64), which);
+        let parts = (0..width).map(|x| (4.0 * random(x, 0)) as f32).map(|part| part.floor() - 1.0);
+        let depths = [5.0, 5.5, 4.25, 9.0, f32::INFINITY, 0.0, f32::MIN_POSITIVE];
+        (parts.collect(), (0..width).map(|x| depths[(7.0 * random(x, 1)) as usize]).collect())
+    }
+
+    #[test]
+    fn rows_are_what_the_formula_tells_whatever_part_of_them_is_filled() {
+        let mut covered = 0;
+        for index in 0..400 {
+            let stroke = stroke(index);
+            let brush = Brush::new(&stroke);
+            let shift = [0.25 * (index % 3) as f64, -0.375];
+            let at = brush.seen_from(shift);
+            let seen = stroke.seen_from(shift);
+            assert_eq!(at, seen.at);
+            let bounds = brush.bounds(at);
+            for y in bounds.y0 - 2..bounds.y1 + 2 {
+                let [begin, end] = brush.columns(at, y);
+                // Nothing outside of the columns and rows.
+                let inside = begin <= end && (bounds.y0..bounds.y1).contains(&y);
+                for x in (bounds.x0 - 3..bounds.x1 + 3).filter(|x| !inside || *x < begin || *x > end) {
+                    let covers = seen.covers([x as f64 - at[0], y as f64 - at[1]], 0.0, 5.0);
+                    assert!(covers < 1e-6, "stroke {index} covers {covers} at {x}, {y}, outside of {begin}..={end}");
+                }
+                if !inside {
+                    continue;
+                }
+                let width = (end - begin + 1) as usize;
+                let (parts, depths) = row(y, width);
+                let from = [begin as f64 - at[0], y as f64 - at[1]];
+                let fill = |skipped: usize, end: usize| {
+                    let mut out = vec![[f32::NAN; LANES]; (end - skipped).div_ceil(LANES)];
+                    let (parts, depths) = (&parts[skipped..end], &depths[skipped..end]);
+                    brush.cover_row(from, skipped as i64, parts, depths, &mut out);
+                    let out = out.concat();
+                    assert!(out[end - skipped..].iter().all(|covers| covers.to_bits() == 0), "beyond the row");
+                    out[..end - skipped].to_vec()
+                };
+                let whole = fill(0, width);
+                for (x, covers) in whole.iter().enumerate() {
+                    let [dx, dy] = from;
+                    let exact = seen.covers([dx + x as f64, dy], f64::from(parts[x]), f64::from(depths[x]));
+                    assert!((f64::from(*covers) - exact).abs() < 2e-4, "stroke {index} at {x}, {y}: {covers}, {exact}");
+                    covered += usize::from(*covers > 0.0);
+                }
+                let bits = |row: &[f32]| row.iter().map(|covers| covers.to_bits()).collect::<Vec<_>>();
+                for (skipped, end) in [(width / 3, width), (0, width - width / 4), (width / 2, width / 2 + 1)] {
+                    let end = end.min(width);
+                    if skipped < end {
+                        assert_eq!(bits(&fill(skipped, end)), bits(&whole[skipped..end]), "stroke {index}, row {y}");
+                    }
+                }
+            }
+        }
+        assert!(covered > 20_000, "{covered} pixels covered");
+    }
+}

@@ -2,8 +2,9 @@
 
 use crate::filter::{fill_together, kind, numbers, value};
 use crate::paint::{
-    BlockSurroundings, Brush, Canvas, Cells, LANES, Layer, LayerKnobs, MARGIN, RESTS, ReferenceSurroundings, STRIDES, Stroke,
-    StrokeInputs, StrokeSettings, StrokeSurroundings, index as place, layers, pixels, placed, reach, sample, seeds_of,
+    BlockSurroundings, Brush, Canvas, Cells, LANES, Layer, LayerKnobs, MARGIN, RESTS, ReferenceSurroundings, STRIDES,
+    Stroke, StrokeInputs, StrokeSettings, StrokeSurroundings, index as place, layers, pixels, placed, reach, sample,
+    seeds_of,
 };
 use fearless_simd::{Level, Simd, dispatch};
 use std::sync::Arc;

@@ -130,13 +130,19 @@ impl<'p> Fills<'p> {
         let roots = &gated.roots;
         let open = gated.open[set].get_or_insert_with(|| Open::find(conditions, roots, self.tile));
         let share = |pixels: usize| pixels as f64 / self.tile.area() as f64;
-        let filled = if share(open.pixels.indices.len()) <= if is_scattered { MOST } else { 0.0 } {
-            self.fill_open(index, &open.pixels, sample.offset).map(|()| true)
-        } else if share(open.bounds.area()) <= MOST {
-            self.fill_within(index, open.bounds, sample).map(|()| true)
+        let (count, around) = (open.pixels.indices.len(), open.bounds.area());
+        let filled = if share(count) <= if is_scattered { MOST } else { 0.0 } {
+            self.fill_open(index, &open.pixels, sample.offset).map(|()| Some(count))
+        } else if share(around) <= MOST {
+            self.fill_within(index, open.bounds, sample).map(|()| Some(around))
         } else {
-            Ok(false)
+            Ok(None)
         };
+        let filled = filled.map(|filled| {
+            let count = filled.unwrap_or(self.tile.area());
+            self.left_out[index] += (self.tile.area() - count) as u64;
+            filled.is_some()
+        });
         self.gated = Some(gated);
         filled
     }

@@ -61,6 +61,8 @@ pub(crate) struct Fills<'p> {
     spare: RefCell<Vec<Vec<f32>>>,
     /// Where stages show.
     gated: Option<Gated<'p>>,
+    /// By fill, the number of samples that it left out since they do not show.
+    left_out: Vec<u64>,
 }
 
 struct FillState<'p> {
@@ -161,6 +163,7 @@ impl<'p> Fills<'p> {
             ready,
             buffers,
             monitor,
+            left_out: vec![0; pass.fills.len()],
             fills,
             by_slot,
             views,
@@ -228,6 +231,11 @@ impl<'p> Fills<'p> {
     /// Returns the planes that a program reads over the current tile, in its order.
     pub(crate) fn planes(&self, program: &CompiledProgram) -> Vec<Plane<'_>> {
         program.planes.iter().map(|slot| self.plane(slot, self.tile, &self.fills)).collect()
+    }
+
+    /// Lists the nodes of the fills with the number of samples that each left out since they do not show.
+    pub(crate) fn left_out(&self) -> impl Iterator<Item = (NodeId, u64)> {
+        self.fills.iter().zip(&self.left_out).map(|(state, left_out)| (state.fill.node, *left_out))
     }
 
     /// Lists the stages that know no bound on the planes that they filled last, with the reason.
