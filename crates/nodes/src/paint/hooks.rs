@@ -5,7 +5,7 @@ use crate::sea::{Roots, check_indices, check_roots, check_surfaces};
 use crate::view::{RenderHandle, SurfaceHandle};
 use trochoid_field::random::{draw, key};
 use trochoid_graph::*;
-use trochoid_image::Format;
+use trochoid_image::{Format, Window};
 use trochoid_scene::claws::{Claw, Drawn, Places, Ribbon, Shape, covered};
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{Anchor, DVec3, Projector};
@@ -384,6 +384,29 @@ impl PreparedHooks {
     fn is_hidden(&self, claw: &Claw, depth: f64) -> bool {
         depth * self.step < claw.depth
     }
+
+    /// Returns the smallest part of `within` that contains all samples on which a claw may show: those that nothing
+    /// hides or covers. `left` is the fraction of each sample of `window` that no ribbon covers yet.
+    fn open(&self, claw: &Claw, within: Window, window: Window, left: &[f64], depths: &[f32]) -> Window {
+        let mut open = Window::new(0, 0, 0, 0);
+        for y in within.y0..within.y1 {
+            let first = index(window, within.x0, y);
+            let row = first..first + within.width();
+            let is_open = |(left, depth): (&f64, &f32)| *left != 0.0 && !self.is_hidden(claw, f64::from(*depth));
+            let mut samples = left[row.clone()].iter().zip(&depths[row]);
+            if let Some(first) = samples.clone().position(is_open) {
+                let last = samples.rposition(is_open).unwrap_or(first);
+                let [x0, x1] = [first, last + 1].map(|column| within.x0 + column as i64);
+                open = open.union(Window::new(x0, y, x1, y + 1));
+            }
+        }
+        open
+    }
+}
+
+/// Returns the index of a pixel of a window in its planes.
+fn index(window: Window, x: i64, y: i64) -> usize {
+    (y - window.y0) as usize * window.width() + (x - window.x0) as usize
 }
 
 impl Prepared for PreparedHooks {
@@ -392,8 +415,8 @@ impl Prepared for PreparedHooks {
         let depths = inputs.view(&self.view, Channel::Depth);
         let mut planes = Out::ALL.map(|output| (output, outputs.take(output, 0)));
         planes.iter_mut().for_each(|(_, plane)| plane.iter_mut().for_each(|plane| plane.fill(0.0)));
-        // Fraction of each sample that no ribbon covers yet.
-        let mut left = vec![1.0; window.area()];
+        // Fraction of each sample that no ribbon covers yet; most blocks are far from all ribbons.
+        let mut left = Vec::new();
         let mut places = Places::default();
         for (bounds, claw) in &self.claws {
             let within = covered(*bounds, window);
@@ -401,9 +424,11 @@ impl Prepared for PreparedHooks {
                 continue;
             }
             inputs.check_cancelled()?;
-            let pixels = (within.y0..within.y1).flat_map(|y| (within.x0..within.x1).map(move |x| (x, y)));
-            for ((x, y), found) in pixels.zip(places.find(claw, within, block.offset)) {
-                let index = (y - window.y0) as usize * window.width() + (x - window.x0) as usize;
+            left.resize(window.area(), 1.0);
+            let open = self.open(claw, within, window, &left, depths);
+            let pixels = (open.y0..open.y1).flat_map(|y| (open.x0..open.x1).map(move |x| (x, y)));
+            for ((x, y), found) in pixels.zip(places.find(claw, open, block.offset)) {
+                let index = index(window, x, y);
                 let Some((within, random)) = *found else { continue };
                 if left[index] == 0.0 || self.is_hidden(claw, f64::from(depths[index])) {
                     continue;

@@ -1,10 +1,13 @@
 //! Claws: ribbons with thumbs in the picture, such as foam rooted in a surface; finds the pixels inside them and computes
 //! what is drawn there.
 
+mod lanes;
 mod ribbon;
 
 pub use ribbon::{Ribbon, RibbonPoint, Shape};
 
+use fearless_simd::{Level, Simd, dispatch};
+use lanes::{Deepest, LANES};
 use ribbon::STEPS;
 use trochoid_image::Window;
 
@@ -117,38 +120,62 @@ fn united(all: Option<(RibbonPoint, f64)>, part: Option<(RibbonPoint, f64)>) -> 
 #[derive(Default)]
 pub struct Places {
     all: Vec<Option<(RibbonPoint, f64)>>,
-    part: Vec<Option<RibbonPoint>>,
+    /// Those within one ribbon, and the x of its samples, in groups of neighbors.
+    part: Vec<Deepest>,
+    columns: Vec<[f64; LANES]>,
 }
 
 impl Places {
     /// Finds the samples of a window, at an offset within their pixels, row by row. The results are those of
-    /// [`Claw::at`], but faster: each step of a spine visits only the pixels of its bounding box.
+    /// [`Claw::at`], but faster: each segment of a spine visits only the pixels of its bounding box, several at once.
     pub fn find(&mut self, claw: &Claw, window: Window, offset: [f64; 2]) -> &[Option<(RibbonPoint, f64)>] {
         self.all.clear();
         self.all.resize(window.area(), None);
         for (ribbon, random) in &claw.parts {
             let around = covered(ribbon.bounds(), window);
-            let row = around.width();
-            self.part.clear();
-            self.part.resize(around.area(), None);
-            for step in 0..STEPS {
-                let covered = covered(ribbon.step_bounds(step), around);
-                for y in covered.y0..covered.y1 {
-                    for x in covered.x0..covered.x1 {
-                        let part = &mut self.part[(y - around.y0) as usize * row + (x - around.x0) as usize];
-                        let found = ribbon.at_step(step, [x as f64 + offset[0], y as f64 + offset[1]]);
-                        *part = RibbonPoint::deeper(*part, found);
-                    }
-                }
+            if around.area() == 0 {
+                continue;
             }
-            for (y, part) in (around.y0..).zip(self.part.chunks_exact(row.max(1))) {
+            self.find_part(ribbon, around, offset);
+            for (y, part) in (around.y0..).zip(self.part.chunks_exact(self.columns.len())) {
                 let first = (y - window.y0) as usize * window.width() + (around.x0 - window.x0) as usize;
-                for (all, part) in self.all[first..].iter_mut().zip(part) {
-                    *all = united(*all, part.map(|within| (within, *random)));
+                for (all, part) in self.all[first..][..around.width()].chunks_mut(LANES).zip(part) {
+                    for (lane, all) in all.iter_mut().enumerate() {
+                        *all = united(*all, part.at(lane).map(|within| (within, *random)));
+                    }
                 }
             }
         }
         &self.all
+    }
+
+    /// Finds the samples of a window in one ribbon. The last group of a row may reach beyond the window.
+    fn find_part(&mut self, ribbon: &Ribbon, around: Window, offset: [f64; 2]) {
+        self.columns.clear();
+        self.columns.extend(
+            (around.x0..around.x1)
+                .step_by(LANES)
+                .map(|first| std::array::from_fn(|lane| (first + lane as i64) as f64 + offset[0])),
+        );
+        let groups = self.columns.len();
+        self.part.clear();
+        self.part.resize(groups * around.height(), Deepest::NONE);
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            for step in 0..STEPS {
+                let (segment, covered) = (ribbon.segment(step), covered(ribbon.segment_bounds(step), around));
+                if covered.area() == 0 {
+                    continue;
+                }
+                let [first, end] = [covered.x0, covered.x1].map(|x| (x - around.x0) as usize);
+                let within = first / LANES..end.div_ceil(LANES);
+                for y in covered.y0..covered.y1 {
+                    let row = &mut self.part[(y - around.y0) as usize * groups..][within.clone()];
+                    for (deepest, x) in row.iter_mut().zip(&self.columns[within.clone()]) {
+                        deepest.deepen(simd, &segment, x, y as f64 + offset[1]);
+                    }
+                }
+            }
+        }));
     }
 }
 

@@ -87,31 +87,52 @@ impl Ribbon {
     /// Returns the position of a point within the ribbon, if it lies in it. The segment with the smallest distance in
     /// half widths decides, so ends and bends are round.
     pub fn at(&self, place: [f64; 2]) -> Option<RibbonPoint> {
-        (0..STEPS).fold(None, |found, step| RibbonPoint::deeper(found, self.at_step(step, place)))
+        (0..STEPS).fold(None, |found, step| RibbonPoint::deeper(found, self.segment(step).at(place)))
+    }
+
+    /// Returns one segment.
+    pub(super) fn segment(&self, step: usize) -> Segment {
+        let (from, to) = (self.points[step], self.points[step + 1]);
+        let way = [to[0] - from[0], to[1] - from[1]];
+        let [width, next] = [self.widths[step], self.widths[step + 1]];
+        let squared = way[0] * way[0] + way[1] * way[1];
+        Segment { from, way, squared, widths: [width, next - width], step: step as f64 }
     }
 
     /// Returns the bounding box of one segment: minimum and maximum of x, then of y.
-    pub(super) fn step_bounds(&self, step: usize) -> [[f64; 2]; 2] {
+    pub(super) fn segment_bounds(&self, step: usize) -> [[f64; 2]; 2] {
         let (from, to, wide) = (self.points[step], self.points[step + 1], self.widths[step].max(self.widths[step + 1]));
         [0, 1].map(|axis| [from[axis].min(to[axis]) - wide, from[axis].max(to[axis]) + wide])
     }
+}
 
-    /// Returns the position of a point within one segment, if it lies in it.
-    #[inline]
-    pub(super) fn at_step(&self, step: usize, place: [f64; 2]) -> Option<RibbonPoint> {
-        let ([ax, ay], [bx, by]) = (self.points[step], self.points[step + 1]);
-        let (dx, dy) = (bx - ax, by - ay);
+/// A segment of a spine.
+pub(super) struct Segment {
+    pub(super) from: [f64; 2],
+    /// From its beginning to its end.
+    pub(super) way: [f64; 2],
+    /// Square of its length.
+    pub(super) squared: f64,
+    /// Half width at its beginning, and by how much that grows to its end.
+    pub(super) widths: [f64; 2],
+    /// Number of segments before it.
+    pub(super) step: f64,
+}
+
+impl Segment {
+    /// Returns the position of a point within the segment, if it lies in it.
+    fn at(&self, place: [f64; 2]) -> Option<RibbonPoint> {
+        let Self { from: [ax, ay], way: [dx, dy], squared, widths: [width, wider], step } = *self;
         let (px, py) = (place[0] - ax, place[1] - ay);
-        let squared = dx * dx + dy * dy;
         let t = if squared > 0.0 { ((px * dx + py * dy) / squared).clamp(0.0, 1.0) } else { 0.0 };
         let (ox, oy) = (px - t * dx, py - t * dy);
-        let half_width = self.widths[step] + t * (self.widths[step + 1] - self.widths[step]);
+        let half_width = width + t * wider;
         let distance = (ox * ox + oy * oy).sqrt();
         if distance > half_width || half_width <= 0.0 {
             return None;
         }
         let side = if dx * oy - dy * ox < 0.0 { -1.0 } else { 1.0 };
-        Some(RibbonPoint { along: (step as f64 + t) / STEPS as f64, across: side * distance / half_width, half_width })
+        Some(RibbonPoint { along: (step + t) / STEPS as f64, across: side * distance / half_width, half_width })
     }
 }
 
@@ -122,7 +143,7 @@ impl RibbonPoint {
     }
 
     /// Returns whichever of two positions is nearer to the spine in half widths; the first if both are equal.
-    pub(super) fn deeper(first: Option<Self>, second: Option<Self>) -> Option<Self> {
+    fn deeper(first: Option<Self>, second: Option<Self>) -> Option<Self> {
         match (first, second) {
             (Some(a), Some(b)) if b.across.abs() < a.across.abs() => second,
             (None, _) => second,

@@ -1,7 +1,9 @@
 //! Tests of claws.
 
 use trochoid_image::Window;
-use trochoid_scene::claws::{Claw, Places, Ribbon, Shape, covered};
+use trochoid_scene::claws::{Claw, Places, Ribbon, RibbonPoint, Shape, covered};
+
+use crate::random::Draw;
 
 #[test]
 fn the_fast_way_finds_what_every_place_finds_itself() {
@@ -37,6 +39,48 @@ fn the_fast_way_finds_what_every_place_finds_itself() {
         let inside = (x0..=x1).contains(&place[0]) && (y0..=y1).contains(&place[1]);
         assert!(inside || claw.at(place).is_none());
     }
+}
+
+#[test]
+fn samples_side_by_side_have_the_bits_of_single_ones() {
+    let mut draw = Draw(5);
+    let mut between = |low: f64, high: f64| low + (high - low) * draw.next();
+    let bits = |found: Option<(RibbonPoint, f64)>| {
+        found.map(|(RibbonPoint { along, across, half_width }, random)| {
+            [along, across, half_width, random].map(f64::to_bits)
+        })
+    };
+    // Some ribbons are points, hair-thin, much wider than long, or too small for squares.
+    let sizes = [0.0, 1e-300, 1e-160, 1e-3, 1.0, 7.0, 30.0];
+    let (mut places, mut inside) = (Places::default(), 0);
+    for round in 0..300 {
+        let parts = (0..3).map(|part| {
+            let shape = Shape {
+                curl: between(-7.0, 7.0),
+                late: between(0.1, 4.0),
+                taper: between(0.05, 3.0),
+                bulge: between(0.0, 2.0),
+            };
+            let mut size = || sizes[between(0.0, 7.0) as usize] * between(0.5, 1.0);
+            let [length, half_width] = if round % 3 == 0 { [size(), size()] } else { [between(0.0, 40.0), 5.0] };
+            let root =
+                [between(-9.0, 30.0), between(-9.0, 20.0)].map(|at| if round % 2 == 0 { at.floor() } else { at });
+            (Ribbon::new(&shape, root, between(-4.0, 4.0), length, half_width), f64::from(part))
+        });
+        let claw =
+            Claw { parts: parts.collect(), depth: 1.0, side: 1.0, row: 1.0, tag: 0.0, line: [0.0; 2], shade: 0.0 };
+        // Samples on points of the spine have a distance of 0.
+        let offset = if round % 2 == 0 { [0.0, 0.0] } else { [between(0.0, 1.0), between(0.0, 1.0)] };
+        let window = Window::new(-4, -3, 4 + round % 23, 17);
+        let found = places.find(&claw, window, offset);
+        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| [x, y]));
+        for (found, pixel) in found.iter().zip(pixels) {
+            let alone = claw.at([0, 1].map(|axis| pixel[axis] as f64 + offset[axis]));
+            assert_eq!(bits(*found), bits(alone), "round {round}, {pixel:?}: {found:?}, {alone:?}");
+            inside += usize::from(alone.is_some());
+        }
+    }
+    assert!(inside > 5000, "only {inside} samples are inside");
 }
 
 #[test]
