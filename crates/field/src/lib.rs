@@ -24,8 +24,10 @@
 mod formula;
 mod noise;
 pub mod random;
+mod ranks;
 
 pub use formula::{
     Expected, Expression, Fault, Found, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH, Program, Remedy, parse, parse_named,
 };
 pub use noise::{Noise, NoiseKind, NoiseParameters, Octave};
+pub use ranks::Ranks;

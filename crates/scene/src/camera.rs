@@ -146,6 +146,7 @@ impl Projector {
     }
 
     /// Returns the width in meters that a pixel at the picture's center covers, face on, at a distance in meters.
+    #[inline]
     pub fn pixel_size(&self, distance: f64) -> f64 {
         if self.orthographic { 1.0 / self.scale } else { distance / self.scale }
     }

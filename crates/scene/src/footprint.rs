@@ -18,8 +18,7 @@ pub(crate) const LEAST_DEPTH: f64 = 0.25;
 /// This is exact: a patch of solid angle s²·cos³ψ at distance d/cos ψ, seen under a sine of h·cos ψ/d, has the area
 /// s²·d³/h. It is constant along any line across the view.
 pub fn footprint(projector: &Projector, rest: DVec3) -> f64 {
-    let (width, slant) = patch(projector, rest);
-    width / libm::sqrt(slant)
+    Footprints::of(projector).at(rest)
 }
 
 /// Returns a lower bound of every [`footprint`], in meters, of the rest points at world y `level` in a range of
@@ -38,29 +37,55 @@ pub(crate) fn least_footprint(projector: &Projector, level: f64, [from, to]: [f6
     if depth == 0.0 { 0.0 } else { projector.pixel_size(depth) / libm::sqrt((offset.abs() / depth).max(GRAZING)) }
 }
 
-/// Returns the patch itself: vectors x, z in meters to the points that the next pixel across the view sees, and the
-/// next one upward.
-///
-/// [`footprint`] is the square root of its area.
-pub fn footprint_axes(projector: &Projector, rest: DVec3) -> [[f64; 2]; 2] {
-    let (width, slant) = patch(projector, rest);
-    let [x, z] = projector.heading();
-    [[-z * width, x * width], [x * width / slant, z * width / slant]]
+/// The footprints of the pixels of one view, with what they share computed once.
+#[derive(Clone, Copy, Debug)]
+pub struct Footprints {
+    projector: Projector,
+    heading: [f64; 2],
+    /// Planar depth gained by a step of 1 m along the heading, in meters.
+    slope: f64,
 }
 
-/// Returns the width of the patch in meters, and the sine of the angle under which it is seen.
-fn patch(projector: &Projector, rest: DVec3) -> (f64, f64) {
-    let offset = rest - projector.position;
-    let (height, forward) = (offset.y.abs(), projector.forward);
-    if projector.orthographic {
-        return (projector.pixel_size(1.0), forward.y.abs().max(GRAZING));
+impl Footprints {
+    /// Returns the footprints seen by a projector.
+    #[inline]
+    pub fn of(projector: &Projector) -> Self {
+        let [x, z] = projector.heading();
+        let slope = projector.forward.x * x + projector.forward.z * z;
+        Self { projector: *projector, heading: [x, z], slope }
     }
-    let [x, z] = projector.heading();
-    let along = offset.x * x + offset.z * z;
-    let depth = along * (forward.x * x + forward.z * z) + offset.y * forward.y;
-    let depth = depth.max(LEAST_DEPTH * libm::sqrt(along * along + height * height));
-    if depth == 0.0 {
-        return (0.0, 1.0);
+
+    /// Returns the [`footprint`] of a pixel that sees a rest point, in meters.
+    #[inline]
+    pub fn at(&self, rest: DVec3) -> f64 {
+        let (width, slant) = self.patch(rest);
+        width / libm::sqrt(slant)
     }
-    (projector.pixel_size(depth), (height / depth).max(GRAZING))
+
+    /// Returns the patch itself: vectors x, z in meters to the points that the next pixel across the view sees, and
+    /// the next one upward. The footprint is the square root of its area.
+    #[inline]
+    pub fn axes(&self, rest: DVec3) -> [[f64; 2]; 2] {
+        let (width, slant) = self.patch(rest);
+        let [x, z] = self.heading;
+        [[-z * width, x * width], [x * width / slant, z * width / slant]]
+    }
+
+    /// Returns the width of the patch in meters, and the sine of the angle under which it is seen.
+    #[inline]
+    fn patch(&self, rest: DVec3) -> (f64, f64) {
+        let Self { projector, heading: [x, z], slope } = self;
+        let offset = rest - projector.position;
+        let (height, forward) = (offset.y.abs(), projector.forward);
+        if projector.orthographic {
+            return (projector.pixel_size(1.0), forward.y.abs().max(GRAZING));
+        }
+        let along = offset.x * x + offset.z * z;
+        let depth = along * slope + offset.y * forward.y;
+        let depth = depth.max(LEAST_DEPTH * libm::sqrt(along * along + height * height));
+        if depth == 0.0 {
+            return (0.0, 1.0);
+        }
+        (projector.pixel_size(depth), (height / depth).max(GRAZING))
+    }
 }

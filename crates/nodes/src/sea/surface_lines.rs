@@ -3,9 +3,9 @@
 use crate::lit::eye;
 use crate::view::{is_covered, view_planes, view_vector};
 use std::f64::consts::TAU;
-use trochoid_field::{Noise, NoiseKind, NoiseParameters};
+use trochoid_field::{Noise, NoiseKind, NoiseParameters, Ranks};
 use trochoid_graph::*;
-use trochoid_scene::{DVec3, Projector, footprint_axes};
+use trochoid_scene::{DVec3, Footprints};
 
 /// A mask of lines that scroll and sway on the water, and coordinates with which a Texture places a tiled picture
 /// there instead.
@@ -101,9 +101,9 @@ impl Stage for SurfaceLines {
         let bend = |axis: u32| Noise::new(NoiseKind::Fbm, cells(BEND, mixed(seed, axis)), Some(evolution));
         Ok(Box::new(PreparedSurfaceLines {
             node: self.clone(),
-            projector: eye(prepare, &self.view, prepare.frame.format)?,
+            footprints: Footprints::of(&eye(prepare, &self.view, prepare.frame.format)?),
             scrolled: [self.scroll_x, self.scroll_z].map(|speed| speed * time / self.scale),
-            shares: shares(&net),
+            distances: distances(&net),
             bends: [bend(1), bend(2)],
             net,
         }))
@@ -122,25 +122,24 @@ fn mixed(seed: u32, axis: u32) -> u32 {
 const SAMPLES: usize = 64;
 const SAMPLES_PER_MESH: f64 = 3.7;
 
-/// Returns sorted distances to the nearest line, in cells: their distribution gives the share of the water closer to a
-/// line than a given distance.
-fn shares(net: &Noise) -> Vec<f32> {
+/// Returns distances to the nearest line, in cells: their distribution gives the share of the water closer to a line
+/// than a given distance.
+fn distances(net: &Noise) -> Ranks {
     let place = |index: usize| [index % SAMPLES, index / SAMPLES].map(|step| step as f64 / SAMPLES_PER_MESH);
     let mut distances = vec![0.0; SAMPLES * SAMPLES];
     net.fill::<2>((0..SAMPLES * SAMPLES).map(place), &[], &mut distances);
     distances.iter_mut().for_each(|distance| *distance /= 2.0);
-    distances.sort_by(f32::total_cmp);
-    distances
+    Ranks::new(distances, 0.5)
 }
 
 struct PreparedSurfaceLines {
     node: SurfaceLines,
-    projector: Projector,
+    footprints: Footprints,
     /// Scroll of the tiles along x and z, in tiles.
     scrolled: [f64; 2],
     net: Noise,
     bends: [Noise; 2],
-    shares: Vec<f32>,
+    distances: Ranks,
 }
 
 /// Everything about the lines at one place except their distance.
@@ -152,27 +151,27 @@ struct LinePoint {
     steps: [[f64; 2]; 2],
     /// Width of the line in cells.
     width: f64,
+    /// Share of the lines that remains at the pixel's size.
+    sharp: f64,
+    /// Share of the water that lines of this width cover.
+    share: f64,
+}
+
+/// Returns the share of the lines that remains at the pixel's size, given its steps; 0 below 1e-8.
+fn sharp(steps: [[f64; 2]; 2]) -> f64 {
+    let longest = steps.map(|[x, z]| libm::hypot(x, z)).into_iter().fold(0.0, f64::max);
+    let turn = TAU * longest;
+    if turn < 12.0 { libm::exp(-turn * turn / 8.0) } else { 0.0 }
 }
 
 impl LinePoint {
-    /// Returns the longer side of the pixel's footprint.
-    fn longest(&self) -> f64 {
-        self.steps.map(|[x, z]| libm::hypot(x, z)).into_iter().fold(0.0, f64::max)
-    }
-
     /// Returns the place displaced by an offset in cells.
     fn bent(&self, by: [f64; 2]) -> Self {
         Self { at: [self.at[0] + by[0], self.at[1] + by[1]], ..*self }
     }
 
-    /// Returns the share of the lines that remains at the pixel's size; 0 below 1e-8.
-    fn sharp(&self) -> f64 {
-        let turn = TAU * self.longest();
-        if turn < 12.0 { libm::exp(-turn * turn / 8.0) } else { 0.0 }
-    }
-
     /// Returns the mask, given F₂ − F₁ and its gradient.
-    fn mask(&self, edges: f64, slope: [f64; 2], share: f64) -> f64 {
+    fn mask(&self, edges: f64, slope: [f64; 2]) -> f64 {
         let d = edges / 2.0;
         let [across, along] = self.steps.map(|[x, z]| (slope[0] * x + slope[1] * z) / 2.0);
         let change = libm::hypot(across, along).max(LEAST_CHANGE);
@@ -182,12 +181,12 @@ impl LinePoint {
         } else {
             0.0
         };
-        self.faded(line, share)
+        self.faded(line)
     }
 
     /// Fades a line to the share of the water that lines cover, by the pixel's size.
-    fn faded(&self, line: f64, share: f64) -> f64 {
-        (share + (line - share) * self.sharp()).clamp(0.0, 1.0)
+    fn faded(&self, line: f64) -> f64 {
+        (self.share + (line - self.share) * self.sharp).clamp(0.0, 1.0)
     }
 }
 
@@ -202,14 +201,10 @@ impl PreparedSurfaceLines {
 
     /// Returns the place of a rest point, before it is bent.
     fn place(&self, rest: DVec3, thickness: f64) -> LinePoint {
-        let steps = footprint_axes(&self.projector, rest).map(|axis| axis.map(|along| along / self.node.scale));
-        LinePoint { at: self.tiles(rest), steps, width: self.node.width * thickness / self.node.scale }
-    }
-
-    /// Returns the share of the water that lines cover.
-    fn share(&self, place: &LinePoint) -> f64 {
-        let nearer = self.shares.partition_point(|distance| f64::from(*distance) < place.width / 2.0);
-        nearer as f64 / self.shares.len() as f64
+        let steps = self.footprints.axes(rest).map(|axis| axis.map(|along| along / self.node.scale));
+        let width = self.node.width * thickness / self.node.scale;
+        let share = self.distances.share_below(width / 2.0);
+        LinePoint { at: self.tiles(rest), steps, width, sharp: sharp(steps), share }
     }
 
     /// Returns texture coordinates without whole pairs of tiles, which make no difference to a picture, mirrored or
@@ -219,35 +214,50 @@ impl PreparedSurfaceLines {
         [rest.x / self.node.scale - offset[0], offset[1] - rest.z / self.node.scale]
     }
 
-    fn fill_mask(&self, rests: &[DVec3], coverage: &[f32], thickness: Option<&[f32]>, mask: &mut [f32]) {
-        let mut near: Vec<(usize, LinePoint)> = Vec::new();
-        for (index, rest) in rests.iter().enumerate() {
-            let place = self.place(*rest, thickness.map_or(1.0, |plane| f64::from(plane[index])));
-            if coverage[index] == 0.0 {
-                mask[index] = 0.0;
-            } else if place.sharp() == 0.0 {
-                mask[index] = place.faded(0.0, self.share(&place)) as f32;
-            } else {
-                near.push((index, place));
+    fn fill_mask(&self, rest: impl Fn(usize) -> DVec3, coverage: &[f32], thickness: Option<&[f32]>, mask: &mut [f32]) {
+        mask.fill(0.0);
+        // Places with lines side by side, however few of them there are.
+        let mut near = Vec::with_capacity(AT_ONCE);
+        for (index, _) in coverage.iter().enumerate().filter(|(_, coverage)| **coverage != 0.0) {
+            let place = self.place(rest(index), thickness.map_or(1.0, |plane| f64::from(plane[index])));
+            // Without a line to see there, its distance does not matter.
+            let has_line = place.width > 0.0 && place.sharp > 0.0;
+            if !has_line {
+                mask[index] = place.faded(0.0) as f32;
+                continue;
+            }
+            near.push((index, place));
+            if near.len() == AT_ONCE {
+                self.draw(&mut near, mask);
+                near.clear();
             }
         }
+        self.draw(&mut near, mask);
+    }
+
+    /// Draws the lines at up to `AT_ONCE` places, each with its index in the mask.
+    fn draw(&self, near: &mut [(usize, LinePoint)], mask: &mut [f32]) {
         if self.node.sway > 0.0 {
-            let mut bends = [vec![0.0f32; near.len()], vec![0.0f32; near.len()]];
+            let mut bends = [[0.0; AT_ONCE]; 2];
             for (bend, out) in self.bends.iter().zip(&mut bends) {
-                bend.fill::<2>(near.iter().map(|(_, place)| place.at), &[], out);
+                bend.fill::<2>(near.iter().map(|(_, place)| place.at), &[], &mut out[..near.len()]);
             }
             for (step, (_, place)) in near.iter_mut().enumerate() {
                 *place = place.bent([0, 1].map(|axis| self.node.sway * f64::from(bends[axis][step])));
             }
         }
-        let places: Vec<[f64; 2]> = near.iter().map(|(_, place)| place.at).collect();
-        let (mut edges, mut slopes) = (vec![0.0; near.len()], vec![[0.0; 2]; near.len()]);
-        self.net.fill_edges(&places, &mut edges, &mut slopes);
+        let (mut places, mut edges, mut slopes) = ([[0.0; 2]; AT_ONCE], [0.0; AT_ONCE], [[0.0; 2]; AT_ONCE]);
+        places.iter_mut().zip(near.iter()).for_each(|(at, (_, place))| *at = place.at);
+        let count = near.len();
+        self.net.fill_edges(&places[..count], &mut edges[..count], &mut slopes[..count]);
         for (((index, place), edges), slope) in near.iter().zip(edges).zip(slopes) {
-            mask[*index] = place.mask(f64::from(edges), slope.map(f64::from), self.share(place)) as f32;
+            mask[*index] = place.mask(f64::from(edges), slope.map(f64::from)) as f32;
         }
     }
 }
+
+/// Number of places at which lines are drawn at once.
+const AT_ONCE: usize = 256;
 
 /// Returns all outputs at one sample.
 fn references(mask: f64, [u, v]: [f64; 2]) -> Vec<Reference> {
@@ -264,15 +274,14 @@ impl Prepared for PreparedSurfaceLines {
         let coverage = inputs.view(&self.node.view, Channel::Coverage);
         let planes = view_planes(inputs, &self.node.view, RESTS);
         let rest = |index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
-        let rests: Vec<DVec3> = (0..coverage.len()).map(rest).collect();
         if let Some(mask) = outputs.take(Out::Mask, 0) {
             let thickness = inputs.all(&self.node.thickness).first().and_then(|connection| connection.planes[0]);
-            self.fill_mask(&rests, coverage, thickness, mask);
+            self.fill_mask(rest, coverage, thickness, mask);
         }
         for (axis, output) in [Out::U, Out::V].into_iter().enumerate() {
             let Some(plane) = outputs.take(output, 0) else { continue };
-            for ((out, rest), coverage) in plane.iter_mut().zip(&rests).zip(coverage) {
-                *out = if *coverage == 0.0 { 0.0 } else { self.coordinates(*rest)[axis] as f32 };
+            for (index, (out, coverage)) in plane.iter_mut().zip(coverage).enumerate() {
+                *out = if *coverage == 0.0 { 0.0 } else { self.coordinates(rest(index))[axis] as f32 };
             }
         }
         Ok(())
@@ -291,11 +300,11 @@ impl Prepared for PreparedSurfaceLines {
         let place = self.place(rest, thickness);
         let place = place.bent([0, 1].map(|axis| self.node.sway * self.bends[axis].reference(&place.at, 0.0)));
         let (edges, slope) = self.net.edges_reference(place.at);
-        let mask = place.mask(edges, slope, self.share(&place));
+        let mask = place.mask(edges, slope);
         Ok(references(mask, self.coordinates(rest)))
     }
 
     fn bytes(&self) -> usize {
-        self.shares.len() * 4
+        self.distances.bytes()
     }
 }
