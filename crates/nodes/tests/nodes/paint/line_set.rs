@@ -39,19 +39,20 @@ fn no_line_is_missed_and_what_is_kept_of_neighbors_changes_nothing() {
     let widths = [1.6, 0.7];
     let [mut drawing, mut forgetful] = [(); 2].map(|()| drawing(&widths));
     let mut most: f64 = 0.0;
-    for step in 0..4000 {
-        let place = [f64::from(step) * 0.0137 - 20.0, f64::from(step % 37) / 30.0];
-        let masks = drawing.masks(place, 0.02, 1.0);
+    for step in 0..12_000 {
+        let place = [f64::from(step) * 0.00457 - 20.0, f64::from(step % 37) / 30.0];
+        let (change, thickness) = ([0.02, 0.11, 1e-4][step as usize % 3], [1.0, 0.37, 1e-6][step as usize / 3 % 3]);
+        let masks = drawing.masks(place, change, thickness);
         forgetful.forget();
-        assert_eq!(masks, forgetful.masks(place, 0.02, 1.0));
+        assert_eq!(masks, forgetful.masks(place, change, thickness));
         // Compare with all lines in a wide neighborhood, one by one.
         for (k, width) in widths.iter().enumerate() {
             let all = (-40..60).map(|index| {
                 let [middle, factor, taper] = drawing.line(index, place[1] - k as f64 * LAG);
-                let wide = width * factor * taper;
+                let wide = width * factor * taper * thickness;
                 let distance = (place[0] - k as f64 * LEAN - middle).abs();
-                let drawn = wide.max(0.02);
-                if wide > 0.0 { wide / drawn * (0.5 + (0.5 * drawn - distance) / 0.02).clamp(0.0, 1.0) } else { 0.0 }
+                let drawn = wide.max(change);
+                if wide > 0.0 { wide / drawn * (0.5 + (0.5 * drawn - distance) / change).clamp(0.0, 1.0) } else { 0.0 }
             });
             assert_eq!(masks[k], all.fold(0.0, f64::max), "{place:?}");
             most = most.max(masks[k]);
