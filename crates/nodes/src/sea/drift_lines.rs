@@ -135,19 +135,19 @@ impl Prepared for PreparedDriftLines {
             return Ok(());
         }
         let Window { x0, x1, y0, .. } = block.window;
-        let mut rows: [Vec<f32>; 8] = std::array::from_fn(|_| Vec::new());
+        let mut spare: [Vec<f32>; 8] = Default::default();
         for (y, out) in (y0..).zip(mask.chunks_exact_mut(block.window.width().max(1))) {
-            let [weight, height, cos, sin, above_cos, above_sin, below_cos, below_sin] = &mut rows;
-            around.row(weights, y, x0..x1, weight);
-            around.row(heights, y, x0..x1, height);
-            around.row(planes[0], y, x0 - 1..x1 + 1, cos);
-            around.row(planes[1], y, x0 - 1..x1 + 1, sin);
-            around.row(planes[0], y - 1, x0..x1, above_cos);
-            around.row(planes[1], y - 1, x0..x1, above_sin);
-            around.row(planes[0], y + 1, x0..x1, below_cos);
-            around.row(planes[1], y + 1, x0..x1, below_sin);
-            let beside = [[&above_cos[..], &above_sin[..]], [&below_cos[..], &below_sin[..]]];
-            self.lines.fill(&LineRow { weight, height, phase: [cos, sin], beside }, out);
+            let [a, b, c, d, e, f, g, h] = &mut spare;
+            let row = LineRow {
+                weight: around.row(weights, y, x0..x1, a),
+                height: around.row(heights, y, x0..x1, b),
+                phase: [around.row(planes[0], y, x0 - 1..x1 + 1, c), around.row(planes[1], y, x0 - 1..x1 + 1, d)],
+                beside: [
+                    [around.row(planes[0], y - 1, x0..x1, e), around.row(planes[1], y - 1, x0..x1, f)],
+                    [around.row(planes[0], y + 1, x0..x1, g), around.row(planes[1], y + 1, x0..x1, h)],
+                ],
+            };
+            self.lines.fill(&row, out);
         }
         Ok(())
     }

@@ -22,6 +22,7 @@ mod render;
 mod rest;
 mod rest_distance;
 mod seen;
+mod seen_rows;
 mod silhouette;
 mod sky;
 mod surroundings;

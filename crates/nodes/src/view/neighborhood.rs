@@ -26,20 +26,27 @@ impl<'a> Neighborhood<'a> {
         row as usize * window.width() + column as usize
     }
 
-    /// Copies a range of columns of one row of a plane.
-    #[cfg(feature = "sea")]
-    pub(crate) fn row(&self, plane: &[f32], y: i64, columns: std::ops::Range<i64>, row: &mut Vec<f32>) {
-        row.clear();
+    /// Returns a range of columns of one row of a plane; where the plane lacks some of them, `spare` takes a copy.
+    pub(crate) fn row<'p, T: Copy>(
+        &self,
+        plane: &'p [T],
+        y: i64,
+        columns: std::ops::Range<i64>,
+        spare: &'p mut Vec<T>,
+    ) -> &'p [T] {
         let Window { x0, x1, .. } = self.view.window;
         // Columns within the plane are contiguous.
         let (first, end) = (columns.start.max(x0), columns.end.min(x1));
-        if first < end {
-            row.extend((columns.start..first).map(|x| plane[self.index(x, y)]));
-            row.extend_from_slice(&plane[self.index(first, y)..][..(end - first) as usize]);
-            row.extend((end..columns.end).map(|x| plane[self.index(x, y)]));
-        } else {
-            row.extend(columns.map(|x| plane[self.index(x, y)]));
+        let within = if first < end { &plane[self.index(first, y)..][..(end - first) as usize] } else { &[] };
+        if within.len() as i64 == columns.end - columns.start {
+            return within;
         }
+        spare.clear();
+        let end = end.max(first).min(columns.end);
+        spare.extend((columns.start..first.min(columns.end)).map(|x| plane[self.index(x, y)]));
+        spare.extend_from_slice(within);
+        spare.extend((end..columns.end).map(|x| plane[self.index(x, y)]));
+        spare
     }
 
     /// Returns the number of samples in a plane.
@@ -93,6 +100,7 @@ pub(crate) fn may_see(bounding: &Bounding<'_>, view: &One<port::View>, sample: u
 
 /// Returns the change of a value along an axis, given the values before, at and after a sample, where they belong to
 /// the same surface: a central difference, or a one-sided one if only one neighbor exists; `None` without neighbors.
+#[inline(always)]
 pub(crate) fn change<T: Copy + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>>(
     before: Option<T>,
     here: T,

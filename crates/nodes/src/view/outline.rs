@@ -1,5 +1,6 @@
 //! Outline: lines along edges of objects and jumps of depth.
 
+use super::seen_rows::{NEAREST, SeenRows, SeenSample};
 use super::{Neighborhood, grown, surface_of};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
@@ -109,7 +110,13 @@ impl Stage for Outline {
     }
 
     fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
-        Ok(Box::new(PreparedOutline { node: self.clone(), group_of: self.group_of() }))
+        let (reach, side) = (self.reach(), 2 * self.reach() + 1);
+        let away = |index: i64| {
+            let [x, y] = [index % side - reach, index / side - reach];
+            ((x * x + y * y) as f64).sqrt()
+        };
+        let aways = (0..side * side).map(away).collect();
+        Ok(Box::new(PreparedOutline { node: self.clone(), group_of: self.group_of(), aways }))
     }
 }
 
@@ -117,35 +124,19 @@ struct PreparedOutline {
     node: Outline,
     /// The surface that each surface counts as.
     group_of: Vec<f64>,
-}
-
-/// Minimum depth, in meters.
-const NEAREST: f64 = 1e-6;
-
-/// Data seen by a sample: the surface's index, −1 for the sky, and 1/depth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct SeenSample {
-    surface: f64,
-    w: f64,
-}
-
-impl SeenSample {
-    fn new(surface: f64, depth: f64) -> Self {
-        // Planes behind an orthographic camera have no value of 1/depth.
-        Self { surface, w: if surface < 0.0 { 0.0 } else { 1.0 / depth.max(NEAREST) } }
-    }
-
-    /// Returns the position in the Render's list; the sky comes last.
-    fn rank(self) -> f64 {
-        if self.surface < 0.0 { f64::INFINITY } else { self.surface }
-    }
+    /// Distances in pixels of the pixels around an owner that it may draw on, row by row.
+    aways: Vec<f64>,
 }
 
 impl PreparedOutline {
+    /// Returns the surface that a surface counts as.
+    fn group(&self, surface: f64) -> f64 {
+        if surface < 0.0 { surface } else { *self.group_of.get(surface as usize).unwrap_or(&surface) }
+    }
+
     /// Returns what a sample sees, with a group replaced by its first surface.
     fn seen(&self, surface: f64, depth: f64) -> SeenSample {
-        let surface = if surface < 0.0 { surface } else { *self.group_of.get(surface as usize).unwrap_or(&surface) };
-        SeenSample::new(surface, depth)
+        SeenSample::new(self.group(surface), depth)
     }
 
     /// Whether an edge separates `a` from its neighbor `b`; `before` and `after` are the next pixels on the same line.
@@ -173,11 +164,40 @@ impl PreparedOutline {
         }
     }
 
-    /// Returns how much an owner draws on `sample`, `squared` pixels² away, for a line width.
-    fn drawn(width: f64, sample: SeenSample, owner: SeenSample, other: SeenSample, squared: f64) -> f64 {
-        let own = sample.surface == owner.surface && (sample.w - owner.w).abs() <= (sample.w - other.w).abs();
-        if own { (width - squared.sqrt()).clamp(0.0, 1.0) } else { 0.0 }
+    /// Whether a sample is on the owner's side of an edge.
+    #[inline]
+    fn belongs(sample: SeenSample, owner: SeenSample, other: SeenSample) -> bool {
+        sample.surface == owner.surface && (sample.w - owner.w).abs() <= (sample.w - other.w).abs()
     }
+
+    /// Draws the line of an owner at a place on the mask of a window.
+    fn draw(
+        &self,
+        at: [i64; 2],
+        edge: [SeenSample; 2],
+        seen: &SeenRows,
+        thickness: Option<&[f32]>,
+        canvas: &mut Canvas,
+    ) {
+        let ([x, y], [owner, other], reach, window) = (at, edge, self.node.reach(), canvas.window);
+        for py in (y - reach).max(window.y0)..(y + reach + 1).min(window.y1) {
+            let aways = &self.aways[((py - y + reach) * (2 * reach + 1)) as usize..];
+            for px in (x - reach).max(window.x0)..(x + reach + 1).min(window.x1) {
+                let index = (py - window.y0) as usize * window.width() + (px - window.x0) as usize;
+                let width = self.node.width * thickness.map_or(1.0, |plane| f64::from(plane[index]));
+                let drawn = (width - aways[(px - x + reach) as usize]).clamp(0.0, 1.0) as f32;
+                if drawn > canvas.mask[index] && Self::belongs(seen.at(px, py), owner, other) {
+                    canvas.mask[index] = drawn;
+                }
+            }
+        }
+    }
+}
+
+/// The mask of a window.
+struct Canvas<'a> {
+    window: Window,
+    mask: &'a mut [f32],
 }
 
 /// Rounding error of widths.
@@ -331,45 +351,26 @@ impl Prepared for PreparedOutline {
         mask.fill(0.0);
         let around = Neighborhood::of(inputs, &self.node.view);
         let depths = inputs.view(&self.node.view, Channel::Depth);
-        let seen: Vec<SeenSample> = around
-            .surfaces()
-            .into_iter()
-            .zip(depths)
-            .map(|(surface, depth)| self.seen(f64::from(surface), f64::from(*depth)))
-            .collect();
-        let at = |x: i64, y: i64| seen[around.index(x, y)];
         let thickness = inputs.all(&self.node.thickness).first().and_then(|connection| connection.planes[0]);
         let (window, reach) = (block.window, self.node.reach());
-        let mut draw = |x: i64, y: i64, owner: SeenSample, other: SeenSample| {
-            for py in (y - reach).max(window.y0)..(y + reach + 1).min(window.y1) {
-                for px in (x - reach).max(window.x0)..(x + reach + 1).min(window.x1) {
-                    let index = (py - window.y0) as usize * window.width() + (px - window.x0) as usize;
-                    let width = self.node.width * thickness.map_or(1.0, |plane| f64::from(plane[index]));
-                    let squared = ((px - x) * (px - x) + (py - y) * (py - y)) as f64;
-                    let drawn = Self::drawn(width, at(px, py), owner, other, squared) as f32;
-                    if drawn > mask[index] {
-                        mask[index] = drawn;
-                    }
-                }
-            }
-        };
+        let seen = SeenRows::new(&around, depths, grown(window, reach + 2), |surface| self.group(f64::from(surface)));
+        let mut canvas = Canvas { window, mask };
         // Visit every edge with an owner that may draw within the window.
-        for y in window.y0 - reach - 1..window.y1 + reach + 1 {
-            for x in window.x0 - reach - 1..window.x1 + reach + 1 {
-                for (dx, dy) in STEPS {
-                    let (a, b) = (at(x, y), at(x + dx, y + dy));
-                    if a == b || !self.parted(at(x - dx, y - dy), a, b, at(x + 2 * dx, y + 2 * dy)) {
-                        continue;
-                    }
-                    let [first, second] = self.owners(a, b);
-                    if first {
-                        draw(x, y, a, b);
-                    }
-                    if second {
-                        draw(x + dx, y + dy, b, a);
-                    }
+        let edges = Window::new(window.x0 - reach - 1, window.y0 - reach - 1, window.x1 + reach, window.y1 + reach);
+        for (dx, dy) in STEPS {
+            seen.visit_jumps(edges, (dx, dy), self.node.objects, self.node.depth_step, |x, y| {
+                let (a, b) = (seen.at(x, y), seen.at(x + dx, y + dy));
+                if !self.parted(seen.at(x - dx, y - dy), a, b, seen.at(x + 2 * dx, y + 2 * dy)) {
+                    return;
                 }
-            }
+                let [first, second] = self.owners(a, b);
+                if first {
+                    self.draw([x, y], [a, b], &seen, thickness, &mut canvas);
+                }
+                if second {
+                    self.draw([x + dx, y + dy], [b, a], &seen, thickness, &mut canvas);
+                }
+            });
         }
         Ok(())
     }
@@ -453,9 +454,9 @@ impl Prepared for PreparedOutline {
                 let (before, after) = (at(x - dx, y - dy), at(x + 2 * dx, y + 2 * dy));
                 let forward = dx + dy > 0;
                 let owns = if forward { self.owners(owner, other)[0] } else { self.owners(other, owner)[1] };
-                if owns && self.parted(before, owner, other, after) {
-                    let squared = (x * x + y * y) as f64;
-                    mask = mask.max(Self::drawn(self.node.width * thickness, at(0, 0), owner, other, squared));
+                if owns && self.parted(before, owner, other, after) && Self::belongs(at(0, 0), owner, other) {
+                    let away = ((x * x + y * y) as f64).sqrt();
+                    mask = mask.max((self.node.width * thickness - away).clamp(0.0, 1.0));
                 }
             }
         }

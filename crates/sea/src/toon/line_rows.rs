@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
+use fearless_simd::{Level, Simd, dispatch, f32x4, f32x16, i32x16, prelude::*};
 
 use super::lines::{LEAST_DENSITY, LEAST_NORM, Lines, STALE, TOO_MANY};
 use super::trail::Drift;
@@ -29,15 +29,9 @@ pub struct Row<'a> {
     pub beside: [[&'a [f32]; 2]; 2],
 }
 
-/// Parameters of each of the lines of a turn.
-struct Table {
-    /// Height at which it ends, and the inverse of the height difference to there.
-    end: [f32; COUNT],
-    inverse: [f32; COUNT],
-    /// Half its largest width, and its displacement to the side.
-    half: [f32; COUNT],
-    aside: [f32; COUNT],
-}
+/// Parameters of each of the lines of a turn: the height at which it ends, the inverse of the height difference to
+/// there, half its largest width, and its displacement to the side.
+type Table = [[f32; 4]; COUNT];
 
 impl Lines {
     /// Computes the masks of a row of positions: those of [`Lines::mask`] with the
@@ -59,10 +53,11 @@ impl Lines {
     }
 
     fn table(&self) -> Table {
-        let lines: [[f64; 3]; COUNT] = std::array::from_fn(|index| self.line(index as u32));
-        let of = |what: usize| lines.map(|line| line[what] as f32);
-        let span = |[end, ..]: [f64; 3]| if end == self.low { 0.0 } else { (1.0 / (end - self.low)) as f32 };
-        Table { end: of(0), inverse: lines.map(span), half: of(1), aside: of(2) }
+        std::array::from_fn(|index| {
+            let [end, half, aside] = self.line(index as u32);
+            let inverse = if end == self.low { 0.0 } else { (1.0 / (end - self.low)) as f32 };
+            [end as f32, inverse, half as f32, aside as f32]
+        })
     }
 
     #[inline(always)]
@@ -79,19 +74,21 @@ impl Lines {
         let phase = |at: usize| row.phase.map(|plane| load(simd, plane, at));
         let [cos, sin] = phase(start + 1);
         let square = cos * cos + sin * sin;
+        let safe = drawn.select(weight, one);
+        let spread = (one - square / (safe * safe)).max(zero).sqrt() * PER_RADIAN;
+        let agreed = smooth(weight * (1.0 / self.fresh) as f32) * smooth(spread * (-1.0 / self.spread) as f32 + 2.0);
+        if !(drawn & agreed.simd_gt(zero)).any_true() {
+            out.fill(0.0);
+            return;
+        }
         // Square of the larger of the sines that determine an angle.
         let beside = row.beside.map(|[c, s]| [load(simd, c, start), load(simd, s, start)]);
         let here = [cos, sin];
         let density = axis(simd, here, [phase(start), phase(start + 2)]) + axis(simd, here, beside);
         let density = density.sqrt().max(f32x16::splat(simd, LEAST_DENSITY as f32));
 
-        let safe = drawn.select(weight, one);
-        let spread = (one - square / (safe * safe)).max(zero).sqrt() * PER_RADIAN;
         let wide = one / (density * self.finest as f32).max(f32x16::splat(simd, 1e-9)) - 1.0;
-        let shown = smooth(weight * (1.0 / self.fresh) as f32)
-            * smooth(spread * (-1.0 / self.spread) as f32 + 2.0)
-            * smooth(wide);
-        let shown = drawn.select(shown, zero);
+        let shown = drawn.select(agreed * smooth(wide), zero);
         if !shown.simd_gt(zero).any_true() {
             out.fill(0.0);
             return;
@@ -116,19 +113,21 @@ impl Lines {
         let floor = at.floor();
         let f = at - floor - 0.5;
 
-        let mut lanes = [0.0; LANES];
-        floor.store_slice(&mut lanes);
-        let own = lanes.map(|value| (value as usize) % COUNT);
-        f.store_slice(&mut lanes);
-        let side = |lane: usize| if lanes[lane] < 0.0 { COUNT - 1 } else { 1 };
-        let next: [usize; LANES] = std::array::from_fn(|lane| (own[lane] + side(lane)) % COUNT);
+        // The lines of the pixels, and those beside them.
+        let last = (COUNT - 1) as i32;
+        let own = floor.to_int::<i32x16<S>>() & last;
+        let is_before = f.simd_lt(zero);
+        let next = (own + is_before.select(i32x16::splat(simd, last), i32x16::splat(simd, 1))) & last;
         let height = load(simd, row.height, start);
         let at = LineValues { height, shown, density };
-        let beyond = f.simd_lt(zero).select(f + 1.0, f - 1.0);
+        let beyond = is_before.select(f + 1.0, f - 1.0);
         let mask = (covered(table, own, f, at) + covered(table, next, beyond, at)).min(one);
         let mask = shown.simd_gt(zero).select(mask, zero);
-        mask.store_slice(&mut lanes);
-        out.copy_from_slice(&lanes[..out.len()]);
+        if out.len() == LANES {
+            mask.store_slice(out);
+        } else {
+            out.copy_from_slice(&mask.to_array()[..out.len()]);
+        }
     }
 }
 
@@ -138,11 +137,13 @@ impl Lines {
 /// Loads values from an index on; 0 beyond the end.
 #[inline(always)]
 fn load<S: Simd>(simd: S, slice: &[f32], at: usize) -> f32x16<S> {
-    let mut lanes = [0.0; LANES];
     let rest = &slice[at.min(slice.len())..];
-    let len = rest.len().min(LANES);
-    lanes[..len].copy_from_slice(&rest[..len]);
-    f32x16::from_slice(simd, &lanes)
+    if let Some(lanes) = rest.first_chunk() {
+        return f32x16::load_array_ref(simd, lanes);
+    }
+    let mut lanes = [0.0; LANES];
+    lanes[..rest.len()].copy_from_slice(rest);
+    f32x16::load_array_ref(simd, &lanes)
 }
 
 /// Returns the square of the density along an axis: that of the larger of the sines that determine an angle.
@@ -178,14 +179,26 @@ struct LineValues<S: Simd> {
     density: f32x16<S>,
 }
 
+/// Returns the parameters of lines, each as a vector.
+#[inline(always)]
+fn parameters<S: Simd>(simd: S, table: &Table, lines: [i32; LANES]) -> [f32x16<S>; 4] {
+    let mut quarters = [[f32x4::splat(simd, 0.0); 4]; 4];
+    for (quarter, lines) in quarters.iter_mut().zip(lines.as_chunks::<4>().0) {
+        let four = lines.map(|line| table[line as usize % COUNT]);
+        *quarter = f32x4::load_four_interleaved(simd, four.as_flattened());
+    }
+    let [a, b, c, d] = quarters;
+    [0, 1, 2, 3].map(|which| a[which].combine(b[which]).combine(c[which].combine(d[which])))
+}
+
 /// Returns the shares of pixels covered by lines whose middles are about `f` line distances away.
 #[inline(always)]
-fn covered<S: Simd>(table: &Table, lines: [usize; LANES], f: f32x16<S>, at: LineValues<S>) -> f32x16<S> {
-    let of = |values: &[f32; COUNT]| f32x16::from_slice(f.simd, &lines.map(|line| values[line]));
+fn covered<S: Simd>(table: &Table, lines: i32x16<S>, f: f32x16<S>, at: LineValues<S>) -> f32x16<S> {
+    let [end, inverse, half, aside] = parameters(f.simd, table, lines.to_array());
     let (zero, one) = (f32x16::splat(f.simd, 0.0), f32x16::splat(f.simd, 1.0));
-    let left = ((of(&table.end) - at.height) * of(&table.inverse)).max(zero).min(one);
-    let half = of(&table.half) * left.sqrt() * at.shown;
-    let away = f - of(&table.aside);
+    let left = ((end - at.height) * inverse).max(zero).min(one);
+    let half = half * left.sqrt() * at.shown;
+    let away = f - aside;
     let half_pixel = at.density * 0.5;
     let (low, high) = ((away - half_pixel).max(-half), (away + half_pixel).min(half));
     ((high - low) / at.density).max(zero).min(one)
