@@ -1,6 +1,6 @@
 //! LightPool: pools of sunlight that falls through gaps in the clouds.
 
-use crate::view::{POSITION, is_covered, nothing, ramp, uncover, view_planes, view_vector};
+use crate::view::{POSITION, is_covered, nothing, ramp, view_planes, view_vector};
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Light};
 
@@ -229,12 +229,15 @@ impl Prepared for PreparedLightPool {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
         let planes = view_planes(inputs, &self.view, POSITION);
+        let coverage = inputs.view(&self.view, Channel::Coverage);
         let noise = inputs.all(&self.noise).first().and_then(|connection| connection.planes[0]);
-        for (index, out) in mask.iter_mut().enumerate() {
-            let point = DVec3::from(planes.map(|plane| f64::from(plane[index])));
-            *out = self.pools.mask(point, noise.map_or(0.0, |noise| f64::from(noise[index]))) as f32;
+        for (index, (out, coverage)) in mask.iter_mut().zip(coverage).enumerate() {
+            *out = 0.0;
+            if *coverage != 0.0 {
+                let point = DVec3::from(planes.map(|plane| f64::from(plane[index])));
+                *out = self.pools.mask(point, noise.map_or(0.0, |noise| f64::from(noise[index]))) as f32;
+            }
         }
-        uncover(inputs, &self.view, mask);
         Ok(())
     }
 

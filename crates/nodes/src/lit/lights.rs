@@ -185,15 +185,25 @@ pub(crate) fn view_directions(
 ) -> Result<[Vec<f32>; 3], NodeError> {
     let mut views = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
     let [x, y, z] = &mut views;
-    let positions = match inputs.view_if_any(view, POSITION[0]) {
-        Some(_) => view_planes(inputs, view, POSITION),
-        // Parallel rays need no positions.
-        None if eye.orthographic => [&[][..]; 3],
+    trochoid_scene::shading::view_directions(view_positions(inputs, view, eye)?, eye, [x, y, z]);
+    Ok(views)
+}
+
+/// Returns the points of a block; none if the rays toward the eye are parallel and the view has no position pass.
+///
+/// # Errors
+/// The camera is a perspective one, but the view has no position pass.
+pub(crate) fn view_positions<'a>(
+    inputs: &Inputs<'a>,
+    view: &One<port::View>,
+    eye: &Projector,
+) -> Result<Vectors3<'a>, NodeError> {
+    match inputs.view_if_any(view, POSITION[0]) {
+        Some(_) => Ok(view_planes(inputs, view, POSITION)),
+        None if eye.orthographic => Ok([&[]; 3]),
         None => {
             let expected = "one, which a perspective camera needs";
-            return Err(without_position(expected, "add the pass, or connect an orthographic camera"));
+            Err(without_position(expected, "add the pass, or connect an orthographic camera"))
         }
-    };
-    trochoid_scene::shading::view_directions(positions, eye, [x, y, z]);
-    Ok(views)
+    }
 }

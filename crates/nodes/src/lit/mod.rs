@@ -11,7 +11,7 @@ mod specular;
 mod toward;
 mod translucency;
 
-pub(crate) use lights::{Combine, Lights, Lit, Vectors3, eye, toward_eye, view_directions};
+pub(crate) use lights::{Combine, Lights, Lit, Vectors3, eye, toward_eye, view_directions, view_positions};
 pub(crate) use pass::{Facing, LitPass, LitShader};
 pub(crate) use toward::{BoundedDirection, BoundedVector};
 

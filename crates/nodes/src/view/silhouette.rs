@@ -1,11 +1,12 @@
 //! Silhouette: lines where a surface turns away from the eye.
 
 use super::{NORMAL, Neighborhood, POSITION, change, grown, is_covered, may_see, surface_of, view_planes, view_vector};
-use crate::lit::{BoundedDirection, BoundedVector, eye, toward_eye, view_directions};
+use crate::lit::{BoundedDirection, BoundedVector, eye, toward_eye, view_positions};
+use fearless_simd::{Level, Simd, dispatch};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_scene::Projector;
-use trochoid_scene::shading::unit_or_up;
+use trochoid_scene::shading::{facing, facings, view_directions};
 
 /// A mask of the lines where surfaces turn away from the eye.
 ///
@@ -96,6 +97,7 @@ impl PreparedSilhouette {
     }
 
     /// Returns the mask by a width, given e² and its changes to the right and down.
+    #[inline(always)]
     fn line(width: f64, squared: f64, changes: [Option<f64>; 2]) -> f64 {
         let [across, down] = changes.map(|change| change.unwrap_or(0.0));
         let slope = (across * across + down * down).sqrt();
@@ -110,9 +112,60 @@ impl PreparedSilhouette {
 
     /// Returns max(0, N · V) at a sample of the reference.
     fn edge(&self, inputs: &References<'_>) -> f64 {
-        let normal = unit_or_up(view_vector(inputs, &self.node.view, NORMAL));
-        let view = unit_or_up(toward_eye(&self.eye, view_vector(inputs, &self.node.view, POSITION)));
-        normal.dot(view).clamp(0.0, 1.0)
+        let normal = view_vector(inputs, &self.node.view, NORMAL);
+        facing(normal, toward_eye(&self.eye, view_vector(inputs, &self.node.view, POSITION)))
+    }
+
+    /// Returns max(0, N · V) at all samples around a block that see a surface.
+    fn edges(&self, inputs: &Inputs<'_>, surfaces: &[f32]) -> Result<Vec<f64>, NodeError> {
+        let normals = view_planes(inputs, &self.node.view, NORMAL);
+        let positions = view_positions(inputs, &self.node.view, &self.eye)?;
+        let mut edges = vec![1.0; surfaces.len()];
+        let mut views = [[0.0; AT_ONCE]; 3];
+        for (part, edges) in edges.chunks_mut(AT_ONCE).enumerate() {
+            let range = part * AT_ONCE..part * AT_ONCE + edges.len();
+            if surfaces[range.clone()].iter().all(|surface| *surface < 0.0) {
+                continue;
+            }
+            let count = edges.len();
+            let [positions, normals] =
+                [positions, normals].map(|vectors| vectors.map(|plane| plane.get(range.clone()).unwrap_or_default()));
+            view_directions(positions, &self.eye, views.each_mut().map(|axis| &mut axis[..count]));
+            facings(normals, views.each_ref().map(|axis| &axis[..count]), edges);
+        }
+        Ok(edges)
+    }
+}
+
+/// Number of samples computed at once.
+const AT_ONCE: usize = 256;
+
+/// e² and the surfaces of a row of samples, and of those above and below it. The row itself has one more on either
+/// side.
+struct Rows<'a> {
+    squares: [&'a [f64]; 3],
+    surfaces: [&'a [f32]; 3],
+}
+
+impl Rows<'_> {
+    /// Fills the mask of the row by a width.
+    fn fill(&self, width: f64, out: &mut [f32]) {
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            let count = out.len();
+            let Self { squares: [above, own, below], surfaces } = self;
+            let (above, left, own, right, below) =
+                (&above[..count], &own[..count], &own[1..][..count], &own[2..][..count], &below[..count]);
+            let [over, here, under] = surfaces;
+            let (over, before, here, after, under) =
+                (&over[..count], &here[..count], &here[1..][..count], &here[2..][..count], &under[..count]);
+            for x in 0..count {
+                let like = |surface: f32, square: f64| (surface == here[x]).then_some(square);
+                let across = change(like(before[x], left[x]), own[x], like(after[x], right[x]));
+                let down = change(like(over[x], above[x]), own[x], like(under[x], below[x]));
+                let line = PreparedSilhouette::line(width, own[x], [across, down]) as f32;
+                out[x] = if here[x] >= 0.0 { line } else { 0.0 };
+            }
+        }));
     }
 }
 
@@ -121,42 +174,50 @@ const LOST: f64 = 1e-12;
 
 impl Prepared for PreparedSilhouette {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
-        let view = &self.node.view;
-        let around = Neighborhood::of(inputs, view);
-        let [nx, ny, nz] = view_planes(inputs, view, NORMAL);
-        let views = view_directions(inputs, view, &self.eye, around.area())?;
+        let around = Neighborhood::of(inputs, &self.node.view);
         let surfaces = around.surfaces();
-        let edges: Vec<f64> = (0..around.area())
-            .map(|i| {
-                let normal = unit_or_up([nx[i], ny[i], nz[i]].map(f64::from).into());
-                let view = unit_or_up([&views[0], &views[1], &views[2]].map(|axis| f64::from(axis[i])).into());
-                normal.dot(view).clamp(0.0, 1.0)
-            })
-            .collect();
-        let (mut mask, mut edge) = (outputs.take(Out::Mask, 0), outputs.take(Out::Edge, 0));
-        let window = block.window;
-        let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
-        for (out, (x, y)) in pixels.enumerate() {
-            let here = around.index(x, y);
-            let seen = surfaces[here] >= 0.0;
-            if let Some(edge) = &mut edge {
-                edge[out] = if seen { edges[here] as f32 } else { 1.0 };
-            }
-            let Some(mask) = &mut mask else { continue };
-            mask[out] = match self.node.width {
-                _ if !seen => 0.0,
-                None => self.cut(edges[here]) as f32,
-                Some(width) => {
-                    let squared = |x: i64, y: i64| {
-                        let there = around.index(x, y);
-                        (surfaces[there] == surfaces[here]).then(|| edges[there] * edges[there])
-                    };
-                    let own = edges[here] * edges[here];
-                    let across = change(squared(x - 1, y), own, squared(x + 1, y));
-                    let down = change(squared(x, y - 1), own, squared(x, y + 1));
-                    Self::line(width, own, [across, down]) as f32
+        let edges = self.edges(inputs, &surfaces)?;
+        let Window { x0, x1, y0, .. } = block.window;
+        let width = block.window.width().max(1);
+        let mut spare: (Vec<f64>, Vec<f32>) = Default::default();
+        if let Some(plane) = outputs.take(Out::Edge, 0) {
+            for (y, out) in (y0..).zip(plane.chunks_exact_mut(width)) {
+                let edges = around.row(&edges, y, x0..x1, &mut spare.0);
+                let surfaces = around.row(&surfaces, y, x0..x1, &mut spare.1);
+                for ((out, edge), surface) in out.iter_mut().zip(edges).zip(surfaces) {
+                    *out = if *surface >= 0.0 { *edge as f32 } else { 1.0 };
                 }
+            }
+        }
+        let Some(mask) = outputs.take(Out::Mask, 0) else { return Ok(()) };
+        let Some(line) = self.node.width else {
+            for (y, out) in (y0..).zip(mask.chunks_exact_mut(width)) {
+                let edges = around.row(&edges, y, x0..x1, &mut spare.0);
+                let surfaces = around.row(&surfaces, y, x0..x1, &mut spare.1);
+                for ((out, edge), surface) in out.iter_mut().zip(edges).zip(surfaces) {
+                    *out = if *surface >= 0.0 { self.cut(*edge) as f32 } else { 0.0 };
+                }
+            }
+            return Ok(());
+        };
+        let mut squares = edges;
+        squares.iter_mut().for_each(|edge| *edge *= *edge);
+        let mut spare: ([Vec<f64>; 3], [Vec<f32>; 3]) = Default::default();
+        for (y, out) in (y0..).zip(mask.chunks_exact_mut(width)) {
+            let ([a, b, c], [d, e, f]) = (&mut spare.0, &mut spare.1);
+            let rows = Rows {
+                squares: [
+                    around.row(&squares, y - 1, x0..x1, a),
+                    around.row(&squares, y, x0 - 1..x1 + 1, b),
+                    around.row(&squares, y + 1, x0..x1, c),
+                ],
+                surfaces: [
+                    around.row(&surfaces, y - 1, x0..x1, d),
+                    around.row(&surfaces, y, x0 - 1..x1 + 1, e),
+                    around.row(&surfaces, y + 1, x0..x1, f),
+                ],
             };
+            rows.fill(line, out);
         }
         Ok(())
     }

@@ -57,6 +57,28 @@ pub fn view_directions(positions: Vectors<'_>, projector: &crate::Projector, out
     ));
 }
 
+/// Writes to `out` max(0, N·V) in f64 for vectors of any length; degenerate ones count as (0, 1, 0).
+///
+/// # Panics
+/// The slices differ in length.
+pub fn facings(normals: Vectors<'_>, views: Vectors<'_>, out: &mut [f64]) {
+    dispatch!(Level::new(), simd => simd.vectorize(
+        #[inline(always)]
+        || {
+            let (normals, views) = (cut(normals, 0, out.len()), cut(views, 0, out.len()));
+            for (index, out) in out.iter_mut().enumerate() {
+                *out = facing(pick(normals, index).as_dvec3(), pick(views, index).as_dvec3());
+            }
+        }
+    ));
+}
+
+/// Returns max(0, N·V) for vectors of any length; degenerate ones count as (0, 1, 0).
+#[inline(always)]
+pub fn facing(normal: DVec3, view: DVec3) -> f64 {
+    unit_or_up(normal).dot(unit_or_up(view)).clamp(0.0, 1.0)
+}
+
 /// Returns `count` vectors from `start` on: loops with a known count are vectorized.
 #[inline(always)]
 fn cut([x, y, z]: Vectors<'_>, start: usize, count: usize) -> Vectors<'_> {

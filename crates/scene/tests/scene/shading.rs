@@ -1,7 +1,7 @@
 //! Tests of the fast forms of shading against their references.
 
 use glam::{DVec3, Vec3};
-use trochoid_scene::shading::{blinn, fresnel, lambert};
+use trochoid_scene::shading::{blinn, facing, facings, fresnel, lambert};
 
 /// Returns deterministic directions, some of them degenerate.
 fn directions(seed: u64, count: usize) -> Vec<DVec3> {
@@ -50,6 +50,20 @@ fn lambert_fast_is_the_reference() {
     assert_eq!(lambert::reference(DVec3::Y, DVec3::Y, 1.0), 1.0);
     assert_eq!(lambert::reference(DVec3::Y, DVec3::NEG_Y, 1.0), 0.0);
     assert_eq!(lambert::reference(DVec3::ZERO, DVec3::X, 2.0), 0.25);
+}
+
+#[test]
+fn facings_have_the_bits_of_single_ones() {
+    let (mut n, v) = (directions(8, COUNT), directions(9, COUNT));
+    let hostile = [f64::NAN, f64::INFINITY, -0.0, 1e-300, 1e-45, 1e38];
+    n.iter_mut().step_by(7).enumerate().for_each(|(index, normal)| normal[index % 3] = hostile[index % 6]);
+    let mut out = vec![f64::NAN; COUNT];
+    facings(Columns::new(&n).all(), Columns::new(&v).all(), &mut out);
+    for (index, (normal, view)) in n.iter().zip(&v).enumerate() {
+        let [normal, view] = [normal, view].map(|vector| vector.as_vec3().as_dvec3());
+        assert_eq!(out[index].to_bits(), facing(normal, view).to_bits(), "{normal} {view}");
+    }
+    assert!(out.iter().filter(|facing| **facing > 0.0).count() > COUNT / 3);
 }
 
 #[test]
