@@ -4,14 +4,16 @@
 //! into a cell and a fraction, and only the fraction is rounded to f32. Noise is therefore as precise far from the
 //! origin as near it.
 
+mod cells;
 mod features;
 mod gradients;
 mod reference;
 mod span;
 
-use fearless_simd::{Level, Simd, dispatch};
+use cells::Cells;
+use fearless_simd::{Level, Simd, dispatch, f32x16, f64x8, prelude::*, u32x16};
 use features::{feature, nearest};
-use gradients::{AMPLITUDE, gradient, gradient_noises};
+use gradients::{AMPLITUDE, Corners, gradient, gradient_noise, gradient_noises};
 use trochoid_graph::Choice;
 
 /// Type of noise in the octaves.
@@ -101,6 +103,16 @@ pub(crate) fn mix(mut x: u32) -> u32 {
     x ^ (x >> 16)
 }
 
+/// The same for a block.
+#[inline(always)]
+fn mixed<S: Simd>(x: u32x16<S>) -> u32x16<S> {
+    let x = x ^ (x >> 16);
+    let x = x * 0x7feb_352d;
+    let x = x ^ (x >> 15);
+    let x = x * 0x846c_a68b;
+    x ^ (x >> 16)
+}
+
 /// Adds a number to a hash.
 #[inline]
 pub(crate) fn extend(hash: u32, cell: i64) -> u32 {
@@ -136,74 +148,110 @@ impl Noise {
         out: &mut [f32],
     ) {
         const { assert!(S == 2 || S == 3) };
-        let evolution = self.evolution.unwrap_or(0.0);
-        for (block, out) in out.chunks_mut(LANES).enumerate() {
-            let mut places = [[evolution; LANES]; MOST];
+        let mut chunk = Chunk { places: [[0.0; CHUNK]; 3], prints: [0.0; CHUNK] };
+        for (index, out) in out.chunks_mut(CHUNK).enumerate() {
             for (lane, point) in points.by_ref().take(out.len()).enumerate() {
-                places.iter_mut().zip(point).for_each(|(along, coordinate)| along[lane] = coordinate);
+                chunk.places.iter_mut().zip(point).for_each(|(along, coordinate)| along[lane] = coordinate);
             }
-            let mut prints = [0.0; LANES];
-            if let Some(found) = footprints.get(block * LANES..) {
-                prints.iter_mut().zip(found).for_each(|(print, found)| *print = *found);
+            if let Some(found) = footprints.get(index * CHUNK..) {
+                chunk.prints.iter_mut().zip(found).for_each(|(print, found)| *print = *found);
             }
-            out.copy_from_slice(&self.sums(S, &places, &prints)[..out.len()]);
+            self.fill_chunk(S, &chunk, out);
         }
     }
 
-    /// Returns the noise at a block of points of `space` axes. It is not generic, so that this long code is compiled
-    /// once, and not with each iterator of points.
-    fn sums(&self, space: usize, places: &[[f64; LANES]; MOST], prints: &Lanes) -> Lanes {
+    /// Fills `out` with the noise at points of `space` axes. It is not generic, so that this long code is compiled once,
+    /// and not with each iterator of points.
+    fn fill_chunk(&self, space: usize, chunk: &Chunk, out: &mut [f32]) {
         let level = Level::new();
-        macro_rules! block {
-            ($space:literal, $axes:literal) => {{
-                let (places, _) = places.split_first_chunk::<$axes>().expect("at most four axes");
+        macro_rules! sum {
+            ($space:literal, $axes:literal) => {
                 dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
-                    self.block::<$space, $axes>(places, prints)
+                    self.sum::<_, $space, $axes>(simd, chunk, out);
                 }))
-            }};
+            };
         }
         match (space, self.evolution) {
-            (2, None) => block!(2, 2),
-            (2, Some(_)) => block!(2, 3),
-            (_, None) => block!(3, 3),
-            (_, Some(_)) => block!(3, 4),
+            (2, None) => sum!(2, 2),
+            (2, Some(_)) => sum!(2, 3),
+            (_, None) => sum!(3, 3),
+            (_, Some(_)) => sum!(3, 4),
         }
     }
 
-    /// Returns the noise at a block of points. Every lane performs the same operations in the same order on every
+    /// Fills `out` with the noise, octave by octave. Every lane performs the same operations in the same order on every
     /// processor.
     #[inline(always)]
-    fn block<const S: usize, const D: usize>(&self, places: &[[f64; LANES]; D], prints: &Lanes) -> Lanes {
-        let mut sums = [0.0; LANES];
-        let mean = self.kind.mean(D) as f32;
+    fn sum<V: Simd, const S: usize, const D: usize>(&self, simd: V, chunk: &Chunk, out: &mut [f32]) {
+        let mut sums = [0.0; CHUNK];
+        let sums = &mut sums[..out.len().next_multiple_of(LANES)];
         for octave in &self.octaves {
-            let weight = octave.weight as f32;
-            let kept = prints.map(|print| kept(print * octave.frequency as f32));
-            if kept == [0.0; LANES] {
-                sums.iter_mut().for_each(|sum| *sum += weight * mean);
-                continue;
-            }
-            let (cells, fractions) = octave.cells::<S, D>(places);
-            let values = self.octave(octave.seed, &cells, &fractions);
-            for lane in 0..LANES {
-                sums[lane] += weight * (kept[lane] * values[lane] + (1.0 - kept[lane]) * mean);
-            }
+            self.add::<V, S, D>(simd, octave, chunk, sums);
         }
         let (low, high) = self.kind.range();
-        sums.map(|sum| sum.clamp(low as f32, high as f32))
+        for sums in sums.chunks_exact_mut(LANES) {
+            clamped(simd, f32x16::from_slice(simd, sums), low as f32, high as f32).store_slice(sums);
+        }
+        out.copy_from_slice(&sums[..out.len()]);
+    }
+
+    /// Adds an octave to the sums at blocks of points.
+    #[inline(always)]
+    fn add<V: Simd, const S: usize, const D: usize>(&self, simd: V, octave: &Octave, chunk: &Chunk, sums: &mut [f32]) {
+        let (weight, mean) = (octave.weight as f32, self.kind.mean(D) as f32);
+        let mut corners = Corners::default();
+        for (start, sums) in (0..).step_by(LANES).zip(sums.chunks_exact_mut(LANES)) {
+            let prints = f32x16::from_slice(simd, &chunk.prints[start..][..LANES]);
+            let kept = kept(simd, prints * octave.frequency as f32);
+            let mut added = f32x16::splat(simd, mean);
+            if !kept.simd_eq(0.0).all_true() {
+                let mut along = [[f64x8::splat(simd, self.evolution.unwrap_or(0.0) + octave.shift[D - 1]); 2]; D];
+                for axis in 0..S {
+                    for (half, along) in along[axis].iter_mut().enumerate() {
+                        let place =
+                            f64x8::from_slice(simd, &chunk.places[axis][start + half * (LANES / 2)..][..LANES / 2]);
+                        *along = place * octave.frequency + octave.shift[axis];
+                    }
+                }
+                let values = self.octave(simd, octave.seed, &along, &mut corners);
+                added = kept * values + (f32x16::splat(simd, 1.0) - kept) * mean;
+            }
+            (f32x16::from_slice(simd, sums) + added * weight).store_slice(sums);
+        }
     }
 
     #[inline(always)]
-    fn octave<const D: usize>(&self, seed: u32, cells: &[[i64; LANES]; D], fractions: &[Lanes; D]) -> Lanes {
-        match self.kind {
-            NoiseKind::Fbm => gradient_noises(seed, cells, fractions),
-            NoiseKind::Ridged => gradient_noises(seed, cells, fractions).map(|noise| {
-                let valley = 1.0 - noise.abs();
-                valley * valley
-            }),
-            NoiseKind::Cellular => nearest::<D, false, false>(seed, cells, fractions).distances[0],
-            NoiseKind::Edges => nearest::<D, true, false>(seed, cells, fractions).edges(),
+    fn octave<V: Simd, const D: usize>(
+        &self,
+        simd: V,
+        seed: u32,
+        along: &[[f64x8<V>; 2]; D],
+        corners: &mut Corners<D>,
+    ) -> f32x16<V> {
+        if self.kind == NoiseKind::Fbm || self.kind == NoiseKind::Ridged {
+            let noises = match Cells::of(simd, along) {
+                Some(cells) => gradient_noises(simd, seed, &cells, corners),
+                None => far_gradient_noises(simd, seed, along),
+            };
+            if self.kind == NoiseKind::Fbm {
+                return noises;
+            }
+            let valleys = f32x16::splat(simd, 1.0) - noises.abs();
+            return valleys * valleys;
         }
+        let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
+        for axis in 0..D {
+            for lane in 0..LANES {
+                let along = along[axis][lane / (LANES / 2)].as_slice()[lane % (LANES / 2)];
+                (cells[axis][lane], fractions[axis][lane]) = split(along);
+            }
+        }
+        let values = if self.kind == NoiseKind::Cellular {
+            nearest::<D, false, false>(seed, &cells, &fractions).distances[0]
+        } else {
+            nearest::<D, true, false>(seed, &cells, &fractions).edges()
+        };
+        f32x16::from_slice(simd, &values)
     }
 
     /// Fills `out` with noise of kind [`NoiseKind::Edges`] at points of the plane, without footprints and without
@@ -244,6 +292,18 @@ impl Noise {
     }
 }
 
+/// Returns gradient noise at a block of points of which some are far from the origin.
+#[inline(never)]
+fn far_gradient_noises<V: Simd, const D: usize>(simd: V, seed: u32, along: &[[f64x8<V>; 2]; D]) -> f32x16<V> {
+    f32x16::from_fn(simd, |lane| {
+        let parts = along.each_ref().map(|[low, high]| {
+            let half = if lane < LANES / 2 { low } else { high };
+            split(half.as_slice()[lane % (LANES / 2)])
+        });
+        gradient_noise(seed, parts.map(|(cell, _)| cell), parts.map(|(_, fraction)| fraction))
+    })
+}
+
 impl Octave {
     /// Splits positions, whose first `S` axes are those of space, into cells and fractions within them.
     #[inline(always)]
@@ -264,11 +324,29 @@ impl Octave {
 const LANES: usize = 16;
 type Lanes = [f32; LANES];
 
+/// Number of points whose coordinates are collected before their noise is computed: a vector that is read right after
+/// its parts were written has to wait.
+const CHUNK: usize = 128;
+
+/// Points: their coordinates along the axes of space, and their footprints.
+struct Chunk {
+    places: [[f64; CHUNK]; 3],
+    prints: [f32; CHUNK],
+}
+
 /// Returns the fraction of an octave that a footprint of `cells` cells leaves: 1 up to half a cell, 0 from one cell on.
 #[inline(always)]
-fn kept(cells: f32) -> f32 {
-    let t = (2.0 - 2.0 * cells).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+fn kept<S: Simd>(simd: S, cells: f32x16<S>) -> f32x16<S> {
+    let t = clamped(simd, f32x16::splat(simd, 2.0) - cells * 2.0, 0.0, 1.0);
+    t * t * (f32x16::splat(simd, 3.0) - t * 2.0)
+}
+
+/// Limits numbers to a range; what is not a number stays so.
+#[inline(always)]
+fn clamped<S: Simd>(simd: S, numbers: f32x16<S>, low: f32, high: f32) -> f32x16<S> {
+    let (low, high) = (f32x16::splat(simd, low), f32x16::splat(simd, high));
+    let numbers = numbers.simd_lt(low).select(low, numbers);
+    numbers.simd_gt(high).select(high, numbers)
 }
 
 /// Splits a coordinate into its cell and the fraction within it, in [0, 1]. A coordinate that is not finite counts as
@@ -323,6 +401,57 @@ mod tests {
             }
             dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || check(&cells, &fractions)));
         }
+    }
+
+    /// Points in rows, near each other and in cells of their own, with some that are hostile.
+    fn rows() -> Vec<[f64; 3]> {
+        let edge = (1u64 << 30) as f64;
+        let hostile = [f64::NAN, f64::INFINITY, -f64::INFINITY, 5e-324, -0.0, 1e17, -edge, edge - 0.25, 0.5 - edge];
+        let mut rows = points();
+        for (row, step) in [0.0, 1e-3, 0.02, 0.11, 0.3, 0.9, 7.0, 0.05].into_iter().enumerate() {
+            for index in 0..150 {
+                let along = (f64::from(index) - 70.0) * step;
+                let mut point = [along, 0.3 * along - 5.0, 2.0 - along];
+                if row == 7 && index % 15 == 14 {
+                    point[index as usize % 3] = hostile[index as usize / 15 % hostile.len()];
+                }
+                rows.push(point);
+            }
+        }
+        rows.extend(hostile.map(|hostile| [hostile; 3]));
+        rows
+    }
+
+    #[test]
+    fn blocks_have_the_bits_of_single_points() {
+        fn check<const S: usize, const D: usize>(evolution: Option<f64>) {
+            let noise = Noise::new(NoiseKind::Fbm, NoiseParameters { octaves: 1, ..parameters(77) }, evolution);
+            let octave = &noise.octaves[0];
+            let points: Vec<[f64; S]> = rows()
+                .iter()
+                .map(|point| [0, 1, 2][..S].iter().map(|axis| point[*axis]))
+                .map(|point| point.collect::<Vec<_>>().try_into().unwrap())
+                .collect();
+            for first in [0, 1, 5] {
+                let points = &points[first..];
+                let mut out = vec![f32::NAN; points.len()];
+                noise.fill(points.iter().copied(), &[], &mut out);
+                for (point, found) in points.iter().zip(out) {
+                    let parts: [(i64, f32); D] = std::array::from_fn(|axis| match point.get(axis) {
+                        Some(along) => split(along * octave.frequency + octave.shift[axis]),
+                        None => split(evolution.unwrap() + octave.shift[axis]),
+                    });
+                    let truth = gradient_noise(octave.seed, parts.map(|part| part.0), parts.map(|part| part.1));
+                    // The sum of octaves has no negative zeros.
+                    assert_eq!(found.to_bits(), (truth + 0.0).to_bits(), "{point:?}: {found}, expected {truth}");
+                }
+            }
+        }
+        check::<2, 2>(None);
+        check::<2, 3>(Some(0.3));
+        check::<3, 3>(None);
+        check::<3, 4>(Some(-7.6));
+        check::<3, 4>(Some(1e15));
     }
 
     #[test]
