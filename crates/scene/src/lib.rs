@@ -63,7 +63,7 @@ pub use camera::{Camera, Projection, Projector, Ray};
 pub use certain::Certain;
 pub use channel::{Samples, channel_of};
 pub use float::{Floating, Plane};
-pub use footprint::{Footprints, GRAZING, footprint};
+pub use footprint::{Footprints, GRAZING, footprint, footprints_seen};
 pub use glam::DVec3;
 pub use grid_surface::GridSurface;
 pub use grid_values::{GridDoubt, Number};

@@ -184,6 +184,17 @@ impl Footprints {
         }
     }
 
+    /// Fills `out` with the footprints of several samples.
+    fn fill(&self, pixels: &[[f64; 2]], depths: &[f32], out: &mut [f32]) {
+        #[cfg(feature = "scene")]
+        if let Self::Seen(eye) = self {
+            return trochoid_scene::footprints_seen(eye, pixels, depths, out);
+        }
+        for ((out, pixels), depth) in out.iter_mut().zip(pixels).zip(depths) {
+            *out = self.at(*pixels, f64::from(*depth)) as f32;
+        }
+    }
+
     /// Returns the span of the footprint over a span of depths.
     fn span(&self, pixels: [f64; 2], depth: Span) -> Span {
         match self {
@@ -216,14 +227,17 @@ impl PreparedNoise {
         let mut places = block.places().enumerate().filter(|(index, _)| coverage[*index] != 0.0).peekable();
         while places.peek().is_some() {
             // Points on surfaces lie side by side, however few of them there are.
-            let (mut indices, mut prints, mut values) = ([0; AT_ONCE], [0.0; AT_ONCE], [0.0; AT_ONCE]);
-            let mut count = 0;
+            let (mut indices, mut pixels, mut count) = ([0; AT_ONCE], [[0.0; 2]; AT_ONCE], 0);
+            let [mut ahead, mut prints, mut values] = [[0.0; AT_ONCE]; 3];
             for (index, at) in places.by_ref().take(AT_ONCE) {
-                indices[count] = index;
-                prints[count] = depths.map_or(0.0, |depths| self.footprints.at(at, f64::from(depths[index])) as f32);
+                (indices[count], pixels[count]) = (index, at);
+                ahead[count] = depths.map_or(0.0, |depths| depths[index]);
                 count += 1;
             }
             let (indices, values) = (&indices[..count], &mut values[..count]);
+            if depths.is_some() {
+                self.footprints.fill(&pixels[..count], &ahead[..count], &mut prints[..count]);
+            }
             self.octaves.fill::<S>(indices.iter().map(|index| place(*index)), &prints[..count], values);
             for (index, value) in indices.iter().zip(values) {
                 out[*index] = *value;
