@@ -1,5 +1,8 @@
 //! Functions of formulas, on single numbers and on runs of them.
 
+/// Number of samples that a loop computes at a time.
+pub(super) const WIDE: usize = 8;
+
 macro_rules! functions {
     ($($name:ident $text:literal ($count:literal) $of:expr;)*) => {
         /// Function or operator of numbers.
@@ -19,14 +22,20 @@ macro_rules! functions {
                 match self { $(Self::$name => $count,)* }
             }
 
-            /// Computes the function over a run of samples.
+            /// Computes the function over a run of samples, whose number is a multiple of [`WIDE`].
             #[inline(always)]
             pub(super) fn fill(self, [a, b, c]: [&[f64]; 3], out: &mut [f64]) {
                 match self {
                     $(Self::$name => {
                         let of: fn(f64, f64, f64) -> f64 = $of;
-                        for (((out, a), b), c) in out.iter_mut().zip(a).zip(b).zip(c) {
-                            *out = of(*a, *b, *c);
+                        let wide = out.as_chunks_mut().0.iter_mut();
+                        let wide = wide.zip(a.as_chunks().0).zip(b.as_chunks().0).zip(c.as_chunks().0);
+                        for (((out, a), b), c) in wide {
+                            let (out, a, b, c): (&mut [f64; WIDE], &[f64; WIDE], &[f64; WIDE], &[f64; WIDE]) =
+                                (out, a, b, c);
+                            for lane in 0..WIDE {
+                                out[lane] = of(a[lane], b[lane], c[lane]);
+                            }
                         }
                     })*
                 }

@@ -5,6 +5,7 @@ mod fault;
 mod function;
 mod function_span;
 mod grammar;
+mod guards;
 mod program;
 #[cfg(test)]
 mod tests;

@@ -1,13 +1,15 @@
 //! Expressions for many samples at once: a list of steps, each over a run of samples.
 
-use super::{Expression, Function, Tree};
+use super::function::{Function, WIDE};
+use super::guards::Guards;
+use super::{Expression, Tree};
 use fearless_simd::{Level, Simd, dispatch};
 use std::collections::HashMap;
 use trochoid_graph::Span;
 
 /// One step; later steps refer to its result by its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Step {
+pub(super) enum Step {
     /// A number, by its bits.
     Constant(u64),
     Input {
@@ -24,6 +26,7 @@ pub struct Program {
     steps: Vec<Step>,
     /// Steps that compute the components of the result.
     results: Vec<usize>,
+    guards: Guards,
 }
 
 /// Samples in a run, so few that the results of a few dozen steps stay in the level-1 cache.
@@ -34,7 +37,8 @@ impl Program {
     pub fn new(expression: &Expression) -> Self {
         let mut building = Building::default();
         let results = building.components(expression);
-        Self { steps: building.steps, results }
+        let guards = Guards::new(&building.steps, &results);
+        Self { steps: building.steps, results, guards }
     }
 
     /// Returns the number of components of the result.
@@ -69,16 +73,22 @@ impl Program {
                 memory[place] = [f64::from_bits(*bits); RUN];
             }
         }
+        let mut known = self.guards.unknown();
         for start in (0..count).step_by(RUN) {
             let length = RUN.min(count - start);
+            // Whole vectors: what lies beyond the samples does no harm.
+            let wide = length.next_multiple_of(WIDE);
+            known[1..].fill(None);
             for (place, step) in self.steps.iter().enumerate() {
                 let (before, rest) = memory.split_at_mut(place);
-                let out = &mut rest[0][..length];
+                if !self.guards.matters(place, before, length, &mut known) {
+                    continue;
+                }
                 match step {
                     Step::Constant(_) => {}
-                    Step::Input { input, component } => load(start, *input, *component, out),
+                    Step::Input { input, component } => load(start, *input, *component, &mut rest[0][..length]),
                     Step::Apply(function, arguments) => {
-                        function.fill(arguments.map(|argument| &before[argument][..length]), out);
+                        function.fill(arguments.map(|argument| &before[argument][..wide]), &mut rest[0][..wide]);
                     }
                 }
             }

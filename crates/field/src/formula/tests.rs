@@ -205,6 +205,69 @@ fn spans_of_runs_hold_the_values_of_every_sample() {
     }
 }
 
+/// Returns a formula of a.x, a.y and b.
+fn random_formula(random: &mut impl FnMut(usize) -> usize, depth: usize) -> String {
+    const LEAVES: [&str; 6] = ["a.x", "a.y", "b", "0", "1", "0.5"];
+    const FORMS: [&str; 9] = [
+        "if(%, %, %)",
+        "if(% < %, %, %)",
+        "(% < %)*%",
+        "(% > 0)*(% != %)",
+        "min(%, %)",
+        "max(% > %, %)",
+        "(% - %)",
+        "%/%",
+        "[%, %].y",
+    ];
+    if depth == 0 {
+        return LEAVES[random(LEAVES.len())].into();
+    }
+    let mut formula = String::new();
+    for part in FORMS[random(FORMS.len())].split_inclusive('%') {
+        formula += part.trim_end_matches('%');
+        if part.ends_with('%') {
+            // Some parts are the same, so that they are used under several conditions.
+            let depth = random(depth);
+            formula +=
+                &if random(3) == 0 { format!("(a.x + b < {})", random(3)) } else { random_formula(random, depth) };
+        }
+    }
+    format!("({formula})")
+}
+
+#[test]
+fn steps_are_skipped_only_where_they_do_not_matter() {
+    let mut state = 1u64;
+    let mut random = |count: usize| {
+        state = crate::random::key(state, 3);
+        (state >> 33) as usize % count
+    };
+    for _ in 0..2000 {
+        let text = random_formula(&mut random, 5);
+        let expression =
+            parse(&text, [Some(2), Some(1), None, None]).unwrap_or_else(|fault| panic!("{text}: {fault:?}"));
+        // Runs of equal samples, and mixed ones.
+        let mut samples = Vec::new();
+        while samples.len() < 300 {
+            let values = [0.0, 1.0, -0.0, 0.5, -2.0, f64::NAN, f64::INFINITY, 3.0];
+            let mut sample = || [0; 3].map(|_| values[random(values.len())]);
+            let same = sample();
+            let mixed: [_; 40] = std::array::from_fn(|_| sample());
+            if random(2) == 0 { samples.extend([same; 100]) } else { samples.extend(mixed) }
+        }
+        let mut found = Vec::new();
+        let load = |first: usize, input: usize, component: usize, out: &mut [f64]| {
+            out.iter_mut().zip(&samples[first..]).for_each(|(out, sample)| *out = sample[2 * input + component]);
+        };
+        Program::new(&expression).run(samples.len(), load, |_, _, values| found.extend_from_slice(values));
+        for ([x, y, b], found) in samples.iter().zip(&found) {
+            let value = expression.value(&[vec![*x, *y], vec![*b], Vec::new(), Vec::new()])[0];
+            let same = found.to_bits() == value.to_bits() || (found.is_nan() && value.is_nan());
+            assert!(same, "{text} of {x}, {y}, {b} is {value}, not {found}");
+        }
+    }
+}
+
 #[test]
 fn the_innermost_wrong_part_is_found() {
     let part = |text: &str, inputs: [Vec<f64>; 4], is_wrong: fn(f64) -> bool| {

@@ -1,0 +1,143 @@
+//! Which steps of a program matter for a run of samples.
+
+use super::Function;
+use super::program::Step;
+use std::collections::HashMap;
+
+/// A condition under which steps matter, within another one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Guard {
+    /// Step whose value decides.
+    condition: usize,
+    /// Whether the steps matter where the condition is not 0, rather than where it is.
+    holds: bool,
+    within: usize,
+}
+
+/// The guard that always holds.
+const ALWAYS: usize = 0;
+
+/// For each step, the guard under which its value matters. The values of other steps are arbitrary: those that it had
+/// for earlier samples, or 0.
+///
+/// Of `if(condition, a, b)`, what only `a` needs does not matter where the condition is 0, and what only `b` needs where
+/// it is not 0. Of a product of numbers that are always 0 or 1, the second does not matter where the first is 0.
+#[derive(Clone, Debug)]
+pub(super) struct Guards {
+    guards: Vec<Guard>,
+    /// Guards of the steps; `None` if a step never matters.
+    of_steps: Vec<Option<usize>>,
+}
+
+impl Guards {
+    pub(super) fn new(steps: &[Step], results: &[usize]) -> Self {
+        let is_truth = truths(steps);
+        let always = Guard { condition: 0, holds: true, within: ALWAYS };
+        let mut this = Self { guards: vec![always], of_steps: vec![None; steps.len()] };
+        let mut places = HashMap::new();
+        for result in results {
+            this.of_steps[*result] = Some(ALWAYS);
+        }
+        // Steps stand behind those that they need.
+        for place in (0..steps.len()).rev() {
+            let (Some(within), Step::Apply(function, arguments)) = (this.of_steps[place], &steps[place]) else {
+                continue;
+            };
+            for (index, argument) in arguments[..function.arguments()].iter().enumerate() {
+                let condition = arguments[0];
+                let holds = match (function, index) {
+                    (Function::If, 1 | 2) => Some(index == 1),
+                    (Function::Multiply, 1) if is_truth[condition] && is_truth[*argument] => Some(true),
+                    _ => None,
+                };
+                let guard = holds.map_or(within, |holds| {
+                    let guard = Guard { condition, holds, within };
+                    *places.entry(guard).or_insert_with(|| {
+                        this.guards.push(guard);
+                        this.guards.len() - 1
+                    })
+                });
+                this.of_steps[*argument] =
+                    Some(this.of_steps[*argument].map_or(guard, |other| this.common(guard, other)));
+            }
+        }
+        // A step that stands before a condition cannot wait for it.
+        for (place, guard) in this.of_steps.iter_mut().enumerate() {
+            while let Some(within) = guard.filter(|guard| *guard != ALWAYS && this.guards[*guard].condition >= place) {
+                *guard = Some(this.guards[within].within);
+            }
+        }
+        this
+    }
+
+    /// Returns the innermost guard that holds wherever one of two does.
+    fn common(&self, a: usize, b: usize) -> usize {
+        // Guards stand behind those that they are within.
+        let (mut a, mut b) = (a, b);
+        while a != b {
+            (a, b) = (a.min(b), self.guards[a.max(b)].within);
+        }
+        a
+    }
+
+    /// Returns which guards are known to hold for a run of samples: only that which always does.
+    pub(super) fn unknown(&self) -> Vec<Option<bool>> {
+        let mut known = vec![None; self.guards.len()];
+        known[ALWAYS] = Some(true);
+        known
+    }
+
+    /// Returns whether a step's value matters for a run of samples, from the values of the steps before it.
+    #[inline(always)]
+    pub(super) fn matters<const N: usize>(
+        &self,
+        step: usize,
+        before: &[[f64; N]],
+        length: usize,
+        known: &mut [Option<bool>],
+    ) -> bool {
+        self.of_steps[step]
+            .is_some_and(|guard| known[guard].unwrap_or_else(|| self.holds(guard, before, length, known)))
+    }
+
+    fn holds<const N: usize>(
+        &self,
+        guard: usize,
+        before: &[[f64; N]],
+        length: usize,
+        known: &mut [Option<bool>],
+    ) -> bool {
+        let Guard { condition, holds, within } = self.guards[guard];
+        let mut found = known[within].unwrap_or_else(|| self.holds(within, before, length, known));
+        if found {
+            // Without an early end, this is vector code.
+            let values = &before[condition][..length];
+            found = values.iter().fold(false, |found, value| found | ((*value != 0.0) == holds));
+        }
+        known[guard] = Some(found);
+        found
+    }
+}
+
+/// Returns which steps are always 0 or 1.
+fn truths(steps: &[Step]) -> Vec<bool> {
+    let mut truths: Vec<bool> = Vec::with_capacity(steps.len());
+    for step in steps {
+        truths.push(match step {
+            Step::Constant(bits) => [0.0, 1.0].map(f64::to_bits).contains(bits),
+            Step::Input { .. } => false,
+            Step::Apply(function, [a, b, c]) => match function {
+                Function::Less
+                | Function::LessOrEqual
+                | Function::Greater
+                | Function::GreaterOrEqual
+                | Function::Equal
+                | Function::Unequal => true,
+                Function::Multiply | Function::Least | Function::Most => truths[*a] && truths[*b],
+                Function::If => truths[*b] && truths[*c],
+                _ => false,
+            },
+        });
+    }
+    truths
+}
