@@ -103,8 +103,12 @@ impl PreparedObjectMask {
 impl Prepared for PreparedObjectMask {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
-        for (mask, surface) in mask.iter_mut().zip(inputs.view(&self.view, Channel::Surface)) {
-            *mask = self.mask(*surface);
+        mask.fill(0.0);
+        // Surface by surface rather than sample by sample, for vector code.
+        for index in &self.indices {
+            for (mask, surface) in mask.iter_mut().zip(inputs.view(&self.view, Channel::Surface)) {
+                *mask = if *surface == *index { 1.0 } else { *mask };
+            }
         }
         Ok(())
     }
