@@ -114,38 +114,149 @@ impl PreparedGrain {
         [(x * cos - y * sin) * self.node.threads, (x * sin + y * cos) * self.node.threads]
     }
 
-    /// Returns the positions at which the two noises are looked up.
-    fn lookups(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
-        match self.node.kind {
-            // Each thread has noise of its own, stretched along it.
-            Ground::Canvas => [[x / DRAWN_OUT, libm::floor(y) + BETWEEN], [libm::floor(x) + BETWEEN, y / DRAWN_OUT]],
-            Ground::Paper => [[x / 2.0, y / 2.0], [x / 2.0 / DRAWN_OUT, y / 2.0]],
-        }
-    }
-
-    /// Returns the mask at a position in threads, from the values of the two noises.
-    fn mask(&self, [x, y]: [f64; 2], noises: [f64; 2]) -> f64 {
-        let height = match self.node.kind {
-            Ground::Canvas => {
-                let (i, j) = (libm::floor(x), libm::floor(y));
-                let [u, v] = [libm::sin(PI * (x - i)), libm::sin(PI * (y - j))];
-                // Checkerboard: the thread that runs across is on top in every second square.
-                let across = (i + j) - 2.0 * libm::floor((i + j) / 2.0) == 0.0;
-                let (bulge, bow, noise) = if across { (v, u, noises[0]) } else { (u, v, noises[1]) };
-                // h = sin(πs)·(0.55 + 0.45·sin(πr))·(1 + slub·n), minus its mean.
-                bulge * (LOW + BOW * bow) * (1.0 + self.node.slub * noise) - MEAN
-            }
-            // h = 0.7·fbm + 0.3·(2·ridged − 1).
-            Ground::Paper => BUMPS * noises[0] + FIBERS * (2.0 * noises[1] - 1.0),
-        };
+    /// Returns the mask at a height over the mean.
+    fn mask(&self, height: f64) -> f64 {
         (0.5 + 0.5 * self.node.relief * self.kept * height).clamp(0.0, 1.0)
     }
 
     /// Returns the mask at a position in pixels, in f64.
     fn truth(&self, pixels: [f64; 2]) -> f64 {
         let place = self.place(pixels);
-        let lookups = self.lookups(place);
-        self.mask(place, [0, 1].map(|axis: usize| self.noises[axis].reference(&lookups[axis], 0.0)))
+        let noise = |which: usize, lookup: [f64; 2]| self.noises[which].reference(&lookup, 0.0);
+        self.mask(match self.node.kind {
+            Ground::Canvas => {
+                let [x, y] = place.map(Crossing::at);
+                let top = top(&x, &y);
+                self.canvas(&x, &y, noise(top, on_thread(top, &x, &y)))
+            }
+            Ground::Paper => {
+                let [bumps, fibers] = in_pulp(place);
+                paper([noise(0, bumps), noise(1, fibers)])
+            }
+        })
+    }
+
+    /// Returns the height of canvas from the noise of the thread on top: h = sin(πs)·(0.55 + 0.45·sin(πr))·(1 +
+    /// slub·n), minus its mean.
+    fn canvas(&self, x: &Crossing, y: &Crossing, noise: f64) -> f64 {
+        let (bulge, bow) = if top(x, y) == ACROSS { (y.sine, x.sine) } else { (x.sine, y.sine) };
+        bulge * (LOW + BOW * bow) * (1.0 + self.node.slub * noise) - MEAN
+    }
+
+    /// Fills the mask of canvas row by row.
+    fn fill_canvas(&self, block: &Block<'_>, mask: &mut [f32]) {
+        let width = block.window.width().max(1);
+        // If the grain is not turned, positions along x repeat from row to row, and those along y within a row.
+        let (mut columns, mut y) = (vec![Crossing::at(0.0); width], Crossing::at(0.0));
+        let mut threads = [Looked::default(), Looked::default()];
+        let mut places = block.places().map(|pixels| self.place(pixels));
+        let mut found = vec![(y, 0, 0); width];
+        for row in mask.chunks_mut(width) {
+            threads.iter_mut().for_each(Looked::begin);
+            for ((x, found), place) in columns.iter_mut().zip(&mut found).zip(&mut places) {
+                x.move_to(place[0]);
+                y.move_to(place[1]);
+                let top = top(x, &y);
+                *found = (y, top, threads[top].index(on_thread(top, x, &y)));
+            }
+            for (thread, noise) in threads.iter_mut().zip(&self.noises) {
+                thread.fill(noise);
+            }
+            for ((out, x), (y, top, index)) in row.iter_mut().zip(&columns).zip(&found) {
+                *out = self.mask(self.canvas(x, y, f64::from(threads[*top].values[*index]))) as f32;
+            }
+        }
+    }
+
+    /// Fills the mask of paper.
+    fn fill_paper(&self, block: &Block<'_>, mask: &mut [f32]) {
+        let lookups: Vec<[[f64; 2]; 2]> = block.places().map(|pixels| in_pulp(self.place(pixels))).collect();
+        let mut noises = [vec![0.0f32; lookups.len()], vec![0.0f32; lookups.len()]];
+        for (which, (noise, out)) in self.noises.iter().zip(&mut noises).enumerate() {
+            noise.fill::<2>(lookups.iter().map(|lookups| lookups[which]), &[], out);
+        }
+        for ((out, bumps), fibers) in mask.iter_mut().zip(&noises[0]).zip(&noises[1]) {
+            *out = self.mask(paper([*bumps, *fibers].map(f64::from))) as f32;
+        }
+    }
+}
+
+/// Returns the height of paper: h = 0.7·fbm + 0.3·(2·ridged − 1).
+fn paper([bumps, fibers]: [f64; 2]) -> f64 {
+    BUMPS * bumps + FIBERS * (2.0 * fibers - 1.0)
+}
+
+/// Returns where the noises of bumps and fibers are looked up.
+fn in_pulp([x, y]: [f64; 2]) -> [[f64; 2]; 2] {
+    [[x / 2.0, y / 2.0], [x / 2.0 / DRAWN_OUT, y / 2.0]]
+}
+
+/// The threads that run across, among the noises of canvas; the others run down.
+const ACROSS: usize = 0;
+
+/// Position along an axis among the threads that it crosses.
+#[derive(Clone, Copy)]
+struct Crossing {
+    at: f64,
+    /// Number of the thread.
+    thread: f64,
+    /// Sine of π times the position within the thread.
+    sine: f64,
+    is_odd: bool,
+}
+
+impl Crossing {
+    fn at(at: f64) -> Self {
+        let thread = libm::floor(at);
+        Self { at, thread, sine: libm::sin(PI * (at - thread)), is_odd: thread != 2.0 * libm::floor(thread / 2.0) }
+    }
+
+    fn move_to(&mut self, at: f64) {
+        if self.at != at {
+            *self = Self::at(at);
+        }
+    }
+}
+
+/// Returns which thread is on top. As on a checkerboard, that which runs across is in every second square.
+fn top(x: &Crossing, y: &Crossing) -> usize {
+    if x.is_odd == y.is_odd { ACROSS } else { 1 - ACROSS }
+}
+
+/// Returns where the noise of the thread on top is looked up. Each thread has noise of its own, stretched along it.
+fn on_thread(top: usize, x: &Crossing, y: &Crossing) -> [f64; 2] {
+    if top == ACROSS { [x.at / DRAWN_OUT, y.thread + BETWEEN] } else { [x.thread + BETWEEN, y.at / DRAWN_OUT] }
+}
+
+/// The noise of threads in a row.
+#[derive(Default)]
+struct Looked {
+    /// Different places at which it is looked up, and those of the row before.
+    places: Vec<[f64; 2]>,
+    before: Vec<[f64; 2]>,
+    values: Vec<f32>,
+}
+
+impl Looked {
+    /// Begins a row.
+    fn begin(&mut self) {
+        std::mem::swap(&mut self.places, &mut self.before);
+        self.places.clear();
+    }
+
+    /// Returns the index of the value at a place.
+    fn index(&mut self, place: [f64; 2]) -> usize {
+        if self.places.last() != Some(&place) {
+            self.places.push(place);
+        }
+        self.places.len() - 1
+    }
+
+    fn fill(&mut self, noise: &Noise) {
+        if self.places != self.before {
+            self.values.resize(self.places.len(), 0.0);
+            noise.fill(self.places.iter().copied(), &[], &mut self.values);
+        }
     }
 }
 
@@ -156,13 +267,9 @@ impl Prepared for PreparedGrain {
             mask.fill(0.5);
             return Ok(());
         }
-        let places: Vec<[f64; 2]> = block.places().map(|place| self.place(place)).collect();
-        let mut noises = [vec![0.0f32; places.len()], vec![0.0f32; places.len()]];
-        for (axis, (noise, out)) in self.noises.iter().zip(&mut noises).enumerate() {
-            noise.fill::<2>(places.iter().map(|place| self.lookups(*place)[axis]), &[], out);
-        }
-        for (((out, place), a), b) in mask.iter_mut().zip(&places).zip(&noises[0]).zip(&noises[1]) {
-            *out = self.mask(*place, [f64::from(*a), f64::from(*b)]) as f32;
+        match self.node.kind {
+            Ground::Canvas => self.fill_canvas(block, mask),
+            Ground::Paper => self.fill_paper(block, mask),
         }
         Ok(())
     }
