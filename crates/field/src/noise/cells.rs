@@ -1,7 +1,7 @@
 //! Blocks of points in the cells of an octave.
 
 use super::GOLDEN;
-use fearless_simd::{Simd, f32x16, f64x8, i32x16, prelude::*, u32x16};
+use fearless_simd::{Simd, f32x16, f64x8, i32x16, mask64x8, prelude::*, u32x16};
 
 /// Points of a block, by the cells of an octave in which they lie, fewer than 2³⁰ cells from the origin.
 pub(super) struct Cells<S: Simd, const D: usize> {
@@ -18,7 +18,7 @@ impl<S: Simd, const D: usize> Cells<S, D> {
     /// Returns the cells of a block of points along the axes; `None` if a point is far from the origin.
     #[inline(always)]
     pub(super) fn of(simd: S, along: &[[f64x8<S>; 2]; D]) -> Option<Self> {
-        let mut is_near = along[0][0].simd_eq(along[0][0]);
+        let mut is_near = mask64x8::splat(simd, true);
         for half in along.as_flattened() {
             is_near = is_near & half.abs().simd_lt((1u64 << 30) as f64);
         }

@@ -53,7 +53,7 @@ pub(super) fn gradient_noise<const D: usize>(seed: u32, cell: [i64; D], fraction
 const NUMBERS: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Most runs of a block whose cells are hashed one by one, rather than the cells of all points.
-const MOST_RUNS: u32 = 4;
+const MOST_RUNS: u32 = 3;
 
 /// Returns the same at a block of points, bit for bit. Neighboring points mostly lie in the same cell, whose corners are
 /// then hashed once for all of them, unless they were just before.

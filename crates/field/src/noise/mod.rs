@@ -6,14 +6,14 @@
 
 mod cells;
 mod features;
+mod fill;
 mod gradients;
 mod reference;
 mod span;
 
-use cells::Cells;
-use fearless_simd::{Level, Simd, dispatch, f32x16, f64x8, prelude::*, u32x16};
-use features::{feature, nearest};
-use gradients::{AMPLITUDE, Corners, gradient, gradient_noise, gradient_noises};
+use fearless_simd::{Simd, u32x16};
+use features::feature;
+use gradients::{AMPLITUDE, gradient};
 use trochoid_graph::Choice;
 
 /// Type of noise in the octaves.
@@ -138,216 +138,10 @@ impl Noise {
         octaves.iter_mut().for_each(|octave| octave.weight /= total);
         Self { kind, octaves, evolution }
     }
-
-    /// Fills `out` with the noise at points of `S` axes, 2 or 3. Octaves whose cells are smaller than a point's
-    /// footprint (in the unit of the coordinates) are replaced by their mean there. No footprints mean footprints of 0.
-    pub fn fill<const S: usize>(
-        &self,
-        mut points: impl Iterator<Item = [f64; S]>,
-        footprints: &[f32],
-        out: &mut [f32],
-    ) {
-        const { assert!(S == 2 || S == 3) };
-        let mut chunk = Chunk { places: [[0.0; CHUNK]; 3], prints: [0.0; CHUNK] };
-        for (index, out) in out.chunks_mut(CHUNK).enumerate() {
-            for (lane, point) in points.by_ref().take(out.len()).enumerate() {
-                chunk.places.iter_mut().zip(point).for_each(|(along, coordinate)| along[lane] = coordinate);
-            }
-            if let Some(found) = footprints.get(index * CHUNK..) {
-                chunk.prints.iter_mut().zip(found).for_each(|(print, found)| *print = *found);
-            }
-            self.fill_chunk(S, &chunk, out);
-        }
-    }
-
-    /// Fills `out` with the noise at points of `space` axes. It is not generic, so that this long code is compiled once,
-    /// and not with each iterator of points.
-    fn fill_chunk(&self, space: usize, chunk: &Chunk, out: &mut [f32]) {
-        let level = Level::new();
-        macro_rules! sum {
-            ($space:literal, $axes:literal) => {
-                dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
-                    self.sum::<_, $space, $axes>(simd, chunk, out);
-                }))
-            };
-        }
-        match (space, self.evolution) {
-            (2, None) => sum!(2, 2),
-            (2, Some(_)) => sum!(2, 3),
-            (_, None) => sum!(3, 3),
-            (_, Some(_)) => sum!(3, 4),
-        }
-    }
-
-    /// Fills `out` with the noise, octave by octave. Every lane performs the same operations in the same order on every
-    /// processor.
-    #[inline(always)]
-    fn sum<V: Simd, const S: usize, const D: usize>(&self, simd: V, chunk: &Chunk, out: &mut [f32]) {
-        let mut sums = [0.0; CHUNK];
-        let sums = &mut sums[..out.len().next_multiple_of(LANES)];
-        for octave in &self.octaves {
-            self.add::<V, S, D>(simd, octave, chunk, sums);
-        }
-        let (low, high) = self.kind.range();
-        for sums in sums.chunks_exact_mut(LANES) {
-            clamped(simd, f32x16::from_slice(simd, sums), low as f32, high as f32).store_slice(sums);
-        }
-        out.copy_from_slice(&sums[..out.len()]);
-    }
-
-    /// Adds an octave to the sums at blocks of points.
-    #[inline(always)]
-    fn add<V: Simd, const S: usize, const D: usize>(&self, simd: V, octave: &Octave, chunk: &Chunk, sums: &mut [f32]) {
-        let (weight, mean) = (octave.weight as f32, self.kind.mean(D) as f32);
-        let mut corners = Corners::default();
-        for (start, sums) in (0..).step_by(LANES).zip(sums.chunks_exact_mut(LANES)) {
-            let prints = f32x16::from_slice(simd, &chunk.prints[start..][..LANES]);
-            let kept = kept(simd, prints * octave.frequency as f32);
-            let mut added = f32x16::splat(simd, mean);
-            if !kept.simd_eq(0.0).all_true() {
-                let mut along = [[f64x8::splat(simd, self.evolution.unwrap_or(0.0) + octave.shift[D - 1]); 2]; D];
-                for axis in 0..S {
-                    for (half, along) in along[axis].iter_mut().enumerate() {
-                        let place =
-                            f64x8::from_slice(simd, &chunk.places[axis][start + half * (LANES / 2)..][..LANES / 2]);
-                        *along = place * octave.frequency + octave.shift[axis];
-                    }
-                }
-                let values = self.octave(simd, octave.seed, &along, &mut corners);
-                added = kept * values + (f32x16::splat(simd, 1.0) - kept) * mean;
-            }
-            (f32x16::from_slice(simd, sums) + added * weight).store_slice(sums);
-        }
-    }
-
-    #[inline(always)]
-    fn octave<V: Simd, const D: usize>(
-        &self,
-        simd: V,
-        seed: u32,
-        along: &[[f64x8<V>; 2]; D],
-        corners: &mut Corners<D>,
-    ) -> f32x16<V> {
-        if self.kind == NoiseKind::Fbm || self.kind == NoiseKind::Ridged {
-            let noises = match Cells::of(simd, along) {
-                Some(cells) => gradient_noises(simd, seed, &cells, corners),
-                None => far_gradient_noises(simd, seed, along),
-            };
-            if self.kind == NoiseKind::Fbm {
-                return noises;
-            }
-            let valleys = f32x16::splat(simd, 1.0) - noises.abs();
-            return valleys * valleys;
-        }
-        let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
-        for axis in 0..D {
-            for lane in 0..LANES {
-                let along = along[axis][lane / (LANES / 2)].as_slice()[lane % (LANES / 2)];
-                (cells[axis][lane], fractions[axis][lane]) = split(along);
-            }
-        }
-        let values = if self.kind == NoiseKind::Cellular {
-            nearest::<D, false, false>(seed, &cells, &fractions).distances[0]
-        } else {
-            nearest::<D, true, false>(seed, &cells, &fractions).edges()
-        };
-        f32x16::from_slice(simd, &values)
-    }
-
-    /// Fills `out` with noise of kind [`NoiseKind::Edges`] at points of the plane, without footprints and without
-    /// evolution, and `slopes` with its derivatives along both axes, per unit of the coordinates.
-    pub fn fill_edges(&self, points: &[[f64; 2]], out: &mut [f32], slopes: &mut [[f32; 2]]) {
-        debug_assert!(self.kind == NoiseKind::Edges && self.evolution.is_none());
-        let level = Level::new();
-        let blocks = points.chunks(LANES).zip(out.chunks_mut(LANES)).zip(slopes.chunks_mut(LANES));
-        for ((points, out), slopes) in blocks {
-            let mut places = [[0.0; LANES]; 2];
-            for (lane, point) in points.iter().enumerate() {
-                places.iter_mut().zip(point).for_each(|(along, coordinate)| along[lane] = *coordinate);
-            }
-            let [sums, across, along] = dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
-                self.edges(&places)
-            }));
-            out.copy_from_slice(&sums[..out.len()]);
-            slopes.iter_mut().zip(across).zip(along).for_each(|((slope, x), y)| *slope = [x, y]);
-        }
-    }
-
-    #[inline(always)]
-    fn edges(&self, places: &[[f64; LANES]; 2]) -> [Lanes; 3] {
-        let mut sums = [[0.0; LANES]; 3];
-        for octave in &self.octaves {
-            let (cells, fractions) = octave.cells::<2, 2>(places);
-            let (weight, steepness) = (octave.weight as f32, (octave.weight * octave.frequency) as f32);
-            let found = nearest::<2, true, true>(octave.seed, &cells, &fractions);
-            let [values, across, along] = [found.edges(), found.slopes(0), found.slopes(1)];
-            for lane in 0..LANES {
-                sums[0][lane] += weight * values[lane];
-                sums[1][lane] += steepness * across[lane];
-                sums[2][lane] += steepness * along[lane];
-            }
-        }
-        sums[0] = sums[0].map(|sum| sum.clamp(0.0, 1.0));
-        sums
-    }
 }
 
-/// Returns gradient noise at a block of points of which some are far from the origin.
-#[inline(never)]
-fn far_gradient_noises<V: Simd, const D: usize>(simd: V, seed: u32, along: &[[f64x8<V>; 2]; D]) -> f32x16<V> {
-    f32x16::from_fn(simd, |lane| {
-        let parts = along.each_ref().map(|[low, high]| {
-            let half = if lane < LANES / 2 { low } else { high };
-            split(half.as_slice()[lane % (LANES / 2)])
-        });
-        gradient_noise(seed, parts.map(|(cell, _)| cell), parts.map(|(_, fraction)| fraction))
-    })
-}
-
-impl Octave {
-    /// Splits positions, whose first `S` axes are those of space, into cells and fractions within them.
-    #[inline(always)]
-    fn cells<const S: usize, const D: usize>(&self, places: &[[f64; LANES]; D]) -> ([[i64; LANES]; D], [Lanes; D]) {
-        let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
-        for axis in 0..D {
-            let frequency = if axis < S { self.frequency } else { 1.0 };
-            for lane in 0..LANES {
-                let along = places[axis][lane] * frequency + self.shift[axis];
-                (cells[axis][lane], fractions[axis][lane]) = split(along);
-            }
-        }
-        (cells, fractions)
-    }
-}
-
-/// Number of points computed at once, and a value for each of them.
+/// Number of points computed at once.
 const LANES: usize = 16;
-type Lanes = [f32; LANES];
-
-/// Number of points whose coordinates are collected before their noise is computed: a vector that is read right after
-/// its parts were written has to wait.
-const CHUNK: usize = 128;
-
-/// Points: their coordinates along the axes of space, and their footprints.
-struct Chunk {
-    places: [[f64; CHUNK]; 3],
-    prints: [f32; CHUNK],
-}
-
-/// Returns the fraction of an octave that a footprint of `cells` cells leaves: 1 up to half a cell, 0 from one cell on.
-#[inline(always)]
-fn kept<S: Simd>(simd: S, cells: f32x16<S>) -> f32x16<S> {
-    let t = clamped(simd, f32x16::splat(simd, 2.0) - cells * 2.0, 0.0, 1.0);
-    t * t * (f32x16::splat(simd, 3.0) - t * 2.0)
-}
-
-/// Limits numbers to a range; what is not a number stays so.
-#[inline(always)]
-fn clamped<S: Simd>(simd: S, numbers: f32x16<S>, low: f32, high: f32) -> f32x16<S> {
-    let (low, high) = (f32x16::splat(simd, low), f32x16::splat(simd, high));
-    let numbers = numbers.simd_lt(low).select(low, numbers);
-    numbers.simd_gt(high).select(high, numbers)
-}
 
 /// Splits a coordinate into its cell and the fraction within it, in [0, 1]. A coordinate that is not finite counts as
 /// 0.
@@ -373,9 +167,9 @@ fn key(cell: i64) -> u32 {
 mod tests {
     use super::*;
 
-    const KINDS: [NoiseKind; 4] = [NoiseKind::Fbm, NoiseKind::Ridged, NoiseKind::Cellular, NoiseKind::Edges];
+    pub(super) const KINDS: [NoiseKind; 4] = [NoiseKind::Fbm, NoiseKind::Ridged, NoiseKind::Cellular, NoiseKind::Edges];
 
-    fn parameters(seed: u32) -> NoiseParameters {
+    pub(super) fn parameters(seed: u32) -> NoiseParameters {
         NoiseParameters { scale: 0.7, octaves: 5, lacunarity: 2.17, gain: 0.6, seed }
     }
 
@@ -388,70 +182,6 @@ mod tests {
             points.push([0, 1, 2].map(|axis| size * random(axis)));
         }
         points
-    }
-
-    /// Passes points to `check` in blocks of `LANES`, as vector code.
-    pub(super) fn in_lanes<const D: usize>(points: &[[f64; D]], check: impl Fn(&[[i64; LANES]; D], &[Lanes; D])) {
-        for lanes in points.chunks_exact(LANES) {
-            let (mut cells, mut fractions) = ([[0; LANES]; D], [[0.0; LANES]; D]);
-            for (lane, point) in lanes.iter().enumerate() {
-                for axis in 0..D {
-                    (cells[axis][lane], fractions[axis][lane]) = split(point[axis]);
-                }
-            }
-            dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || check(&cells, &fractions)));
-        }
-    }
-
-    /// Points in rows, near each other and in cells of their own, with some that are hostile.
-    fn rows() -> Vec<[f64; 3]> {
-        let edge = (1u64 << 30) as f64;
-        let hostile = [f64::NAN, f64::INFINITY, -f64::INFINITY, 5e-324, -0.0, 1e17, -edge, edge - 0.25, 0.5 - edge];
-        let mut rows = points();
-        for (row, step) in [0.0, 1e-3, 0.02, 0.11, 0.3, 0.9, 7.0, 0.05].into_iter().enumerate() {
-            for index in 0..150 {
-                let along = (f64::from(index) - 70.0) * step;
-                let mut point = [along, 0.3 * along - 5.0, 2.0 - along];
-                if row == 7 && index % 15 == 14 {
-                    point[index as usize % 3] = hostile[index as usize / 15 % hostile.len()];
-                }
-                rows.push(point);
-            }
-        }
-        rows.extend(hostile.map(|hostile| [hostile; 3]));
-        rows
-    }
-
-    #[test]
-    fn blocks_have_the_bits_of_single_points() {
-        fn check<const S: usize, const D: usize>(evolution: Option<f64>) {
-            let noise = Noise::new(NoiseKind::Fbm, NoiseParameters { octaves: 1, ..parameters(77) }, evolution);
-            let octave = &noise.octaves[0];
-            let points: Vec<[f64; S]> = rows()
-                .iter()
-                .map(|point| [0, 1, 2][..S].iter().map(|axis| point[*axis]))
-                .map(|point| point.collect::<Vec<_>>().try_into().unwrap())
-                .collect();
-            for first in [0, 1, 5] {
-                let points = &points[first..];
-                let mut out = vec![f32::NAN; points.len()];
-                noise.fill(points.iter().copied(), &[], &mut out);
-                for (point, found) in points.iter().zip(out) {
-                    let parts: [(i64, f32); D] = std::array::from_fn(|axis| match point.get(axis) {
-                        Some(along) => split(along * octave.frequency + octave.shift[axis]),
-                        None => split(evolution.unwrap() + octave.shift[axis]),
-                    });
-                    let truth = gradient_noise(octave.seed, parts.map(|part| part.0), parts.map(|part| part.1));
-                    // The sum of octaves has no negative zeros.
-                    assert_eq!(found.to_bits(), (truth + 0.0).to_bits(), "{point:?}: {found}, expected {truth}");
-                }
-            }
-        }
-        check::<2, 2>(None);
-        check::<2, 3>(Some(0.3));
-        check::<3, 3>(None);
-        check::<3, 4>(Some(-7.6));
-        check::<3, 4>(Some(1e15));
     }
 
     #[test]
