@@ -17,32 +17,40 @@ struct Guard {
 /// The guard that always holds.
 const ALWAYS: usize = 0;
 
-/// For each step, the guard under which its value matters. The values of other steps are arbitrary: those that it had
-/// for earlier samples, or 0.
+/// A step that is not a constant, and when it matters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turn {
+    pub(super) step: usize,
+    guard: usize,
+    /// The next turn if the guard does not hold: the first whose guard is not within it.
+    pub(super) next: usize,
+}
+
+/// The steps of a program in their order, with the guards under which their values matter. Where a step does not matter,
+/// its value is arbitrary: what it was for earlier samples, or 0.
 ///
 /// Of `if(condition, a, b)`, what only `a` needs does not matter where the condition is 0, and what only `b` needs where
 /// it is not 0. Of a product of numbers that are always 0 or 1, the second does not matter where the first is 0.
 #[derive(Clone, Debug)]
 pub(super) struct Guards {
     guards: Vec<Guard>,
-    /// Guards of the steps; `None` if a step never matters.
-    of_steps: Vec<Option<usize>>,
+    pub(super) turns: Vec<Turn>,
 }
 
 impl Guards {
     pub(super) fn new(steps: &[Step], results: &[usize]) -> Self {
         let is_truth = truths(steps);
         let always = Guard { condition: 0, holds: true, within: ALWAYS };
-        let mut this = Self { guards: vec![always], of_steps: vec![None; steps.len()] };
+        let mut this = Self { guards: vec![always], turns: Vec::new() };
         let mut places = HashMap::new();
+        // Guards of the steps; `None` if a step never matters.
+        let mut of_steps = vec![None; steps.len()];
         for result in results {
-            this.of_steps[*result] = Some(ALWAYS);
+            of_steps[*result] = Some(ALWAYS);
         }
         // Steps stand behind those that they need.
         for place in (0..steps.len()).rev() {
-            let (Some(within), Step::Apply(function, arguments)) = (this.of_steps[place], &steps[place]) else {
-                continue;
-            };
+            let (Some(within), Step::Apply(function, arguments)) = (of_steps[place], &steps[place]) else { continue };
             for (index, argument) in arguments[..function.arguments()].iter().enumerate() {
                 let condition = arguments[0];
                 let holds = match (function, index) {
@@ -57,15 +65,30 @@ impl Guards {
                         this.guards.len() - 1
                     })
                 });
-                this.of_steps[*argument] =
-                    Some(this.of_steps[*argument].map_or(guard, |other| this.common(guard, other)));
+                of_steps[*argument] = Some(of_steps[*argument].map_or(guard, |other| this.common(guard, other)));
             }
         }
-        // A step that stands before a condition cannot wait for it.
-        for (place, guard) in this.of_steps.iter_mut().enumerate() {
-            while let Some(within) = guard.filter(|guard| *guard != ALWAYS && this.guards[*guard].condition >= place) {
-                *guard = Some(this.guards[within].within);
+        for (step, guard) in of_steps.into_iter().enumerate() {
+            let Some(mut guard) = guard.filter(|_| !matches!(steps[step], Step::Constant(_))) else { continue };
+            // A step that stands before a condition cannot wait for it.
+            let mut outer = guard;
+            while outer != ALWAYS {
+                let Guard { condition, within, .. } = this.guards[outer];
+                if condition >= step {
+                    guard = within;
+                }
+                outer = within;
             }
+            this.turns.push(Turn { step, guard, next: 0 });
+        }
+        for index in (0..this.turns.len()).rev() {
+            let (guard, mut next) = (this.turns[index].guard, index + 1);
+            while let Some(turn) = this.turns.get(next)
+                && this.common(turn.guard, guard) == guard
+            {
+                next = turn.next;
+            }
+            this.turns[index].next = next;
         }
         this
     }
@@ -87,17 +110,16 @@ impl Guards {
         known
     }
 
-    /// Returns whether a step's value matters for a run of samples, from the values of the steps before it.
+    /// Returns whether a step matters for a run of samples, from the values of the steps before it.
     #[inline(always)]
     pub(super) fn matters<const N: usize>(
         &self,
-        step: usize,
+        turn: Turn,
         before: &[[f64; N]],
         length: usize,
         known: &mut [Option<bool>],
     ) -> bool {
-        self.of_steps[step]
-            .is_some_and(|guard| known[guard].unwrap_or_else(|| self.holds(guard, before, length, known)))
+        known[turn.guard].unwrap_or_else(|| self.holds(turn.guard, before, length, known))
     }
 
     fn holds<const N: usize>(

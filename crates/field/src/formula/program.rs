@@ -79,14 +79,17 @@ impl Program {
             // Whole vectors: what lies beyond the samples does no harm.
             let wide = length.next_multiple_of(WIDE);
             known[1..].fill(None);
-            for (place, step) in self.steps.iter().enumerate() {
-                let (before, rest) = memory.split_at_mut(place);
-                if !self.guards.matters(place, before, length, &mut known) {
+            let mut next = 0;
+            while let Some(turn) = self.guards.turns.get(next).copied() {
+                let (before, rest) = memory.split_at_mut(turn.step);
+                if !self.guards.matters(turn, before, length, &mut known) {
+                    next = turn.next;
                     continue;
                 }
-                match step {
+                next += 1;
+                match self.steps[turn.step] {
                     Step::Constant(_) => {}
-                    Step::Input { input, component } => load(start, *input, *component, &mut rest[0][..length]),
+                    Step::Input { input, component } => load(start, input, component, &mut rest[0][..length]),
                     Step::Apply(function, arguments) => {
                         function.fill(arguments.map(|argument| &before[argument][..wide]), &mut rest[0][..wide]);
                     }
