@@ -160,7 +160,7 @@ impl PreparedGrain {
                 *found = (y, top, threads[top].index(on_thread(top, x, &y)));
             }
             for (thread, noise) in threads.iter_mut().zip(&self.noises) {
-                thread.fill(noise);
+                thread.fill(noise, self.node.slub);
             }
             for ((out, x), (y, top, index)) in row.iter_mut().zip(&columns).zip(&found) {
                 *out = self.mask(self.canvas(x, y, f64::from(threads[*top].values[*index]))) as f32;
@@ -252,10 +252,13 @@ impl Looked {
         self.places.len() - 1
     }
 
-    fn fill(&mut self, noise: &Noise) {
+    /// Looks up the noise, unless it has no effect.
+    fn fill(&mut self, noise: &Noise, slub: f64) {
         if self.places != self.before {
             self.values.resize(self.places.len(), 0.0);
-            noise.fill(self.places.iter().copied(), &[], &mut self.values);
+            if slub != 0.0 {
+                noise.fill(self.places.iter().copied(), &[], &mut self.values);
+            }
         }
     }
 }

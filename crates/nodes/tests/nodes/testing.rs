@@ -152,6 +152,15 @@ impl Frame {
         self.node(name).fill(&block, &Inputs::new(&[]), &mut Outputs::new(planes.collect()))
     }
 
+    /// Fills the first channel of a stage at one sample in each pixel of a window.
+    pub(crate) fn filled_window(&self, id: NodeId, window: Window, offset: [f64; 2]) -> Vec<f32> {
+        let mut plane = vec![f32::NAN; window.area()];
+        let mut outputs = Outputs::new(vec![vec![Some(&mut plane[..])]]);
+        let prepared = self.prepared[id.0].as_ref().unwrap();
+        prepared.fill(&Block::of(window, offset), &Inputs::new(&[]), &mut outputs).unwrap();
+        plane
+    }
+
     /// Fills one channel of a stage at one sample.
     pub(crate) fn filled(&self, id: NodeId, output: usize, channel: usize, at: [f64; 2]) -> f32 {
         let (x, y) = (at[0].floor() as i64, at[1].floor() as i64);
