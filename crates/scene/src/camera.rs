@@ -123,9 +123,14 @@ impl Projector {
     /// (orthographic).
     #[inline]
     pub(crate) fn plane(&self, x: f64, y: f64) -> (DVec3, DVec3) {
-        let across = (x - self.size[0] / 2.0) / self.scale;
-        let upward = (self.size[1] / 2.0 - y) / self.scale;
+        let [across, upward] = self.place(x, y);
         (self.right * across, self.up * upward)
+    }
+
+    /// Returns the lengths of these offsets.
+    #[inline(always)]
+    pub(crate) fn place(&self, x: f64, y: f64) -> [f64; 2] {
+        [(x - self.size[0] / 2.0) / self.scale, (self.size[1] / 2.0 - y) / self.scale]
     }
 
     /// Returns the pixel position and planar depth of a world point; a perspective point at depth 0 or less has no

@@ -73,9 +73,9 @@ impl Samples {
         }
     }
 
-    /// Returns the samples of a channel from `first` on; empty if it was not requested.
+    /// Returns the samples of a channel; empty if it was not requested.
     #[inline]
-    pub(crate) fn from(&mut self, channel: Channel, first: usize) -> &mut [f32] {
-        self.planes[channel as usize].get_mut(first..).unwrap_or_default()
+    pub(crate) fn all(&mut self, channel: Channel) -> &mut [f32] {
+        &mut self.planes[channel as usize]
     }
 }

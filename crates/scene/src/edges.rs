@@ -1,16 +1,20 @@
-//! Edge functions of a triangle in the picture, in integers.
+//! Edge functions of a triangle in the picture, in whole numbers.
 
-use std::ops::{Add, BitAnd, BitOr, Mul, Sub};
+use std::ops::{Add, Mul, Sub};
 
 use crate::project::ScreenVertex;
 
-/// Integer type in which edge functions are exact.
+/// Numbers in which edge functions are exact.
 pub(crate) trait Whole:
-    Copy + Ord + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + BitAnd<Output = Self> + BitOr<Output = Self>
+    Copy + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
     /// Converts a number, which must fit.
     fn of(number: i64) -> Self;
     fn float(self) -> f64;
+    /// Returns a number that is at least 0 if both are.
+    fn both(self, other: Self) -> Self;
+    /// Returns a number that is at least 0 if one of them is.
+    fn either(self, other: Self) -> Self;
 }
 
 impl Whole for i64 {
@@ -23,9 +27,19 @@ impl Whole for i64 {
     fn float(self) -> f64 {
         self as f64
     }
+
+    #[inline(always)]
+    fn both(self, other: Self) -> Self {
+        self | other
+    }
+
+    #[inline(always)]
+    fn either(self, other: Self) -> Self {
+        self & other
+    }
 }
 
-/// For triangles smaller than 2¹³ in each direction and pixels of at most 2¹²: a function is then below 2²⁹ at a
+/// For triangles smaller than 2¹⁴ in each direction and pixels of at most 2¹²: a function is then below 2³⁰ at a
 /// sample of any pixel that one of the triangle's points lies in.
 impl Whole for i32 {
     #[inline(always)]
@@ -36,6 +50,40 @@ impl Whole for i32 {
     #[inline(always)]
     fn float(self) -> f64 {
         f64::from(self)
+    }
+
+    #[inline(always)]
+    fn both(self, other: Self) -> Self {
+        self | other
+    }
+
+    #[inline(always)]
+    fn either(self, other: Self) -> Self {
+        self & other
+    }
+}
+
+/// For triangles smaller than 2²⁴ in each direction and pixels of at most 2¹²: a function is then below 2⁵⁰. Few
+/// processors multiply vectors of i64.
+impl Whole for f64 {
+    #[inline(always)]
+    fn of(number: i64) -> Self {
+        number as Self
+    }
+
+    #[inline(always)]
+    fn float(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn both(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+
+    #[inline(always)]
+    fn either(self, other: Self) -> Self {
+        if self > other { self } else { other }
     }
 }
 
@@ -96,7 +144,7 @@ impl<I: Whole> Edges<I> {
     /// Returns a number that is at least 0 if a position with these values belongs to the triangle.
     #[inline(always)]
     pub(crate) fn inside(at: [I; 3]) -> I {
-        at[0] | at[1] | at[2]
+        at[0].both(at[1]).both(at[2])
     }
 
     /// Returns the key at a position with these values.

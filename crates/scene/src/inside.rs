@@ -9,7 +9,7 @@ use crate::edges::{Edges, Whole};
 use crate::extent::{Bounds, Sector};
 use crate::grid_ranges::{Range, Ranges, SIZES};
 use crate::project::ScreenVertex;
-use crate::raster::NOTHING;
+use crate::raster::{NOTHING, SeenTriangle};
 use crate::shading::power;
 use crate::{
     ChannelSet, DVec3, GivenUp, GridSurface, HeightField, Mesh, Obstacles, Patches, Projector, Ray, SeaSurface,
@@ -66,17 +66,31 @@ pub struct EdgeValues {
 }
 
 /// Returns the edge functions of a triangle of corners with keys, from a starting position and by a displacement, by
-/// numbers of 32 and of 64 bits; `None` for a triangle without area.
+/// whole numbers of 64 bits and by f64; `None` for a triangle without area.
 pub fn edge_values(corners: [([i32; 2], f32); 3], from: [i64; 2], by: [i64; 2]) -> [Option<EdgeValues>; 2] {
-    fn of<I: Whole + Into<i64>>(corners: [ScreenVertex; 3], from: [i64; 2], by: [i64; 2]) -> Option<EdgeValues> {
-        let edges = Edges::<I>::new(corners, from)?;
-        let change = edges.change(I::of(by[0]), I::of(by[1]));
-        let at = [0, 1, 2].map(|edge| edges.first[edge] + change[edge]);
-        let inside = Edges::inside(at) >= I::of(0);
-        Some(EdgeValues { functions: at.map(Into::into), inside, key: edges.key(at).to_bits() })
-    }
+    [
+        edge_values_by(corners, from, by, |value: i64| value),
+        edge_values_by(corners, from, by, |value: f64| value as i64),
+    ]
+}
+
+/// Does the same by whole numbers of 32 bits, for small triangles.
+pub fn narrow_edge_values(corners: [([i32; 2], f32); 3], from: [i64; 2], by: [i64; 2]) -> Option<EdgeValues> {
+    edge_values_by(corners, from, by, |value: i32| i64::from(value))
+}
+
+fn edge_values_by<I: Whole>(
+    corners: [([i32; 2], f32); 3],
+    from: [i64; 2],
+    by: [i64; 2],
+    to: fn(I) -> i64,
+) -> Option<EdgeValues> {
     let corners = corners.map(|([x, y], key)| ScreenVertex { x, y, key });
-    [of::<i32>(corners, from, by), of::<i64>(corners, from, by)]
+    let edges = Edges::<I>::new(corners, from)?;
+    let change = edges.change(I::of(by[0]), I::of(by[1]));
+    let at = [0, 1, 2].map(|edge| edges.first[edge] + change[edge]);
+    let inside = Edges::inside(at) >= I::of(0);
+    Some(EdgeValues { functions: at.map(to), inside, key: edges.key(at).to_bits() })
 }
 
 /// Returns the slope variance of the waves of a sea that a footprint filters out, and how far it may be off.
@@ -196,23 +210,37 @@ pub fn patches(
     Patches::new(columns, positions, tangents, steps, closed)
 }
 
-/// Returns the numbers of the triangles that a sample of each pixel of a window sees, row by row; `None` for nothing.
-pub fn look(visible: &Visible, window: Window, offset: [f64; 2]) -> Vec<Option<u64>> {
-    let mut numbers = Vec::new();
+/// Returns the triangles that a sample of each pixel of a window sees, row by row, each by its primitive and index there;
+/// `None` for nothing.
+pub fn look(visible: &Visible, window: Window, offset: [f64; 2]) -> Vec<Option<[u32; 2]>> {
+    let mut triangles = Vec::new();
     visible.look(window, offset, |seen| {
-        let rows = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| [x, y]));
-        numbers.extend(rows.map(|[x, y]| seen.triangle(x, y)).map(|number| (number != NOTHING).then_some(number)));
+        let numbers = pixels(window).map(|[x, y]| seen.triangle(x, y));
+        triangles.extend(numbers.map(|number| {
+            let SeenTriangle { primitive, part, .. } = SeenTriangle::unpack(number);
+            (number != NOTHING).then_some([primitive, part])
+        }));
     });
-    numbers
+    triangles
 }
 
-/// Returns a triangle by its number: its surface, the mesh of this surface as it was cut, and its vertices.
-pub fn triangle(visible: &Visible, number: u64) -> (usize, &Mesh, [u32; 3]) {
-    let primitive = (number / 2) as u32;
+/// Does the same one triangle after the other, by edge functions in i64.
+pub fn nearest(visible: &Visible, window: Window, offset: [f64; 2]) -> Vec<Option<[u32; 2]>> {
+    let sheets = visible.nearest_sheets(window, offset);
+    let first = |pixel| sheets.at(pixel)[0].map(|sheet| [sheet.primitive(), sheet.part() as u32]);
+    pixels(window).map(first).collect()
+}
+
+fn pixels(window: Window) -> impl Iterator<Item = [i64; 2]> {
+    (window.y0..window.y1).flat_map(move |y| (window.x0..window.x1).map(move |x| [x, y]))
+}
+
+/// Returns a triangle of a primitive: its surface, the mesh of this surface as it was cut, and its vertices.
+pub fn triangle(visible: &Visible, [primitive, part]: [u32; 2]) -> (usize, &Mesh, [u32; 3]) {
     let surface = visible.layer(primitive);
     let layer = &visible.layers[surface];
     let triangles = layer.triangles((primitive - visible.firsts[surface]) as usize);
-    (surface, &layer.mesh, triangles[(number % 2) as usize])
+    (surface, &layer.mesh, triangles[part as usize])
 }
 
 /// Returns an offset within a pixel as it is rounded for edge functions.

@@ -29,6 +29,7 @@ mod first_point;
 mod float;
 mod followed;
 mod footprint;
+mod four;
 mod grid_ranges;
 mod grid_ray;
 mod grid_surface;

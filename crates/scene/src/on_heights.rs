@@ -2,8 +2,10 @@
 
 #![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
 
+use fearless_simd::{Level, dispatch, f32x4, prelude::*};
 use glam::DVec3;
 
+use crate::four::transposed;
 use crate::grid_values::Number;
 use crate::resolve::{BLOCK, Lanes};
 use crate::{Channel, ChannelSet, GridSurface, Projector};
@@ -78,7 +80,9 @@ impl HeightField {
     pub(crate) fn slopes(&self, place: [f64; 2]) -> [f64; 2] {
         let places = [0, 1].map(|axis| [(place[axis] - self.origin[axis]) / self.spacing; WIDE]);
         let nearest = self.nearest(places.map(|place| place[0])).map(|place| [place; WIDE]);
-        let (_, slopes) = self.around(&places).at(&nearest);
+        let mut cells = Cells::default();
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || self.around(simd, &places, &mut cells)));
+        let (_, slopes) = cells.at(&nearest);
         slopes.map(|slopes| f64::from(slopes[0]) / self.spacing)
     }
 
@@ -100,28 +104,31 @@ impl HeightField {
         [x.min(self.last[0] - 1.0) as usize, z.min(self.last[1] - 1.0) as usize]
     }
 
-    /// Gathers the heights around the cells at some places, or those nearest to them.
+    /// Gathers the heights around the cells at some places, or those nearest to them, four at a time.
     #[inline(always)]
-    fn around(&self, places: &[[f64; WIDE]; 2]) -> Cells {
-        let mut cells = Cells { rows: [[[0.0; WIDE]; 4]; 4], first: [0.0; WIDE], corners: [[0.0; WIDE]; 2] };
-        for lane in 0..WIDE {
-            let [i, j] = self.corner([places[0][lane], places[1][lane]]);
-            let start = j * self.width + i;
-            let first = self.heights[start + self.width + 1];
-            cells.first[lane] = f64::from(first);
-            (cells.corners[0][lane], cells.corners[1][lane]) = (i as f64, j as f64);
+    fn around<S: Simd>(&self, simd: S, places: &[[f64; WIDE]; 2], cells: &mut Cells) {
+        for lane in (0..WIDE).step_by(4) {
+            let range = lane..lane + 4;
+            let corners = [0, 1, 2, 3].map(|next| self.corner([places[0][lane + next], places[1][lane + next]]));
+            let starts = corners.map(|[i, j]| j * self.width + i);
+            let firsts = starts.map(|start| self.heights[start + self.width + 1]);
+            cells.first[range.clone()].copy_from_slice(&firsts.map(f64::from));
+            for axis in 0..2 {
+                cells.corners[axis][range.clone()].copy_from_slice(&corners.map(|corner| corner[axis] as f64));
+            }
+            let firsts = f32x4::from_slice(simd, &firsts);
             for n in 0..4 {
-                let four = &self.heights[start + n * self.width..][..4];
-                for m in 0..4 {
-                    cells.rows[n][m][lane] = four[m] - first;
+                let rows = starts.map(|start| &self.heights[start + n * self.width..][..4]);
+                for (m, heights) in transposed(simd, &rows, 0).into_iter().enumerate() {
+                    (heights - firsts).store_slice(&mut cells.rows[n][m][range.clone()]);
                 }
             }
         }
-        cells
     }
 }
 
 /// The heights around a cell of each ray, row by row.
+#[derive(Default)]
 struct Cells {
     /// Relative to those of the cells' first corners, so that f32 is exact enough.
     rows: [[Wide; 4]; 4],
@@ -180,12 +187,11 @@ impl Cells {
     }
 }
 
-/// Rays of one pixel row, and their points on triangles.
+/// Rays, and their points on triangles.
 pub(crate) struct Starts<'a> {
     pub(crate) count: usize,
-    /// Pixel column of each ray.
-    pub(crate) x: &'a Lanes,
-    pub(crate) y: f64,
+    /// Places of the rays across and upward from the middle, as of [`Projector::place`].
+    pub(crate) places: &'a [Lanes; 2],
     /// −1 if the outer side is seen, else 1.
     pub(crate) sides: &'a Lanes,
     /// Relative to the camera.
@@ -245,7 +251,7 @@ impl<'a> HeightView<'a> {
     /// Moves rays from points of triangles to the surface. A ray that meets nothing nearby, or only the other side,
     /// keeps its point and gets the slopes there.
     #[inline(always)]
-    pub(crate) fn meet(&self, starts: &Starts<'_>) -> Met {
+    pub(crate) fn meet<S: Simd>(&self, simd: S, starts: &Starts<'_>) -> Met {
         let mut met = Met { points: *starts.points, slopes: [[0.0; BLOCK]; 2] };
         let mut waiting = [Walk::default(); BLOCK];
         let forward = self.projector.forward;
@@ -253,49 +259,54 @@ impl<'a> HeightView<'a> {
             let [x, y, z] = starts.points.each_ref().map(|axis| axis[lane]);
             waiting[lane] = Walk { lane, looks: 0, depth: DVec3::new(x, y, z).dot(forward) };
         }
-        let mut count = starts.count;
+        let (mut count, mut cells) = (starts.count, Cells::default());
         while count > 0 {
             let first = count.saturating_sub(WIDE);
-            let together = count - first;
-            let mut walks = [Walk::default(); WIDE];
-            walks[..together].copy_from_slice(&waiting[first..count]);
-            count = first + self.advance(&mut walks, together, starts, &mut met);
-            waiting[first..count].copy_from_slice(&walks[..count - first]);
+            count = first + self.advance(simd, &mut waiting[first..count], starts, &mut cells, &mut met);
         }
         met
     }
 
-    /// Takes two steps of some rays, both in the cell to which the first look leads. Returns how many of them, now the
-    /// first ones, have to go on.
+    /// Takes two steps of at most [`WIDE`] rays, both in the cell to which the first look leads. Returns how many of them,
+    /// now the first ones, have to go on.
     #[inline(always)]
-    fn advance(&self, walks: &mut [Walk; WIDE], together: usize, starts: &Starts<'_>, met: &mut Met) -> usize {
-        let mut depths = [0.0; WIDE];
-        let mut x = [0.0; WIDE];
-        for lane in 0..together {
-            (depths[lane], x[lane]) = (walks[lane].depth, starts.x[walks[lane].lane]);
+    fn advance<S: Simd>(
+        &self,
+        simd: S,
+        walks: &mut [Walk],
+        starts: &Starts<'_>,
+        cells: &mut Cells,
+        met: &mut Met,
+    ) -> usize {
+        let (mut depths, mut aside) = ([0.0; WIDE], [[0.0; WIDE]; 2]);
+        for (lane, walk) in walks.iter().enumerate() {
+            depths[lane] = walk.depth;
+            for axis in 0..2 {
+                aside[axis][lane] = starts.places[axis][walk.lane];
+            }
         }
-        let rays = self.rays(&x, starts.y);
+        let rays = self.rays(&aside);
         let places = self.places(&rays, &depths);
-        let cells = self.field.around(&places);
+        self.field.around(simd, &places, cells);
         let mut nearest = [[0.0; WIDE]; 2];
         for axis in 0..2 {
             for lane in 0..WIDE {
                 nearest[axis][lane] = places[axis][lane].max(0.0).min(self.field.last[axis]);
             }
         }
-        let start = self.look(&cells, &rays, &depths, &nearest);
+        let start = self.look(cells, &rays, &depths, &nearest);
         for lane in 0..WIDE {
             depths[lane] -= start.gaps[lane] / start.closing[lane];
         }
         let places = self.places(&rays, &depths);
-        let found = self.look(&cells, &rays, &depths, &places);
+        let found = self.look(cells, &rays, &depths, &places);
         let mut reached = [0.0; WIDE];
         for lane in 0..WIDE {
             reached[lane] = depths[lane] - found.gaps[lane] / found.closing[lane];
         }
         let ends = self.places(&rays, &reached);
         let mut count = 0;
-        for lane in 0..together {
+        for lane in 0..walks.len() {
             let walk = walks[lane];
             let at = walk.lane;
             let held = (0..2).all(|axis| (places[axis][lane] - cells.corners[axis][lane] - 0.5).abs() <= 0.5 + BEYOND);
@@ -334,11 +345,10 @@ impl<'a> HeightView<'a> {
     }
 
     #[inline(always)]
-    fn rays(&self, x: &[f64; WIDE], y: f64) -> DepthRays {
+    fn rays(&self, places: &[[f64; WIDE]; 2]) -> DepthRays {
         let mut rays = DepthRays { from: [[0.0; WIDE]; 3], along: [[0.0; WIDE]; 3] };
         for lane in 0..WIDE {
-            let (across, upward) = self.projector.plane(x[lane], y);
-            let aside = across + upward;
+            let aside = self.projector.right * places[0][lane] + self.projector.up * places[1][lane];
             let (from, along) = if self.projector.orthographic {
                 (aside, self.projector.forward)
             } else {

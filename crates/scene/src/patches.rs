@@ -11,10 +11,12 @@
 
 #![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
 
+use fearless_simd::{Level, dispatch, f32x4, prelude::*};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::Projector;
+use crate::four::transposed;
 use crate::resolve::{BLOCK, Lanes};
 
 /// Derivatives at the vertices of a grid, by which each of its cells is a bicubic patch: s grows by 1 from column to
@@ -120,42 +122,47 @@ type Wide = [f32; WIDE];
 /// A ray on its way to a patch.
 #[derive(Clone, Copy, Default)]
 struct Walk {
-    lane: usize,
+    lane: u32,
     cells: u32,
-    row: usize,
-    column: usize,
+    row: u32,
+    column: u32,
     u: f32,
     v: f32,
 }
 
-/// Where to look for the points of a block of rays: cells of the grid, and places in them, from triangles.
-pub(crate) struct Starts {
+/// Where to look for the points of a block of rays: cells of the grid, from triangles.
+pub(crate) struct Starts<'a> {
     pub(crate) count: usize,
-    pub(crate) rows: [u32; BLOCK],
-    pub(crate) columns: [u32; BLOCK],
-    pub(crate) u: Lanes,
-    pub(crate) v: Lanes,
-    /// Pixel column of each ray; all have one pixel row.
-    pub(crate) x: Lanes,
-    pub(crate) y: f64,
+    pub(crate) rows: &'a [u32; BLOCK],
+    pub(crate) columns: &'a [u32; BLOCK],
+    /// Places of the rays across and upward from the middle, as of [`Projector::place`].
+    pub(crate) places: &'a [Lanes; 2],
     /// −1 if the outer side is seen, else 1.
-    pub(crate) sides: Lanes,
+    pub(crate) sides: &'a Lanes,
 }
 
-/// Points of patches.
+/// Points of patches; at first, those of triangles, without normals.
 pub(crate) struct Met {
     /// Upper left vertex of each point's cell, and its place in the cell.
     pub(crate) vertices: [u32; BLOCK],
     pub(crate) u: Lanes,
     pub(crate) v: Lanes,
-    /// Positions relative to the camera; the given ones where no patch was met.
+    /// Positions relative to the camera.
     pub(crate) positions: [Lanes; 3],
     /// ∂P/∂u × ∂P/∂v.
     pub(crate) normals: [Lanes; 3],
 }
 
+impl Default for Met {
+    fn default() -> Self {
+        let none = [0.0; BLOCK];
+        Self { vertices: [0; BLOCK], u: none, v: none, positions: [none; 3], normals: [none; 3] }
+    }
+}
+
 /// A cell of each ray.
-struct Cells {
+#[derive(Default)]
+pub(crate) struct Cells {
     /// Two corners with v = 0, two with v = 1, and the derivatives by t of both; of each, two positions, with u = 0 and
     /// u = 1, and their derivatives by s. Positions are relative to the first one, so that f32 is exact enough.
     sides: [[[Wide; 3]; 4]; 4],
@@ -199,9 +206,9 @@ impl Cells {
         let none = [[0.0; WIDE]; 3];
         let mut points = PatchPoints { positions: none, by_u: none, by_v: none };
         let [upper, lower, upper_by_t, lower_by_t] = &self.sides;
-        for axis in 0..3 {
-            for lane in 0..WIDE {
-                let ((a, da), (b, db), step) = (hermite(u[lane]), hermite(v[lane]), self.steps[lane]);
+        for lane in 0..WIDE {
+            let ((a, da), (b, db), step) = (hermite(u[lane]), hermite(v[lane]), self.steps[lane]);
+            for axis in 0..3 {
                 let values = [
                     blend(a, upper, axis, lane),
                     blend(a, lower, axis, lane),
@@ -235,7 +242,7 @@ struct Planes {
 
 impl Planes {
     #[inline(always)]
-    fn new(projector: &Projector, x: &[f64; WIDE], y: f64, firsts: &[[f64; WIDE]; 3]) -> Self {
+    fn new(projector: &Projector, places: &[[f64; WIDE]; 2], firsts: &[[f64; WIDE]; 3]) -> Self {
         let (right, up, forward) = (projector.right, projector.up, projector.forward);
         let none = || [[0.0; WIDE]; 3];
         let mut planes = Self {
@@ -245,10 +252,7 @@ impl Planes {
             scales: [projector.scale as f32; WIDE],
         };
         for lane in 0..WIDE {
-            let at = [
-                (x[lane] - projector.size[0] / 2.0) / projector.scale,
-                (projector.size[1] / 2.0 - y) / projector.scale,
-            ];
+            let at = [places[0][lane], places[1][lane]];
             let first = DVec3::new(firsts[0][lane], firsts[1][lane], firsts[2][lane]);
             let (across, offsets, direction) = if projector.orthographic {
                 ([right, up], at, forward)
@@ -309,36 +313,42 @@ impl PatchView<'_> {
     /// Moves rays from points of triangles to the patches of their cells, or of cells nearby. A ray that meets none
     /// there, or only the other side of one, keeps its point and gets the normal of the patch there.
     #[inline(always)]
-    pub(crate) fn meet(&self, starts: &Starts, points: [Lanes; 3]) -> Met {
-        let mut met =
-            Met { vertices: [0; BLOCK], u: starts.u, v: starts.v, positions: points, normals: [[0.0; BLOCK]; 3] };
+    pub(crate) fn meet<S: Simd>(&self, simd: S, starts: &Starts<'_>, cells: &mut Cells, met: &mut Met) {
         let mut waiting = [Walk::default(); BLOCK];
         for lane in 0..starts.count {
-            let (row, column) = (starts.rows[lane] as usize, starts.columns[lane] as usize);
-            met.vertices[lane] = (row * self.columns + column) as u32;
-            waiting[lane] = Walk { lane, cells: 0, row, column, u: starts.u[lane] as f32, v: starts.v[lane] as f32 };
+            let (row, column) = (starts.rows[lane], starts.columns[lane]);
+            met.vertices[lane] = row * self.columns as u32 + column;
+            let (u, v) = (met.u[lane] as f32, met.v[lane] as f32);
+            waiting[lane] = Walk { lane: lane as u32, cells: 0, row, column, u, v };
         }
         let mut count = starts.count;
         while count > 0 {
             let first = count.saturating_sub(WIDE);
-            let together = count - first;
-            let mut walks = [Walk::default(); WIDE];
-            walks[..together].copy_from_slice(&waiting[first..count]);
-            count = first + self.advance(&mut walks, together, starts, &mut met);
-            waiting[first..count].copy_from_slice(&walks[..count - first]);
+            count = first + self.advance(simd, &mut waiting[first..count], starts, cells, met);
         }
-        met
     }
 
-    /// Takes two steps of some rays in one cell each. Returns how many of them, now the first ones, have to go on.
+    /// Takes two steps of at most [`WIDE`] rays in one cell each. Returns how many of them, now the first ones, have to go
+    /// on.
     #[inline(always)]
-    fn advance(&self, walks: &mut [Walk; WIDE], together: usize, starts: &Starts, met: &mut Met) -> usize {
-        let cells = self.cells(walks, together);
-        let (mut u, mut v, mut x) = ([0.0; WIDE], [0.0; WIDE], [0.0; WIDE]);
-        for lane in 0..together {
-            (u[lane], v[lane], x[lane]) = (walks[lane].u, walks[lane].v, starts.x[walks[lane].lane]);
+    fn advance<S: Simd>(
+        &self,
+        simd: S,
+        walks: &mut [Walk],
+        starts: &Starts<'_>,
+        cells: &mut Cells,
+        met: &mut Met,
+    ) -> usize {
+        self.gather(simd, walks, cells);
+        let (mut u, mut v, mut places) = ([0.0; WIDE], [0.0; WIDE], [[0.0; WIDE]; 2]);
+        let mut sides = [0.0; WIDE];
+        for (lane, walk) in walks.iter().enumerate() {
+            (u[lane], v[lane], sides[lane]) = (walk.u, walk.v, starts.sides[walk.lane as usize]);
+            for axis in 0..2 {
+                places[axis][lane] = starts.places[axis][walk.lane as usize];
+            }
         }
-        let planes = Planes::new(self.projector, &x, starts.y, &cells.firsts);
+        let planes = Planes::new(self.projector, &places, &cells.firsts);
         let start = cells.at(&u, &v);
         let (_, [by_u, by_v]) = planes.steps(&start);
         for lane in 0..WIDE {
@@ -358,17 +368,20 @@ impl PatchView<'_> {
             }
             (u[lane], v[lane]) = (u[lane] + by_u[lane], v[lane] + by_v[lane]);
         }
+        let mut are_there = [false; WIDE];
+        for lane in 0..WIDE {
+            let within = |place: f32, low: f32, high: f32| (place >= low) & (place <= high);
+            are_there[lane] = within(misses[lane], 0.0, CLOSE)
+                & within(u[lane], -BEYOND, 1.0 + BEYOND)
+                & within(v[lane], -BEYOND, 1.0 + BEYOND)
+                & (f64::from(facing[lane]) * sides[lane] > 0.0);
+        }
         let mut count = 0;
-        for lane in 0..together {
+        for lane in 0..walks.len() {
             let mut walk = walks[lane];
-            let at = walk.lane;
-            let within = |place: f32| (-BEYOND..=1.0 + BEYOND).contains(&place);
-            let is_there = (0.0..=CLOSE).contains(&misses[lane])
-                && within(u[lane])
-                && within(v[lane])
-                && f64::from(facing[lane]) * starts.sides[at] > 0.0;
-            if is_there {
-                met.vertices[at] = (walk.row * self.columns + walk.column) as u32;
+            let at = walk.lane as usize;
+            if are_there[lane] {
+                met.vertices[at] = walk.row * self.columns as u32 + walk.column;
                 (met.u[at], met.v[at]) = (f64::from(u[lane]), f64::from(v[lane]));
                 for axis in 0..3 {
                     met.positions[axis][at] = positions[axis][lane];
@@ -405,35 +418,52 @@ impl PatchView<'_> {
             return false;
         }
         let (u, v) = ((u - right).clamp(-LONGEST, 1.0 + LONGEST), (v - down).clamp(-LONGEST, 1.0 + LONGEST));
-        *walk = Walk { cells: walk.cells + 1, row: row as usize, column: column as usize, u, v, ..*walk };
+        *walk = Walk { cells: walk.cells + 1, row: row as u32, column: column as u32, u, v, ..*walk };
         true
     }
 
+    /// Gathers the cells of at most [`WIDE`] rays, four at a time; those of other lanes are any.
     #[inline(always)]
-    fn cells(&self, walks: &[Walk; WIDE], together: usize) -> Cells {
-        let mut cells = Cells { sides: [[[[0.0; WIDE]; 3]; 4]; 4], firsts: [[0.0; WIDE]; 3], steps: [0.0; WIDE] };
-        for lane in 0..together {
-            let Walk { row, column, .. } = walks[lane];
-            cells.steps[lane] = self.patches.steps[row];
-            let upper = row * self.columns + column;
-            let first = self.positions[upper];
-            for axis in 0..3 {
-                cells.firsts[axis][lane] = f64::from(first[axis]);
-            }
-            for (v, left) in [upper, upper + self.columns].into_iter().enumerate() {
-                for (u, vertex) in [left, left + 1].into_iter().enumerate() {
-                    let (position, [by_s, by_t], twist) =
-                        (self.positions[vertex], self.patches.tangents[vertex], self.patches.twists[vertex]);
+    fn gather<S: Simd>(&self, simd: S, walks: &[Walk], cells: &mut Cells) {
+        for lane in (0..walks.len()).step_by(4) {
+            let range = lane..lane + 4;
+            let four = [0, 1, 2, 3].map(|next| &walks[(lane + next).min(walks.len() - 1)]);
+            cells.steps[range.clone()].copy_from_slice(&four.map(|walk| self.patches.steps[walk.row as usize]));
+            let upper = four.map(|walk| walk.row as usize * self.columns + walk.column as usize);
+            let mut firsts = None;
+            for (v, left) in [upper, upper.map(|upper| upper + self.columns)].into_iter().enumerate() {
+                // Two neighbors at once: x, y, z of both.
+                let positions = left.map(|left| self.positions[left..left + 2].as_flattened());
+                let twists = left.map(|left| self.patches.twists[left..left + 2].as_flattened());
+                let tangents = left.map(|left| self.patches.tangents[left..left + 2].as_flattened().as_flattened());
+                let [x, y, z, _] = transposed(simd, &positions, 0);
+                let [_, next_x, next_y, next_z] = transposed(simd, &positions, 2);
+                let firsts = *firsts.get_or_insert([x, y, z]);
+                let [tx, ty, tz, _] = transposed(simd, &twists, 0);
+                let [_, next_tx, next_ty, next_tz] = transposed(simd, &twists, 2);
+                let [sx, sy, sz, vx] = transposed(simd, &tangents, 0);
+                let [vy, vz, next_sx, next_sy] = transposed(simd, &tangents, 4);
+                let [next_sz, next_vx, next_vy, next_vz] = transposed(simd, &tangents, 8);
+                let mut put = |side: usize, of: usize, values: [f32x4<S>; 3]| {
                     for axis in 0..3 {
-                        cells.sides[v][u][axis][lane] = position[axis] - first[axis];
-                        cells.sides[v][2 + u][axis][lane] = by_s[axis];
-                        cells.sides[2 + v][u][axis][lane] = by_t[axis];
-                        cells.sides[2 + v][2 + u][axis][lane] = twist[axis];
+                        values[axis].store_slice(&mut cells.sides[side][of][axis][range.clone()]);
                     }
-                }
+                };
+                put(v, 0, [x - firsts[0], y - firsts[1], z - firsts[2]]);
+                put(v, 1, [next_x - firsts[0], next_y - firsts[1], next_z - firsts[2]]);
+                put(v, 2, [sx, sy, sz]);
+                put(v, 3, [next_sx, next_sy, next_sz]);
+                put(2 + v, 0, [vx, vy, vz]);
+                put(2 + v, 1, [next_vx, next_vy, next_vz]);
+                put(2 + v, 2, [tx, ty, tz]);
+                put(2 + v, 3, [next_tx, next_ty, next_tz]);
+            }
+            for (axis, first) in firsts.into_iter().flatten().enumerate() {
+                let mut single = [0.0; 4];
+                first.store_slice(&mut single);
+                cells.firsts[axis][range.clone()].copy_from_slice(&single.map(f64::from));
             }
         }
-        cells
     }
 }
 
@@ -456,9 +486,9 @@ pub fn point_of(
     projector: &Projector,
 ) -> [DVec3; 3] {
     let view = PatchView { patches, positions, columns, rows: positions.len() / columns, projector };
-    let mut walks = [Walk::default(); WIDE];
-    walks[0] = Walk { row, column, ..Walk::default() };
-    let cells = view.cells(&walks, 1);
+    let mut cells = Cells::default();
+    let walk = Walk { row: row as u32, column: column as u32, ..Walk::default() };
+    dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || view.gather(simd, &[walk], &mut cells)));
     let points = cells.at(&[u as f32; WIDE], &[v as f32; WIDE]);
     let vector = |of: &[Wide; 3]| DVec3::from_array(of.each_ref().map(|axis| f64::from(axis[0])));
     let first = DVec3::from_array(cells.firsts.map(|axis| axis[0]));

@@ -1,5 +1,6 @@
 //! Turns meshes into triangles on the picture: fixed-point projection, clipping and binning.
 
+use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 use rayon::prelude::*;
 use trochoid_image::Window;
@@ -42,13 +43,18 @@ impl Raster {
 
     /// Converts pixels to fixed point, rounding to nearest.
     pub(crate) fn fix(self, pixels: f64) -> i64 {
-        (pixels * f64::from(1_u32 << self.bits)).round_ties_even() as i64
+        self.whole(pixels) as i64
+    }
+
+    #[inline(always)]
+    fn whole(self, pixels: f64) -> f64 {
+        (pixels * f64::from(1_u32 << self.bits)).round_ties_even()
     }
 }
 
 /// A vertex on the picture: x and y in fixed point, and a key that is linear over a triangle's picture and grows
 /// toward the camera (1/depth in perspective, −depth otherwise).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ScreenVertex {
     pub(crate) x: i32,
     pub(crate) y: i32,
@@ -80,7 +86,7 @@ pub(crate) struct Layer {
 }
 
 /// Bin and number of a primitive.
-type Binned = (u32, u32);
+pub(crate) type Binned = (u32, u32);
 
 /// Clips and projects meshes.
 struct MeshProjector<'a> {
@@ -98,32 +104,38 @@ struct ClippedVertex {
 
 impl Layer {
     /// Projects a mesh and sorts its primitives into bins. `first` is the number of its first primitive; `out`
-    /// receives pairs of bin and number.
-    pub(crate) fn new(mesh: Mesh, projector: &Projector, bins: [i64; 2], first: u32, out: &mut Vec<Binned>) -> Self {
+    /// receives lists of pairs of bin and number.
+    pub(crate) fn new(
+        mesh: Mesh,
+        projector: &Projector,
+        bins: [i64; 2],
+        first: u32,
+        out: &mut Vec<Vec<Binned>>,
+    ) -> Self {
         let stage = MeshProjector { projector, raster: Raster::new(projector), bins };
-        let (screen, codes): (Vec<ScreenVertex>, Vec<u8>) =
-            mesh.positions.par_iter().map(|&position| stage.vertex(stage.view(position))).unzip();
+        let (screen, codes) = stage.vertices(&mesh.positions);
         let primitives = mesh.primitives();
         let mut layer = Self { mesh, screen, clipped: Vec::new(), clipped_from: Vec::new(), primitives };
         let tasks: Vec<(Vec<Binned>, Vec<ClippedTriangle>)> = (0..primitives.div_ceil(TASK))
             .into_par_iter()
             .map(|task| {
                 let (mut binned, mut clipped) = (Vec::new(), Vec::new());
-                for primitive in task * TASK..((task + 1) * TASK).min(primitives) {
-                    let triangles = layer.triangles(primitive);
-                    let corners = triangles.iter().flatten();
-                    let fold = corners.map(|&vertex| codes[vertex as usize]);
-                    let (all, any) = fold.fold((u8::MAX, 0), |(all, any), code| (all & code, any | code));
-                    if all & !outside::LIMIT != 0 {
-                        continue;
+                let task = task * TASK..((task + 1) * TASK).min(primitives);
+                match &layer.mesh.topology {
+                    Topology::Triangles(triangles) => {
+                        for (primitive, triangle) in task.clone().zip(&triangles[task]) {
+                            layer.sort(&stage, primitive, [*triangle], &codes, first, &mut binned, &mut clipped);
+                        }
                     }
-                    if any & (outside::NEAR | outside::LIMIT) == 0 {
-                        let corners = triangles.iter().flatten().map(|&vertex| layer.screen[vertex as usize]);
-                        stage.bin(corners, first + primitive as u32, &mut binned);
-                    } else {
-                        for (part, triangle) in triangles.iter().enumerate() {
-                            let from = (primitive as u32, part as u32);
-                            stage.clip(&layer.mesh, *triangle, from, &mut clipped);
+                    Topology::Grid { columns, .. } => {
+                        let mut row = task.start / (columns - 1);
+                        for primitive in task {
+                            if primitive == (row + 1) * (columns - 1) {
+                                row += 1;
+                            }
+                            // A row has one more vertex than it has cells.
+                            let corners = cell_corners((primitive + row) as u32, *columns as u32);
+                            layer.sort(&stage, primitive, corners, &codes, first, &mut binned, &mut clipped);
                         }
                     }
                 }
@@ -131,12 +143,42 @@ impl Layer {
             })
             .collect();
         for (binned, clipped) in tasks {
-            out.extend(binned);
+            out.push(binned);
+            let mut binned = Vec::new();
             for polygon in clipped {
-                layer.append(&stage, &polygon, first, out);
+                layer.append(&stage, &polygon, first, &mut binned);
             }
+            out.push(binned);
         }
         layer
+    }
+
+    /// Puts a primitive into bins if it may be seen, or clips it.
+    #[expect(clippy::too_many_arguments, reason = "two results")]
+    #[inline(always)]
+    fn sort<const N: usize>(
+        &self,
+        stage: &MeshProjector<'_>,
+        primitive: usize,
+        triangles: [[u32; 3]; N],
+        codes: &[u8],
+        first: u32,
+        binned: &mut Vec<Binned>,
+        clipped: &mut Vec<ClippedTriangle>,
+    ) {
+        let corners = || triangles.as_flattened().iter().map(|&vertex| vertex as usize);
+        let fold = corners().map(|vertex| codes[vertex]);
+        let (all, any) = fold.fold((u8::MAX, 0), |(all, any), code| (all & code, any | code));
+        if all & !outside::LIMIT != 0 {
+            return;
+        }
+        if any & (outside::NEAR | outside::LIMIT) == 0 {
+            stage.bin(corners().map(|vertex| self.screen[vertex]), first + primitive as u32, binned);
+        } else {
+            for (part, triangle) in triangles.iter().enumerate() {
+                stage.clip(&self.mesh, *triangle, (primitive as u32, part as u32), clipped);
+            }
+        }
     }
 
     /// Returns the triangles of a primitive.
@@ -152,22 +194,15 @@ impl Layer {
                 let (primitive, columns) = (primitive as u32, *columns as u32);
                 let (row, column) = (primitive / (columns - 1), primitive % (columns - 1));
                 let a = row * columns + column;
-                let (b, c) = (a + 1, a + columns);
-                Triangles { list: [[a, b, c], [b, c + 1, c]], len: 2 }
+                Triangles { list: cell_corners(a, columns), len: 2 }
             }
         }
     }
 
-    /// Returns the mesh's own primitive to which a triangle belongs, and its index there, also if it was clipped.
+    /// Returns the mesh's own primitive of which a clipped one is a part, and the index of its triangle.
     #[inline]
-    pub(crate) fn origin(&self, primitive: usize, part: usize) -> (usize, usize) {
-        match primitive.checked_sub(self.primitives) {
-            None => (primitive, part),
-            Some(clipped) => {
-                let (primitive, part) = self.clipped_from[clipped];
-                (primitive as usize, part as usize)
-            }
-        }
+    pub(crate) fn origin(&self, clipped: usize) -> (u32, u32) {
+        self.clipped_from[clipped - self.primitives]
     }
 
     /// Adds a clipped polygon's vertices, with interpolated attributes, and its fan of triangles.
@@ -208,6 +243,13 @@ impl Layer {
             stage.bin(triangle.into_iter().map(|vertex| self.screen[vertex as usize]), primitive, out);
         }
     }
+}
+
+/// Returns the vertices of both triangles of a grid's cell, given its upper left vertex.
+#[inline(always)]
+pub(crate) fn cell_corners(a: u32, columns: u32) -> [[u32; 3]; 2] {
+    let (b, c) = (a + 1, a + columns);
+    [[a, b, c], [b, c + 1, c]]
 }
 
 /// One or two triangles.
@@ -325,7 +367,7 @@ impl<'a> PictureOfPart<'a> {
 
 impl MeshProjector<'_> {
     /// Converts a point relative to the camera to view space: right, up, depth.
-    #[inline]
+    #[inline(always)]
     fn view(&self, position: [f32; 3]) -> [f64; 3] {
         let offset = glam::Vec3::from(position).as_dvec3();
         let p = self.projector;
@@ -334,7 +376,7 @@ impl MeshProjector<'_> {
 
     /// Returns signed distances, up to positive factors, to the planes of the view volume, which lie at `reach`
     /// pixels from the picture's center.
-    #[inline]
+    #[inline(always)]
     fn planes(&self, [x, y, depth]: [f64; 3], reach: [f64; 2]) -> [f64; 5] {
         let (scale, near, depth_or_1) = if self.projector.orthographic {
             (self.projector.scale, depth, 1.0)
@@ -351,7 +393,25 @@ impl MeshProjector<'_> {
         [0, 1].map(|axis| self.raster.limit - self.projector.size[axis] / 2.0 - 1.0)
     }
 
-    #[inline]
+    /// Projects vertices, and returns the sides of the view volume beyond which each lies.
+    fn vertices(&self, positions: &[[f32; 3]]) -> (Vec<ScreenVertex>, Vec<u8>) {
+        let mut screen = vec![ScreenVertex::default(); positions.len()];
+        let mut codes = vec![0; positions.len()];
+        let tasks = positions.par_chunks(TASK).zip(screen.par_chunks_mut(TASK)).zip(codes.par_chunks_mut(TASK));
+        tasks.for_each(|((positions, screen), codes)| {
+            dispatch!(Level::new(), simd => simd.vectorize(
+                #[inline(always)]
+                || {
+                    for ((position, screen), code) in positions.iter().zip(screen).zip(codes) {
+                        (*screen, *code) = self.vertex(self.view(*position));
+                    }
+                }
+            ));
+        });
+        (screen, codes)
+    }
+
+    #[inline(always)]
     fn vertex(&self, view: [f64; 3]) -> (ScreenVertex, u8) {
         let p = self.projector;
         let half = [p.size[0] / 2.0, p.size[1] / 2.0];
@@ -376,7 +436,8 @@ impl MeshProjector<'_> {
             code |= outside::LIMIT;
         }
         // Values past the limit saturate; only clipped triangles would read them.
-        (ScreenVertex { x: self.raster.fix(x) as i32, y: self.raster.fix(y) as i32, key: key as f32 }, code)
+        let fix = |pixels: f64| self.raster.whole(pixels) as i32;
+        (ScreenVertex { x: fix(x), y: fix(y), key: key as f32 }, code)
     }
 
     /// Clips by Sutherland–Hodgman against the near plane, then against the limits of fixed point.

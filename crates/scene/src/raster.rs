@@ -13,30 +13,56 @@ use crate::edges::{Edges, Whole};
 use crate::project::{BIN, Layer, ScreenVertex};
 use crate::surface::Topology;
 
+/// A triangle that a sample sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SeenTriangle {
+    pub(crate) primitive: u32,
+    /// Index of the primitive's triangle: 0 or 1.
+    pub(crate) part: u32,
+    /// Row of the primitive if it is a cell of a grid, else 0.
+    pub(crate) row: u32,
+}
+
+impl SeenTriangle {
+    /// Returns a number that grows with the primitive, then with the part. It holds the row, too, which takes a division
+    /// to find; rows of two vertices or more are fewer than 2³¹.
+    #[inline(always)]
+    pub(crate) fn pack(self) -> u64 {
+        u64::from(self.primitive) << 32 | u64::from(self.part) << 31 | u64::from(self.row)
+    }
+
+    #[inline(always)]
+    pub(crate) fn unpack(number: u64) -> Self {
+        Self { primitive: (number >> 32) as u32, part: (number >> 31) as u32 & 1, row: number as u32 & (u32::MAX >> 1) }
+    }
+}
+
+pub(crate) const NOTHING: u64 = u64::MAX;
+
 /// Triangles that one sample of each pixel of a window sees.
 #[derive(Clone, Copy)]
 pub(crate) struct SeenTriangles<'a> {
     window: Window,
-    /// By pixel and sample: the primitive and the index of its triangle, packed; [`NOTHING`] if there is none.
+    /// By pixel and sample: a packed [`SeenTriangle`]; [`NOTHING`] if there is none.
     triangles: &'a [u64],
     samples: usize,
     sample: usize,
 }
-
-pub(crate) const NOTHING: u64 = u64::MAX;
 
 /// Triangles seen by samples that are adjacent or scattered.
 pub(crate) struct Row<'a> {
     /// Index of the first sample in the planes to be filled.
     pub(crate) first: usize,
     pub(crate) y: i64,
+    pub(crate) len: usize,
     /// First pixel of adjacent samples; otherwise the pixel of each sample.
     x: Result<i64, &'a [[i64; 2]]>,
-    pub(crate) triangles: Vec<u64>,
+    seen: SeenTriangles<'a>,
 }
 
 impl<'a> SeenTriangles<'a> {
-    /// Returns the triangle that a pixel sees.
+    /// Returns the packed triangle that a pixel sees.
+    #[inline]
     pub(crate) fn triangle(self, x: i64, y: i64) -> u64 {
         let pixel = (y - self.window.y0) as usize * self.window.width() + (x - self.window.x0) as usize;
         self.triangles[pixel * self.samples + self.sample]
@@ -44,9 +70,13 @@ impl<'a> SeenTriangles<'a> {
 
     /// Returns the rows of a window within this one.
     pub(crate) fn within(self, window: Window) -> impl Iterator<Item = Row<'a>> {
-        (window.y0..window.y1).enumerate().map(move |(row, y)| {
-            let triangles = (window.x0..window.x1).map(|x| self.triangle(x, y)).collect();
-            Row { first: row * window.width(), y, x: Ok(window.x0), triangles }
+        let len = window.width();
+        (window.y0..window.y1).enumerate().map(move |(row, y)| Row {
+            first: row * len,
+            y,
+            len,
+            x: Ok(window.x0),
+            seen: self,
         })
     }
 
@@ -54,8 +84,7 @@ impl<'a> SeenTriangles<'a> {
     pub(crate) fn at(self, pixels: &'a [[i64; 2]]) -> impl Iterator<Item = Row<'a>> {
         let mut first = 0;
         pixels.chunk_by(|a, b| a[1] == b[1]).map(move |pixels| {
-            let triangles = pixels.iter().map(|&[x, y]| self.triangle(x, y)).collect();
-            let row = Row { first, y: pixels[0][1], x: Err(pixels), triangles };
+            let row = Row { first, y: pixels[0][1], len: pixels.len(), x: Err(pixels), seen: self };
             first += pixels.len();
             row
         })
@@ -71,8 +100,16 @@ impl Row<'_> {
             Err(pixels) => pixels[column][0],
         }
     }
+
+    /// Returns the packed triangle that a sample sees.
+    #[inline]
+    pub(crate) fn triangle(&self, column: usize) -> u64 {
+        self.seen.triangle(self.x(column), self.y)
+    }
 }
 
+/// Most samples within a triangle's bounds that are looked at one by one.
+const FEW: i32 = 16;
 /// Most pixels times samples that are processed together: 16 MiB.
 const TOGETHER: usize = 1 << 21;
 /// Number of windows that a thread remembers: several views may be evaluated in turn for each sample.
@@ -194,18 +231,18 @@ impl Visible {
     fn cover_bin<const N: usize>(&self, primitives: &[u32], part: Window, samples: &mut PixelSamples<'_, N>) {
         let mut at = Cursor { layers: &self.layers, firsts: &self.firsts, layer: 0, row: 0, cells: 0..0 };
         for &primitive in primitives {
-            let number = u64::from(primitive) * 2;
             let (layer, corners) = at.corners(primitive);
+            let number = |part: u32, row: u32| SeenTriangle { primitive, part, row }.pack();
             match corners {
                 Ok([a, b, c, d]) => {
                     let corner = |vertex: u32| layer.screen[vertex as usize];
                     let [a, b, c, d] = [corner(a), corner(b), corner(c), corner(d)];
-                    samples.cover([a, b, c], number, part, self.raster.bits);
-                    samples.cover([b, d, c], number + 1, part, self.raster.bits);
+                    samples.cover([a, b, c], number(0, at.row), part, self.raster.bits);
+                    samples.cover([b, d, c], number(1, at.row), part, self.raster.bits);
                 }
                 Err([a, b, c]) => {
                     let corner = |vertex: u32| layer.screen[vertex as usize];
-                    samples.cover([corner(a), corner(b), corner(c)], number, part, self.raster.bits);
+                    samples.cover([corner(a), corner(b), corner(c)], number(0, 0), part, self.raster.bits);
                 }
             }
         }
@@ -262,8 +299,10 @@ struct PixelSamples<'a, const N: usize> {
     shifts: [[i32; 2]; N],
     /// Least and greatest of these, horizontally and vertically.
     outer: [[i32; 2]; 2],
-    /// Distance between samples along an axis, as a power of two.
+    /// Distance between samples along an axis, as a power of two; 0 if they are not evenly spaced.
     apart: u32,
+    /// The sample of each row of samples.
+    by_row: [usize; N],
     triangles: &'a mut [[u64; N]],
     /// Keys of the visible triangles.
     keys: &'a mut [[f64; N]],
@@ -288,7 +327,9 @@ impl<'a, const N: usize> PixelSamples<'a, N> {
         let rows = bits.saturating_sub(N.ilog2());
         let even = |axis: usize| along(axis).windows(2).all(|pair| pair[1] - pair[0] == 1 << rows);
         let apart = if bits >= N.ilog2() && even(0) && even(1) { rows } else { 0 };
-        Self { window, shifts, outer, apart, triangles, keys }
+        let mut by_row: [usize; N] = std::array::from_fn(|sample| sample);
+        by_row.sort_unstable_by_key(|sample| shifts[*sample][1]);
+        Self { window, shifts, outer, apart, by_row, triangles, keys }
     }
 
     /// Returns whether no sample lies between two positions along an axis.
@@ -301,33 +342,84 @@ impl<'a, const N: usize> PixelSamples<'a, N> {
     /// Assigns the triangle's number to every sample of `part` that it covers and that sees nothing nearer.
     #[inline(always)]
     fn cover(&mut self, corners: [ScreenVertex; 3], number: u64, part: Window, bits: u32) {
+        let [p, q, r] = corners;
+        let bounds =
+            |values: [i32; 3]| (values[0].min(values[1]).min(values[2]), values[0].max(values[1]).max(values[2]));
+        let (top, bottom) = bounds([p.y, q.y, r.y]);
+        if self.misses(1, top, bottom) {
+            return;
+        }
+        let (left, right) = bounds([p.x, q.x, r.x]);
+        if self.misses(0, left, right) {
+            return;
+        }
+        let (width, height) = (right - left, bottom - top);
+        let is_small = width.max(height) < 1 << 14 && bits <= 12;
+        if is_small && self.apart > 0 && ((width >> bits) + 1) * ((height >> self.apart) + 1) <= FEW {
+            return self.cover_few(corners, [[left, right], [top, bottom]], number, part, bits);
+        }
         // First and last pixel of which some sample may lie within the triangle's bounds.
-        let range = |axis: usize, values: [i32; 3], low: i64, high: i64| {
-            let least = values[0].min(values[1]).min(values[2]);
-            let most = values[0].max(values[1]).max(values[2]);
-            if self.misses(axis, least, most) {
-                return ([1, 0], 0);
-            }
+        let range = |axis: usize, least: i32, most: i32, low: i64, high: i64| {
             let [first, last] = self.outer[axis];
             let up = (1 << bits) - 1;
             let pixels = [i64::from((least - last + up) >> bits), i64::from((most - first) >> bits)];
-            ([pixels[0].max(low), pixels[1].min(high - 1)], most - least)
+            [pixels[0].max(low), pixels[1].min(high - 1)]
         };
-        let [p, q, r] = corners;
-        let ([y0, y1], height) = range(1, [p.y, q.y, r.y], part.y0, part.y1);
-        if y0 > y1 {
-            return;
-        }
-        let ([x0, x1], width) = range(0, [p.x, q.x, r.x], part.x0, part.x1);
-        if x0 > x1 {
+        let [y0, y1] = range(1, top, bottom, part.y0, part.y1);
+        let [x0, x1] = range(0, left, right, part.x0, part.x1);
+        if y0 > y1 || x0 > x1 {
             return;
         }
         let pixels = Window::new(x0, y0, x1 + 1, y1 + 1);
         // For small triangles the edge functions fit in half the width.
-        if width.max(height) < 1 << 13 && bits <= 12 {
+        if is_small {
             self.cover_by(Edges::<i32>::new(corners, [x0, y0].map(|at| at << bits)), number, pixels, bits);
+        } else if width.max(height) < 1 << 24 && bits <= 12 {
+            self.cover_by(Edges::<f64>::new(corners, [x0, y0].map(|at| at << bits)), number, pixels, bits);
         } else {
             self.cover_by(Edges::<i64>::new(corners, [x0, y0].map(|at| at << bits)), number, pixels, bits);
+        }
+    }
+
+    /// Does the same for a triangle within whose bounds there are few samples: looks only at these.
+    #[inline(always)]
+    fn cover_few(
+        &mut self,
+        corners: [ScreenVertex; 3],
+        [[left, right], [top, bottom]]: [[i32; 2]; 2],
+        number: u64,
+        part: Window,
+        bits: u32,
+    ) {
+        let up = (1 << bits) - 1;
+        let from = [left & !up, top & !up];
+        let mut edges = None;
+        let row = |y: i32| (y - self.outer[1][0]) >> self.apart;
+        for row in row(top - 1) + 1..row(bottom) + 1 {
+            let (y, sample) = (row >> N.ilog2(), self.by_row[row as usize & (N - 1)]);
+            let [right_of, below] = self.shifts[sample];
+            let first = (left - right_of + up) >> bits;
+            let last = (right - right_of) >> bits;
+            for x in first..last + 1 {
+                let pixel = [i64::from(x), i64::from(y)];
+                if pixel[0] < part.x0 || pixel[0] >= part.x1 || pixel[1] < part.y0 || pixel[1] >= part.y1 {
+                    continue;
+                }
+                // Many triangles see no sample.
+                if edges.is_none() {
+                    edges = Edges::<i32>::new(corners, from.map(i64::from));
+                }
+                let Some(edges) = &edges else { return };
+                let change = edges.change((x << bits) + right_of - from[0], (y << bits) + below - from[1]);
+                let at = [edges.first[0] + change[0], edges.first[1] + change[1], edges.first[2] + change[2]];
+                if Edges::inside(at) < 0 {
+                    continue;
+                }
+                let column = (pixel[0] - self.window.x0) as usize;
+                let index = (pixel[1] - self.window.y0) as usize * self.window.width() + column;
+                let (nearest, seen) = (&mut self.keys[index][sample], &mut self.triangles[index][sample]);
+                see(edges.key(at), number, nearest, seen);
+            }
         }
     }
 
@@ -362,7 +454,7 @@ impl<'a, const N: usize> PixelSamples<'a, N> {
                 let mut some = I::of(-1);
                 for sample in 0..N {
                     inside[sample] = Edges::inside([at[0][sample], at[1][sample], at[2][sample]]);
-                    some = some & inside[sample];
+                    some = some.either(inside[sample]);
                 }
                 if some < I::of(0) {
                     continue;
@@ -373,15 +465,20 @@ impl<'a, const N: usize> PixelSamples<'a, N> {
                         continue;
                     }
                     let key = edges.key([at[0][sample], at[1][sample], at[2][sample]]);
-                    if key > nearest[sample] || (key == nearest[sample] && number < seen[sample]) {
-                        nearest[sample] = key;
-                        seen[sample] = number;
-                    }
+                    see(key, number, &mut nearest[sample], &mut seen[sample]);
                 }
             }
             for edge in 0..3 {
                 left[edge] = left[edge] + down[edge];
             }
         }
+    }
+}
+
+/// Notes that a sample sees a triangle, unless it sees a nearer one.
+#[inline(always)]
+fn see(key: f64, number: u64, nearest: &mut f64, seen: &mut u64) {
+    if key > *nearest || (key == *nearest && number < *seen) {
+        (*nearest, *seen) = (key, number);
     }
 }

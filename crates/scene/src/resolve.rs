@@ -2,47 +2,120 @@
 
 #![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
 
+use std::cell::RefCell;
+use std::ops::Range;
+
 use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 
 use crate::channel::{CURVED, NORMALS, RESTS, TRAILS};
 use crate::on_heights::{self, HeightField, HeightView};
-use crate::patches::{PatchView, Starts};
-use crate::raster::{NOTHING, Row};
+use crate::patches::{Cells, Met, PatchView, Starts};
+use crate::project::Layer;
+use crate::raster::{NOTHING, Row, SeenTriangle};
 use crate::shading::unit_or_up;
 use crate::surface::{Between, Mesh, Topology};
 use crate::{Channel, ChannelSet, Projector, Samples, Visible};
 
 /// Number of hits that are processed side by side, in vectors.
-pub(crate) const BLOCK: usize = 32;
+pub(crate) const BLOCK: usize = 64;
+
+/// Channels that are blended from vertices, besides points and normals.
+const BLENDED: ChannelSet =
+    RESTS.union(ChannelSet::UV).union(ChannelSet::of(&[Channel::Jacobian, Channel::SlopeVariance]));
 
 /// A value at each hit of a block; values beyond the last hit are never read.
 pub(crate) type Lanes = [f64; BLOCK];
 
-/// A sample that sees a triangle.
-struct SampleHit {
-    /// Index of the sample within its row.
-    column: usize,
-    surface: usize,
-    triangle: [u32; 3],
-    /// Primitive of the mesh, and the index of its triangle.
-    origin: (usize, usize),
+/// Samples that see triangles of one surface.
+struct Hits {
+    count: usize,
+    /// Indices of the samples in the planes, in ascending order.
+    places: [u32; BLOCK],
+    /// Vertices of the triangles, by corner.
+    corners: [[u32; BLOCK]; 3],
+    /// Cells of a grid, and which of their triangles are seen, also if they were clipped.
+    rows: [u32; BLOCK],
+    columns: [u32; BLOCK],
+    parts: [u32; BLOCK],
+    /// Positions within the picture.
+    x: Lanes,
+    y: Lanes,
 }
 
-/// Hits of one mesh in one row.
+impl Default for Hits {
+    fn default() -> Self {
+        let (none, nowhere) = ([0; BLOCK], [0.0; BLOCK]);
+        Self {
+            count: 0,
+            places: none,
+            corners: [none; 3],
+            rows: none,
+            columns: none,
+            parts: none,
+            x: nowhere,
+            y: nowhere,
+        }
+    }
+}
+
+/// What is computed for a block. It is kept from block to block: to clear it takes as long as to fill it.
+struct Work {
+    /// Positions of the triangles' corners, the weights of these, and the sides that are seen: −1 for the outer one,
+    /// else 1.
+    corners: [[Lanes; 3]; 3],
+    weights: [Lanes; 3],
+    sides: Lanes,
+    /// Points of triangles, then those of patches.
+    met: Met,
+    cells: Cells,
+}
+
+impl Default for Work {
+    fn default() -> Self {
+        let none = [0.0; BLOCK];
+        let (met, cells) = (Met::default(), Cells::default());
+        Self { corners: [[none; 3]; 3], weights: [none; 3], sides: none, met, cells }
+    }
+}
+
+/// What a thread keeps from window to window.
+#[derive(Default)]
+struct Scratch {
+    /// By surface, the hits that wait until there are enough for a block.
+    waiting: Vec<Hits>,
+    work: Work,
+}
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+/// Sorts samples by the surfaces that they see.
+struct Sorter<'a, 's, R> {
+    visible: &'a Visible,
+    rows: R,
+    offset: [f64; 2],
+    /// The row that is being sorted, and its next sample.
+    row: Option<Row<'s>>,
+    column: usize,
+    /// The surface that the last sample saw, and its primitives.
+    surface: usize,
+    primitives: Range<u32>,
+}
+
+/// Hits of one mesh.
 struct Block<'a> {
-    hits: &'a [SampleHit],
+    hits: &'a Hits,
     mesh: &'a Mesh,
-    /// Index of the row's first sample, and positions within the picture.
-    start: usize,
-    x: Lanes,
-    y: f64,
+    /// Places across and upward from the middle of the picture, as of [`Projector::place`].
+    places: [Lanes; 2],
 }
 
 /// Points at which the vertices' attributes are interpolated: the same number of vertices for each hit.
-struct Blend<const CORNERS: usize> {
-    vertices: [[u32; BLOCK]; CORNERS],
-    weights: [Lanes; CORNERS],
+struct Blend<'a, const CORNERS: usize> {
+    vertices: &'a [[u32; BLOCK]; CORNERS],
+    weights: &'a [Lanes; CORNERS],
 }
 
 impl Visible {
@@ -57,77 +130,70 @@ impl Visible {
         // Use the offset to which the raster rounded, so that the ray meets the triangle that was found.
         let unit = f64::from(1_u32 << self.raster.bits);
         let offset = offset.map(|part| self.raster.fix(part) as f64 / unit);
-        dispatch!(Level::new(), simd => simd.vectorize(
-            #[inline(always)]
-            || self.resolve_rows(rows, offset, wanted, out)
-        ));
+        SCRATCH.with_borrow_mut(|scratch| {
+            if scratch.waiting.len() < self.layers.len() {
+                scratch.waiting.resize_with(self.layers.len(), Hits::default);
+            }
+            dispatch!(Level::new(), simd => simd.vectorize(
+                #[inline(always)]
+                || self.resolve_rows(simd, rows, offset, wanted, scratch, out)
+            ));
+        });
     }
 
     #[inline(always)]
-    fn resolve_rows<'s>(
+    fn resolve_rows<'s, S: Simd>(
         &self,
+        simd: S,
         rows: impl Iterator<Item = Row<'s>>,
         offset: [f64; 2],
         wanted: ChannelSet,
+        scratch: &mut Scratch,
         out: &mut Samples,
     ) {
-        let mut hits: Vec<SampleHit> = Vec::new();
-        for row in rows {
-            let (start, numbers) = (row.first, &row.triangles);
-            let width = numbers.len();
-            hits.clear();
-            let mut column = 0;
-            while column < width {
-                let number = numbers[column];
-                if number == NOTHING {
-                    let rest = &numbers[column..];
-                    let run = rest.iter().position(|number| *number != NOTHING).unwrap_or(rest.len());
-                    for channel in wanted.iter() {
-                        out.from(channel, start + column)[..run].fill(channel.background());
-                    }
-                    column += run;
-                    continue;
-                }
-                let primitive = (number / 2) as u32;
-                let surface = self.layer(primitive);
-                let (local, part) = ((primitive - self.firsts[surface]) as usize, (number % 2) as usize);
-                let layer = &self.layers[surface];
-                let origin = layer.origin(local, part);
-                // A patch is met from the whole triangle: its cell is that of the triangle's corners.
-                let (local, part) =
-                    if matches!(layer.mesh.between, Between::Patches(_)) { origin } else { (local, part) };
-                hits.push(SampleHit { column, surface, triangle: layer.triangles(local)[part], origin });
-                column += 1;
+        let Scratch { waiting, work } = scratch;
+        let waiting = &mut waiting[..self.layers.len()];
+        // A panic may have left some behind.
+        waiting.iter_mut().for_each(|hits| hits.count = 0);
+        let mut sorter = Sorter { visible: self, rows, offset, row: None, column: 0, surface: 0, primitives: 0..0 };
+        while let Some(surface) = sorter.next(waiting, wanted, out) {
+            let hits = &mut waiting[surface];
+            let mut block = Block { hits, mesh: &self.layers[surface].mesh, places: [[0.0; BLOCK]; 2] };
+            for lane in 0..BLOCK {
+                [block.places[0][lane], block.places[1][lane]] = self.projector.place(hits.x[lane], hits.y[lane]);
             }
-            let y = row.y as f64 + offset[1];
-            for hits in hits.chunk_by(|a, b| a.surface == b.surface).flat_map(|hits| hits.chunks(BLOCK)) {
-                let mut x = [0.0; BLOCK];
-                for (x, hit) in x.iter_mut().zip(hits) {
-                    *x = row.x(hit.column) as f64 + offset[0];
-                }
-                let mesh = &self.layers[hits[0].surface].mesh;
-                self.answer(&Block { hits, mesh, start, x, y }, wanted, out);
-            }
+            self.answer(simd, &block, surface, work, wanted, out);
+            hits.count = 0;
         }
     }
 
     #[inline(always)]
-    fn answer(&self, block: &Block<'_>, wanted: ChannelSet, out: &mut Samples) {
+    fn answer<S: Simd>(
+        &self,
+        simd: S,
+        block: &Block<'_>,
+        surface: usize,
+        work: &mut Work,
+        wanted: ChannelSet,
+        out: &mut Samples,
+    ) {
         block.put_all(Channel::Coverage, 1.0, out);
-        block.put_all(Channel::Surface, block.hits[0].surface as f32, out);
+        block.put_all(Channel::Surface, surface as f32, out);
         if !wanted.intersects(CURVED) {
             return;
         }
-        let corners = block.corners();
-        let triangles = Blend { vertices: corners, weights: [[0.0; BLOCK]; 3] };
-        let positions = triangles.gather(block, &block.mesh.positions);
-        let (weights, sides) = block.weights(&positions, &self.projector);
-        let triangles = Blend { weights, ..triangles };
-        let points = triangles.mean(&positions);
+        let Work { corners, weights, sides, met, cells } = work;
+        gather(&block.hits.corners, block.hits.count, &block.mesh.positions, corners);
+        match self.projector.orthographic {
+            true => block.weights::<true>(corners, &self.projector, weights, sides),
+            false => block.weights::<false>(corners, &self.projector, weights, sides),
+        }
+        let triangles = Blend { vertices: &block.hits.corners, weights };
+        triangles.mean(corners, &mut met.positions);
         match &block.mesh.between {
-            Between::Triangles => self.answer_triangles(block, &triangles, &points, &sides, wanted, out),
-            Between::Patches(_) => self.answer_patches(block, &triangles, points, &sides, wanted, out),
-            Between::Heights(field) => self.answer_heights(block, field, &points, &sides, wanted, out),
+            Between::Triangles => self.answer_triangles(block, &triangles, &met.positions, sides, wanted, out),
+            Between::Patches(_) => self.answer_patches(simd, block, weights, sides, met, cells, wanted, out),
+            Between::Heights(field) => self.answer_heights(simd, block, field, &met.positions, sides, wanted, out),
         }
     }
 
@@ -135,7 +201,7 @@ impl Visible {
     fn answer_triangles(
         &self,
         block: &Block<'_>,
-        at: &Blend<3>,
+        at: &Blend<'_, 3>,
         points: &[Lanes; 3],
         sides: &Lanes,
         wanted: ChannelSet,
@@ -149,7 +215,7 @@ impl Visible {
                 }
             } else {
                 block.put_all(Channel::Jacobian, 1.0, out);
-                block.put_normals(at.of(block, &block.mesh.normals), sides, out);
+                block.put_normals(&at.of(block, &block.mesh.normals), sides, out);
             }
         }
         self.put_attributes(block, at, points, &height, wanted, out);
@@ -159,12 +225,15 @@ impl Visible {
     }
 
     #[inline(always)]
-    fn answer_patches(
+    #[expect(clippy::too_many_arguments, reason = "values of a block")]
+    fn answer_patches<S: Simd>(
         &self,
+        simd: S,
         block: &Block<'_>,
-        triangles: &Blend<3>,
-        points: [Lanes; 3],
+        triangles: &[Lanes; 3],
         sides: &Lanes,
+        met: &mut Met,
+        cells: &mut Cells,
         wanted: ChannelSet,
         out: &mut Samples,
     ) {
@@ -173,43 +242,41 @@ impl Visible {
         else {
             return;
         };
-        let mut starts = Starts {
-            count: block.hits.len(),
-            rows: [0; BLOCK],
-            columns: [0; BLOCK],
-            u: [0.0; BLOCK],
-            v: [0.0; BLOCK],
-            x: block.x,
-            y: block.y,
-            sides: *sides,
-        };
-        let [a, b, c] = &triangles.weights;
-        for (lane, hit) in block.hits.iter().enumerate() {
-            let (primitive, part) = hit.origin;
-            (starts.rows[lane], starts.columns[lane]) =
-                ((primitive / (columns - 1)) as u32, (primitive % (columns - 1)) as u32);
+        let hits = block.hits;
+        for lane in 0..BLOCK {
             // The corners of the first triangle are at (0, 0), (1, 0) and (0, 1), those of the second at (1, 0),
             // (1, 1) and (0, 1).
-            (starts.u[lane], starts.v[lane]) =
-                if part == 0 { (b[lane], c[lane]) } else { (a[lane] + b[lane], b[lane] + c[lane]) };
+            let [a, b, c] = [triangles[0][lane], triangles[1][lane], triangles[2][lane]];
+            let (first, second) = ([b, c], [a + b, b + c]);
+            [met.u[lane], met.v[lane]] = if hits.parts[lane] == 0 { first } else { second };
         }
+        let (count, places) = (hits.count, &block.places);
+        let starts = Starts { count, rows: &hits.rows, columns: &hits.columns, places, sides };
         let view = PatchView { patches, positions: &block.mesh.positions, columns, rows, projector: &self.projector };
-        let met = view.meet(&starts, points);
+        view.meet(simd, &starts, cells, met);
         let height = self.put_points(block, &met.positions, wanted, out);
-        let mut at = Blend { vertices: [[0; BLOCK]; 4], weights: [[0.0; BLOCK]; 4] };
-        for lane in 0..block.hits.len() {
-            let (first, columns) = (met.vertices[lane], columns as u32);
-            for (corner, next) in [0, 1, columns, columns + 1].into_iter().enumerate() {
-                at.vertices[corner][lane] = first + next;
-            }
+        if wanted.intersects(ChannelSet::NORMAL) {
+            block.put_normals(&met.normals, sides, out);
         }
+        for channel in Channel::TRAILS {
+            block.put_all(channel, channel.background(), out);
+        }
+        if !wanted.intersects(BLENDED) {
+            return;
+        }
+        let (mut vertices, mut weights) = ([[0; BLOCK]; 4], [[0.0; BLOCK]; 4]);
+        let next = [0, 1, columns as u32, columns as u32 + 1];
         for lane in 0..BLOCK {
+            for corner in 0..4 {
+                vertices[corner][lane] = met.vertices[lane] + next[corner];
+            }
             let (u, v) = (met.u[lane], met.v[lane]);
-            at.weights[0][lane] = (1.0 - u) * (1.0 - v);
-            at.weights[1][lane] = u * (1.0 - v);
-            at.weights[2][lane] = (1.0 - u) * v;
-            at.weights[3][lane] = u * v;
+            weights[0][lane] = (1.0 - u) * (1.0 - v);
+            weights[1][lane] = u * (1.0 - v);
+            weights[2][lane] = (1.0 - u) * v;
+            weights[3][lane] = u * v;
         }
+        let at = Blend { vertices: &vertices, weights: &weights };
         if wanted.contains(Channel::Jacobian) {
             let [x, z] = at.slopes(block, &block.mesh.rests, &met.u, &met.v);
             let mut value = [0.0; BLOCK];
@@ -220,18 +287,14 @@ impl Visible {
             }
             block.put(Channel::Jacobian, &value, out);
         }
-        if wanted.intersects(ChannelSet::NORMAL) {
-            block.put_normals(met.normals, sides, out);
-        }
         self.put_attributes(block, &at, &met.positions, &height, wanted, out);
-        for channel in Channel::TRAILS {
-            block.put_all(channel, channel.background(), out);
-        }
     }
 
     #[inline(always)]
-    fn answer_heights(
+    #[expect(clippy::too_many_arguments, reason = "values of a block")]
+    fn answer_heights<S: Simd>(
         &self,
+        simd: S,
         block: &Block<'_>,
         field: &HeightField,
         points: &[Lanes; 3],
@@ -240,19 +303,22 @@ impl Visible {
         out: &mut Samples,
     ) {
         let view = HeightView::new(field, &self.projector);
-        let starts = on_heights::Starts { count: block.hits.len(), x: &block.x, y: block.y, sides, points };
-        let met = view.meet(&starts);
+        let starts = on_heights::Starts { count: block.hits.count, places: &block.places, sides, points };
+        let met = view.meet(simd, &starts);
         let height = self.put_points(block, &met.points, wanted, out);
         if wanted.intersects(NORMALS) {
             block.put_all(Channel::Jacobian, 1.0, out);
-            let [x, z] = met.slopes.map(|slopes| slopes.map(|slope| -slope));
-            block.put_normals([x, [1.0; BLOCK], z], sides, out);
+            let mut normals = [[1.0; BLOCK]; 3];
+            for lane in 0..BLOCK {
+                (normals[0][lane], normals[2][lane]) = (-met.slopes[0][lane], -met.slopes[1][lane]);
+            }
+            block.put_normals(&normals, sides, out);
         }
         // It rests below its points.
-        let at = Blend::<1> { vertices: [[0; BLOCK]], weights: [[0.0; BLOCK]] };
+        let at = Blend::<1> { vertices: &[[0; BLOCK]], weights: &[[0.0; BLOCK]] };
         self.put_attributes(block, &at, &met.points, &height, wanted, out);
         if wanted.intersects(TRAILS) {
-            let trails = view.trails(block.hits.len(), &met.points);
+            let trails = view.trails(block.hits.count, &met.points);
             for (channel, trail) in Channel::TRAILS.into_iter().zip(&trails) {
                 block.put(channel, trail, out);
             }
@@ -292,7 +358,7 @@ impl Visible {
     fn put_attributes<const CORNERS: usize>(
         &self,
         block: &Block<'_>,
-        at: &Blend<CORNERS>,
+        at: &Blend<'_, CORNERS>,
         points: &[Lanes; 3],
         height: &Lanes,
         wanted: ChannelSet,
@@ -332,40 +398,53 @@ impl Visible {
     }
 }
 
-impl<const CORNERS: usize> Blend<CORNERS> {
-    /// Gathers the attributes of the vertices, by corner and component.
-    #[inline(always)]
-    fn gather<const N: usize>(&self, block: &Block<'_>, values: &[[f32; N]]) -> [[Lanes; N]; CORNERS] {
-        let mut gathered = [[[0.0; BLOCK]; N]; CORNERS];
-        for lane in 0..block.hits.len() {
-            for corner in 0..CORNERS {
-                let value = values[self.vertices[corner][lane] as usize];
-                for component in 0..N {
-                    gathered[corner][component][lane] = f64::from(value[component]);
-                }
+/// Gathers values of the vertices of some hits, by corner and component.
+#[inline(always)]
+fn gather<const N: usize, const CORNERS: usize>(
+    vertices: &[[u32; BLOCK]; CORNERS],
+    count: usize,
+    values: &[[f32; N]],
+    gathered: &mut [[Lanes; N]; CORNERS],
+) {
+    let mut single = [[[0.0; BLOCK]; N]; CORNERS];
+    for lane in 0..count {
+        for corner in 0..CORNERS {
+            let value = values[vertices[corner][lane] as usize];
+            for component in 0..N {
+                single[corner][component][lane] = value[component];
             }
         }
-        gathered
     }
-
-    /// Returns Σ wᵢvᵢ over the corners, by component.
-    #[inline(always)]
-    fn mean<const N: usize>(&self, values: &[[Lanes; N]; CORNERS]) -> [Lanes; N] {
-        let mut mean = [[0.0; BLOCK]; N];
+    for corner in 0..CORNERS {
         for component in 0..N {
             for lane in 0..BLOCK {
-                mean[component][lane] = values[0][component][lane] * self.weights[0][lane];
-                for corner in 1..CORNERS {
-                    mean[component][lane] += values[corner][component][lane] * self.weights[corner][lane];
-                }
+                gathered[corner][component][lane] = f64::from(single[corner][component][lane]);
             }
         }
-        mean
+    }
+}
+
+impl<const CORNERS: usize> Blend<'_, CORNERS> {
+    /// Computes Σ wᵢvᵢ over the corners, by component.
+    #[inline(always)]
+    fn mean<const N: usize>(&self, values: &[[Lanes; N]; CORNERS], mean: &mut [Lanes; N]) {
+        for component in 0..N {
+            for lane in 0..BLOCK {
+                let mut sum = values[0][component][lane] * self.weights[0][lane];
+                for corner in 1..CORNERS {
+                    sum += values[corner][component][lane] * self.weights[corner][lane];
+                }
+                mean[component][lane] = sum;
+            }
+        }
     }
 
     #[inline(always)]
     fn of<const N: usize>(&self, block: &Block<'_>, values: &[[f32; N]]) -> [Lanes; N] {
-        self.mean(&self.gather(block, values))
+        let (mut gathered, mut mean) = ([[[0.0; BLOCK]; N]; CORNERS], [[0.0; BLOCK]; N]);
+        gather(self.vertices, block.hits.count, values, &mut gathered);
+        self.mean(&gathered, &mut mean);
+        mean
     }
 
     /// Writes an attribute if it was requested; the background if there is none.
@@ -383,14 +462,15 @@ impl<const CORNERS: usize> Blend<CORNERS> {
     }
 }
 
-impl Blend<4> {
+impl Blend<'_, 4> {
     /// Returns the derivatives by u and v of what is blended over cells, by component.
     #[inline(always)]
     fn slopes<const N: usize>(&self, block: &Block<'_>, values: &[[f32; N]], u: &Lanes, v: &Lanes) -> [[Lanes; 2]; N] {
-        let values = self.gather(block, values);
+        let mut gathered = [[[0.0; BLOCK]; N]; 4];
+        gather(self.vertices, block.hits.count, values, &mut gathered);
         let mut slopes = [[[0.0; BLOCK]; 2]; N];
         for component in 0..N {
-            let [a, b, c, d] = [0, 1, 2, 3].map(|corner| &values[corner][component]);
+            let [a, b, c, d] = [0, 1, 2, 3].map(|corner| &gathered[corner][component]);
             for lane in 0..BLOCK {
                 let (u, v) = (u[lane], v[lane]);
                 slopes[component][0][lane] = (b[lane] - a[lane]) * (1.0 - v) + (d[lane] - c[lane]) * v;
@@ -402,24 +482,14 @@ impl Blend<4> {
 }
 
 impl Block<'_> {
-    /// Returns the vertices of the triangles, by corner.
-    #[inline(always)]
-    fn corners(&self) -> [[u32; BLOCK]; 3] {
-        let mut corners = [[0; BLOCK]; 3];
-        for (lane, hit) in self.hits.iter().enumerate() {
-            for corner in 0..3 {
-                corners[corner][lane] = hit.triangle[corner];
-            }
-        }
-        corners
-    }
-
     /// Writes normals of any length, turned over on a side that faces away, as in a fold.
     #[inline(always)]
-    fn put_normals(&self, [mut x, mut y, mut z]: [Lanes; 3], sides: &Lanes, out: &mut Samples) {
+    fn put_normals(&self, normals: &[Lanes; 3], sides: &Lanes, out: &mut Samples) {
         let own = if self.mesh.inside { 1.0 } else { -1.0 };
+        let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
         for lane in 0..BLOCK {
-            let normal = unit_or_up(DVec3::new(x[lane], y[lane], z[lane])) * (own * sides[lane]);
+            let normal = DVec3::new(normals[0][lane], normals[1][lane], normals[2][lane]);
+            let normal = unit_or_up(normal) * (own * sides[lane]);
             (x[lane], y[lane], z[lane]) = (normal.x, normal.y, normal.z);
         }
         self.put(Channel::NormalX, &x, out);
@@ -427,24 +497,29 @@ impl Block<'_> {
         self.put(Channel::NormalZ, &z, out);
     }
 
-    /// Returns the barycentric weights of the points where the pixels' rays meet triangles, from the exact positions:
+    /// Computes the barycentric weights of the points where the pixels' rays meet triangles, from the exact positions:
     /// the fixed-point positions only decided which triangles these are.
     ///
     /// For a ray from the origin along r, the point Σ wᵢPᵢ is on it if w₀ : w₁ : w₂ = r·(P₁×P₂) : r·(P₂×P₀) :
-    /// r·(P₀×P₁). Also returns −1 if a triangle's outer side is seen, else 1. Rounding may have put the ray slightly
-    /// outside of the triangle: negative weights count as 0.
+    /// r·(P₀×P₁). Also gives −1 if a triangle's outer side is seen, else 1. Rounding may have put the ray slightly
+    /// outside of the triangle: negative weights count as 0. Without perspective, all rays are parallel.
     #[inline(always)]
-    fn weights(&self, positions: &[[Lanes; 3]; 3], projector: &Projector) -> ([Lanes; 3], Lanes) {
-        let (mut weights, mut sides) = ([[0.0; BLOCK]; 3], [0.0; BLOCK]);
+    fn weights<const PARALLEL: bool>(
+        &self,
+        positions: &[[Lanes; 3]; 3],
+        projector: &Projector,
+        weights: &mut [Lanes; 3],
+        sides: &mut Lanes,
+    ) {
         for lane in 0..BLOCK {
-            let (across, upward) = projector.plane(self.x[lane], self.y);
+            let (across, upward) = (projector.right * self.places[0][lane], projector.up * self.places[1][lane]);
             let corner = |corner: usize| {
                 let [x, y, z] = &positions[corner];
                 let position = DVec3::new(x[lane], y[lane], z[lane]);
-                if projector.orthographic { position - across - upward } else { position }
+                if PARALLEL { position - across - upward } else { position }
             };
             let (p, q, r) = (corner(0), corner(1), corner(2));
-            let ray = if projector.orthographic { projector.forward } else { projector.forward + across + upward };
+            let ray = if PARALLEL { projector.forward } else { projector.forward + across + upward };
             let (a, b, c) = (ray.dot(q.cross(r)), ray.dot(r.cross(p)), ray.dot(p.cross(q)));
             // The sum is r·((P₁−P₀)×(P₂−P₀)): negative if the outer side is seen.
             let side = if a + b + c < 0.0 { -1.0 } else { 1.0 };
@@ -456,13 +531,12 @@ impl Block<'_> {
             (weights[0][lane], weights[1][lane], weights[2][lane]) = (share(a), share(b), share(c));
             sides[lane] = side;
         }
-        (weights, sides)
     }
 
     /// Writes the value of each hit if the channel was requested.
     #[inline(always)]
     fn put(&self, channel: Channel, values: &Lanes, out: &mut Samples) {
-        let samples = out.from(channel, self.start);
+        let samples = out.all(channel);
         if samples.is_empty() {
             return;
         }
@@ -470,22 +544,105 @@ impl Block<'_> {
         for lane in 0..BLOCK {
             rounded[lane] = values[lane] as f32;
         }
-        let (first, count) = (self.hits[0].column, self.hits.len());
-        if self.hits[count - 1].column - first == count - 1 {
-            samples[first..first + count].copy_from_slice(&rounded[..count]);
-        } else {
-            for (hit, value) in self.hits.iter().zip(rounded) {
-                samples[hit.column] = value;
-            }
+        let places = &self.hits.places[..self.hits.count];
+        match self.hits.run() {
+            Some(run) => samples[run].copy_from_slice(&rounded[..places.len()]),
+            None => places.iter().zip(rounded).for_each(|(place, value)| samples[*place as usize] = value),
         }
     }
 
     /// Writes one value at all hits.
     #[inline(always)]
     fn put_all(&self, channel: Channel, value: f32, out: &mut Samples) {
-        let samples = out.from(channel, self.start);
-        if !samples.is_empty() {
-            self.hits.iter().for_each(|hit| samples[hit.column] = value);
+        let samples = out.all(channel);
+        if samples.is_empty() {
+            return;
+        }
+        match self.hits.run() {
+            Some(run) => samples[run].fill(value),
+            None => self.hits.places[..self.hits.count].iter().for_each(|place| samples[*place as usize] = value),
+        }
+    }
+}
+
+impl Hits {
+    /// Returns the samples if they are adjacent.
+    #[inline(always)]
+    fn run(&self) -> Option<Range<usize>> {
+        let (first, last) = (self.places[0] as usize, self.places[self.count - 1] as usize);
+        (last - first == self.count - 1).then_some(first..last + 1)
+    }
+
+    /// Adds a sample that sees a triangle of a layer.
+    #[inline(always)]
+    fn push(&mut self, place: usize, pixel: [f64; 2], layer: &Layer, local: usize, seen: SeenTriangle) {
+        let lane = self.count;
+        self.count += 1;
+        self.places[lane] = place as u32;
+        [self.x[lane], self.y[lane]] = pixel;
+        let is_whole = local < layer.primitives;
+        let corners = match &layer.mesh.topology {
+            Topology::Triangles(triangles) if is_whole => triangles[local],
+            &Topology::Grid { columns, .. } if is_whole || matches!(layer.mesh.between, Between::Patches(_)) => {
+                let cells = columns as u32 - 1;
+                // A patch is met from the whole triangle: its cell is that of the triangle's corners.
+                let (row, column, part) = if is_whole {
+                    (seen.row, local as u32 - seen.row * cells, seen.part)
+                } else {
+                    let (primitive, part) = layer.origin(local);
+                    (primitive / cells, primitive % cells, part)
+                };
+                (self.rows[lane], self.columns[lane], self.parts[lane]) = (row, column, part);
+                let (a, columns) = (row * columns as u32 + column, columns as u32);
+                // As in `cell_corners`; an index into what was just written would wait for it.
+                [a + part, a + 1 + part * columns, a + columns]
+            }
+            _ => layer.clipped[local - layer.primitives],
+        };
+        for corner in 0..3 {
+            self.corners[corner][lane] = corners[corner];
+        }
+    }
+}
+
+impl<'s, R: Iterator<Item = Row<'s>>> Sorter<'_, 's, R> {
+    /// Sorts samples until there are enough hits of one surface for a block, and returns this surface; in the end, any
+    /// surface of which some hits are left. Writes the background where there is no triangle.
+    #[inline(always)]
+    fn next(&mut self, waiting: &mut [Hits], wanted: ChannelSet, out: &mut Samples) -> Option<usize> {
+        loop {
+            if self.row.as_ref().is_none_or(|row| self.column == row.len) {
+                (self.row, self.column) = (self.rows.next(), 0);
+            }
+            let Some(row) = &self.row else {
+                return waiting.iter().position(|hits| hits.count > 0);
+            };
+            let y = row.y as f64 + self.offset[1];
+            while self.column < row.len {
+                let (column, number) = (self.column, row.triangle(self.column));
+                if number == NOTHING {
+                    let end = (column..row.len).find(|column| row.triangle(*column) != NOTHING);
+                    self.column = end.unwrap_or(row.len);
+                    for channel in wanted.iter() {
+                        out.all(channel)[row.first + column..row.first + self.column].fill(channel.background());
+                    }
+                    continue;
+                }
+                self.column += 1;
+                let seen = SeenTriangle::unpack(number);
+                if !self.primitives.contains(&seen.primitive) {
+                    self.surface = self.visible.layer(seen.primitive);
+                    let firsts = &self.visible.firsts[self.surface..];
+                    self.primitives = firsts[0]..firsts.get(1).copied().unwrap_or(u32::MAX);
+                }
+                let pixel = [row.x(column) as f64 + self.offset[0], y];
+                let (hits, layer) = (&mut waiting[self.surface], &self.visible.layers[self.surface]);
+                let local = (seen.primitive - self.primitives.start) as usize;
+                hits.push(row.first + column, pixel, layer, local, seen);
+                if hits.count == BLOCK {
+                    return Some(self.surface);
+                }
+            }
         }
     }
 }

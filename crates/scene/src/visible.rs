@@ -2,7 +2,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use trochoid_image::{Format, Window};
 
-use crate::project::{BIN, Layer, Raster};
+use crate::project::{BIN, Binned, Layer, Raster};
 use crate::surface::{Between, Mesh};
 use crate::{Camera, ChannelSet, Projector, Samples, Surface};
 
@@ -125,7 +125,7 @@ impl Visible {
     ) -> Option<Self> {
         let bins =
             [i64::from(format.width()).div_euclid(BIN[0]) + 1, i64::from(format.height()).div_euclid(BIN[1]) + 1];
-        let mut pairs = Vec::new();
+        let mut pairs: Vec<Vec<Binned>> = Vec::new();
         let (mut layers, mut firsts, mut first) = (Vec::new(), Vec::new(), 0_usize);
         for surface in surfaces {
             let mesh = mesh(*surface, &projector)?;
@@ -135,7 +135,8 @@ impl Visible {
             layers.push(layer);
             firsts.push(number);
         }
-        assert!(u32::try_from(first.max(pairs.len())).is_ok(), "fewer than 2³² primitives");
+        let count = pairs.iter().map(Vec::len).sum::<usize>();
+        assert!(u32::try_from(first.max(count)).is_ok(), "fewer than 2³² primitives");
         let (starts, binned) = sort((bins[0] * bins[1]) as usize, &pairs);
         let raster = Raster::new(&projector);
         let offsets = (0..format.samples()).map(|sample| format.sample_offset(sample)).collect();
@@ -224,18 +225,18 @@ pub fn around(pixels: &[[i64; 2]]) -> Window {
     pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)))
 }
 
-/// Sorts pairs of (bin, primitive) by counting: returns the start of each bin, and the primitives bin by bin.
-fn sort(bins: usize, pairs: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
+/// Sorts lists of pairs of (bin, primitive) by counting: returns the start of each bin, and the primitives bin by bin.
+fn sort(bins: usize, lists: &[Vec<Binned>]) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0_u32; bins + 1];
-    for &(bin, _) in pairs {
+    for &(bin, _) in lists.iter().flatten() {
         starts[bin as usize + 1] += 1;
     }
     for bin in 0..bins {
         starts[bin + 1] += starts[bin];
     }
     let mut next = starts.clone();
-    let mut binned = vec![0; pairs.len()];
-    for &(bin, primitive) in pairs {
+    let mut binned = vec![0; starts[bins] as usize];
+    for &(bin, primitive) in lists.iter().flatten() {
         let place = &mut next[bin as usize];
         binned[*place as usize] = primitive;
         *place += 1;

@@ -1,7 +1,7 @@
 //! Tests of what samples see, against the formulas and one by one.
 
 use trochoid_image::{Channel, ChannelSet, Format, Window};
-use trochoid_scene::inside::{heights, look, patches, plane, rounded, triangle};
+use trochoid_scene::inside::{heights, look, nearest, patches, plane, rounded, triangle};
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{
     Between, Camera, DVec3, GivenUp, GridSurface, Hit, Mesh, Projection, Projector, Ray, Samples, Surface, Topology,
@@ -9,10 +9,10 @@ use trochoid_scene::{
 };
 
 /// Computes the attributes of one triangle at a pixel by itself, straight from the formulas.
-fn plain(visible: &Visible, number: Option<u64>, pixel: [f64; 2]) -> [f32; Channel::ALL.len()] {
+fn plain(visible: &Visible, seen: Option<[u32; 2]>, pixel: [f64; 2]) -> [f32; Channel::ALL.len()] {
     let mut answers = Channel::ALL.map(Channel::background);
-    let Some(number) = number else { return answers };
-    let (surface, mesh, triangle) = triangle(visible, number);
+    let Some(seen) = seen else { return answers };
+    let (surface, mesh, triangle) = triangle(visible, seen);
     let projector = visible.projector();
     let vertices = triangle.map(|vertex| vertex as usize);
     let positions = vertices.map(|vertex| glam::Vec3::from(mesh.positions[vertex]).as_dvec3());
@@ -199,6 +199,10 @@ fn curved_hits_do_not_depend_on_their_neighbors_and_hostile_ones_stay_on_their_t
                 assert_eq!(bits(&some, index), bits(&whole, place), "case {case}, {channel:?} at {x}, {y}");
             }
         }
+        assert!(
+            nearest(&visible, format.window(), [0.5; 2]) == look(&visible, format.window(), [0.5; 2]),
+            "case {case}"
+        );
         let mut hits = 0;
         for index in 0..90 * 50 {
             let vector =
@@ -239,6 +243,7 @@ fn hits_side_by_side_have_the_bits_of_each_by_itself() {
         let alone = Visible::prepare(&camera, &surfaces, Format::new(90, 50, 1).expect("valid"), ChannelSet::ALL);
         let seen = look(&visible, window, offset);
         assert!(look(&alone, window, offset) == seen, "case {case}: samples together and each by itself");
+        assert!(nearest(&visible, window, offset) == seen, "case {case}: triangles one by one");
         let some: Vec<[i64; 2]> = all().filter(|_| random.next() < 0.4).collect();
         let mut alone = Samples::new();
         visible.fill_pixels(&some, offset, ChannelSet::ALL, &mut alone);
@@ -265,5 +270,39 @@ fn hits_side_by_side_have_the_bits_of_each_by_itself() {
             }
         }
         assert!(hits > 100 && hits < seen.len(), "case {case}: {hits} hits");
+    }
+}
+
+#[test]
+fn triangles_smaller_than_pixels_are_seen_like_any_others() {
+    let mut random = Random(5);
+    for case in 0..24 {
+        // From a tenth of a pixel to a few pixels, some of them without area, beyond the picture, or behind the camera.
+        let [columns, rows] = [[400, 300], [200, 160], [120, 90], [40, 30]][case % 4];
+        let mut positions = random.values::<3>(columns * rows, false);
+        for (index, position) in positions.iter_mut().enumerate() {
+            let (x, y) = ((index % columns) as f32 / columns as f32, (index / columns) as f32 / rows as f32);
+            let [dx, dy, dz] = *position;
+            let apart = 2.0 / columns as f32;
+            *position = [10.0 * x - 5.0 + apart * dx, 6.0 * y - 3.0 + apart * dy, -5.0 + 0.1 * dz];
+            if index % 997 == 0 {
+                *position = [0.0, 0.1 * dy, dz];
+            }
+        }
+        let mesh = Mesh { positions, topology: Topology::Grid { columns, rows }, ..Mesh::empty(0.0) };
+        let camera = Camera {
+            position: DVec3::ZERO,
+            target: DVec3::new(0.0, 0.0, -1.0),
+            roll: 0.3,
+            projection: Projection::Perspective { fov: 0.9 },
+        };
+        let format = Format::new(90, 50, [1, 4, 16][case % 3]).expect("valid");
+        let visible = Visible::prepare(&camera, &[&Given(mesh)], format, ChannelSet::COVERAGE);
+        for window in [Window::new(-3, 4, 87, 33), Window::new(40, 20, 95, 52)] {
+            let offset = format.sample_offset(case as u32 % format.samples());
+            let seen = look(&visible, window, offset);
+            assert!(nearest(&visible, window, offset) == seen, "case {case}: triangles one by one");
+            assert!(seen.iter().flatten().count() > 500, "case {case}");
+        }
     }
 }
