@@ -40,6 +40,16 @@ pub struct Lines<'s> {
     /// By sum: a power of two near its root mean square. Two sums of one sequence share its rounding, so both must be
     /// scaled to about 1.
     scales: [f32; ROOM],
+    /// By group of sums that are transformed at once, and by wave.
+    factors: [Vec<Factors>; ROOM / TOGETHER],
+}
+
+/// Factors of a wave's sine and cosine in some sums, divided by the scales of these: of the even sums and of the odd ones,
+/// which are the real and imaginary parts of one sequence.
+#[derive(Clone, Copy)]
+struct Factors {
+    sines: [[f32; lanes::WIDTH]; 2],
+    cosines: [[f32; lanes::WIDTH]; 2],
 }
 
 /// Scratch buffers of one thread, reused from line to line.
@@ -80,7 +90,11 @@ impl<'s> Lines<'s> {
             let power = libm::round(libm::log2(square) / 2.0).clamp(-100.0, 100.0);
             if square > 0.0 { libm::exp2(power) as f32 } else { 1.0 }
         });
-        Self { frame, count, transform, spreader, scales }
+        let factors = std::array::from_fn(|group| {
+            let inverse = std::array::from_fn(|sum| 1.0 / scales[group * TOGETHER + sum]);
+            frame.terms.iter().map(|term| Factors::new(term, group * TOGETHER, &inverse)).collect()
+        });
+        Self { frame, count, transform, spreader, scales, factors }
     }
 
     /// Computes the wanted quantities at all points of a line.
@@ -161,15 +175,14 @@ impl<'s> Lines<'s> {
     fn sums(&self, first: usize, line: &Line, waves: usize, scratch: &mut LineScratch, out: &mut Fields) {
         let LineScratch { sines, cosines, cells, work, .. } = scratch;
         let count = self.spreader.cells();
-        let scales: [f32; TOGETHER] = std::array::from_fn(|sum| 1.0 / self.scales[first + sum]);
+        let factors = &self.factors[first / TOGETHER];
         cells.clear();
         cells.resize(count + WIDTH, lanes::splat(Zero::zero()));
         dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
             for wave in 0..waves {
                 let [x, z] = self.frame.phases.turns(wave);
                 let (place, weights) = self.spreader.place(x * line.step[0] + z * line.step[1]);
-                let term = &self.frame.terms[wave];
-                let [plus, minus] = amplitudes(term, first, &scales, sines[wave], cosines[wave]);
+                let [plus, minus] = factors[wave].amplitudes(sines[wave], cosines[wave]);
                 // The negative frequency is mirrored about cell 0, which is `BEFORE` cells from the start.
                 let mirrored = count - place + 2 * BEFORE;
                 for (neighbor, weight) in weights.iter().enumerate() {
@@ -238,23 +251,34 @@ fn factors(term: &Term) -> [[f32; 2]; ROOM] {
 /// Real and imaginary parts of four numbers.
 type Parts = [[f32; lanes::WIDTH]; 2];
 
-/// Returns what a wave adds to the cells at its frequency and at its negative: for two real sums Re(A·e^{iθ}) and
-/// Re(B·e^{iθ}) in one complex sequence, these are ½(A + iB) and ½(Ā + iB̄).
-#[inline(always)]
-fn amplitudes(term: &Term, first: usize, scales: &[f32; TOGETHER], sin: f32, cos: f32) -> [Parts; 2] {
-    let factors = factors(term);
-    // s·sin θ + c·cos θ is the real part of (c − is)·e^{iθ}.
-    let amplitude = |sum: usize| {
-        let [s, c] = factors[first + sum].map(|factor| factor * scales[sum]);
-        [c * cos + s * sin, c * sin - s * cos]
-    };
-    let (mut plus, mut minus) = (Parts::default(), Parts::default());
-    for lane in 0..lanes::WIDTH {
-        let ([a, ai], [b, bi]) = (amplitude(2 * lane), amplitude(2 * lane + 1));
-        (plus[0][lane], plus[1][lane]) = (0.5 * (a - bi), 0.5 * (ai + b));
-        (minus[0][lane], minus[1][lane]) = (0.5 * (a + bi), 0.5 * (b - ai));
+impl Factors {
+    /// Multiplies the factors in the sums from `first` on by the inverses of their scales.
+    fn new(term: &Term, first: usize, inverse: &[f32; TOGETHER]) -> Self {
+        let factors = factors(term);
+        let of = |part: usize| {
+            [0, 1]
+                .map(|odd| std::array::from_fn(|lane| factors[first + 2 * lane + odd][part] * inverse[2 * lane + odd]))
+        };
+        Self { sines: of(0), cosines: of(1) }
     }
-    [plus, minus]
+
+    /// Returns what a wave adds to the cells at its frequency and at its negative: for two real sums Re(A·e^{iθ}) and
+    /// Re(B·e^{iθ}) in one complex sequence, these are ½(A + iB) and ½(Ā + iB̄).
+    #[inline(always)]
+    fn amplitudes(&self, sin: f32, cos: f32) -> [Parts; 2] {
+        // s·sin θ + c·cos θ is the real part of (c − is)·e^{iθ}.
+        let amplitude = |odd: usize, lane: usize| {
+            let (s, c) = (self.sines[odd][lane], self.cosines[odd][lane]);
+            [c * cos + s * sin, c * sin - s * cos]
+        };
+        let (mut plus, mut minus) = (Parts::default(), Parts::default());
+        for lane in 0..lanes::WIDTH {
+            let ([a, ai], [b, bi]) = (amplitude(0, lane), amplitude(1, lane));
+            (plus[0][lane], plus[1][lane]) = (0.5 * (a - bi), 0.5 * (ai + b));
+            (minus[0][lane], minus[1][lane]) = (0.5 * (a + bi), 0.5 * (b - ai));
+        }
+        [plus, minus]
+    }
 }
 
 #[inline(always)]
