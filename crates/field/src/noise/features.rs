@@ -200,8 +200,8 @@ fn search<S: Simd, const D: usize, const SECOND: bool, const WAYS: bool>(
     let mut found = Nearest::none(simd);
     for index in 0..3usize.pow(D as u32) {
         let mut bounds = aways[0][step(index, 0)];
-        for axis in 1..D {
-            bounds = bounds + aways[axis][step(index, axis)];
+        for (axis, aways) in aways.iter().enumerate().skip(1) {
+            bounds = bounds + aways[step(index, axis)];
         }
         let [first, second] = found.distances;
         let within = bounds.simd_le(if SECOND { second } else { first });
@@ -220,10 +220,10 @@ fn search<S: Simd, const D: usize, const SECOND: bool, const WAYS: bool>(
             found.distances[1] = nearest.select(first, nearer.select(square, second));
         }
         if WAYS {
-            for axis in 0..D {
+            for (axis, way) in ways.into_iter().enumerate() {
                 let [to_first, to_second] = [found.ways[0][axis], found.ways[1][axis]];
-                found.ways[0][axis] = nearest.select(ways[axis], to_first);
-                found.ways[1][axis] = nearest.select(to_first, nearer.select(ways[axis], to_second));
+                found.ways[0][axis] = nearest.select(way, to_first);
+                found.ways[1][axis] = nearest.select(to_first, nearer.select(way, to_second));
             }
         }
     }

@@ -69,8 +69,29 @@ impl Noise {
     fn sum<V: Simd, const S: usize, const D: usize>(&self, simd: V, chunk: &Chunk, out: &mut [f32]) {
         let mut sums = [0.0; CHUNK];
         let sums = &mut sums[..out.len().next_multiple_of(LANES)];
+        let is_gradient = matches!(self.kind, NoiseKind::Fbm | NoiseKind::Ridged);
         for octave in &self.octaves {
-            self.add::<V, S, D>(simd, octave, chunk, sums);
+            if is_gradient {
+                let mut corners = Corners::default();
+                self.add::<V, S, D>(
+                    simd,
+                    octave,
+                    chunk,
+                    sums,
+                    #[inline(always)]
+                    |cells| self.gradients(simd, octave.seed, cells, &mut corners),
+                );
+            } else {
+                let mut around = Neighborhood::default();
+                self.add::<V, S, D>(
+                    simd,
+                    octave,
+                    chunk,
+                    sums,
+                    #[inline(always)]
+                    |cells| self.features(simd, octave.seed, cells, &mut around),
+                );
+            }
         }
         let (low, high) = self.kind.range();
         for sums in sums.chunks_exact_mut(LANES) {
@@ -79,42 +100,63 @@ impl Noise {
         out.copy_from_slice(&sums[..out.len()]);
     }
 
-    /// Adds an octave to the sums at blocks of points.
+    /// Adds an octave to the sums at blocks of points, whose noise `values` returns.
     #[inline(always)]
-    fn add<V: Simd, const S: usize, const D: usize>(&self, simd: V, octave: &Octave, chunk: &Chunk, sums: &mut [f32]) {
+    fn add<V: Simd, const S: usize, const D: usize>(
+        &self,
+        simd: V,
+        octave: &Octave,
+        chunk: &Chunk,
+        sums: &mut [f32],
+        mut values: impl FnMut(&Cells<V, D>) -> f32x16<V>,
+    ) {
         let (weight, mean) = (octave.weight as f32, self.kind.mean(D) as f32);
-        let mut hashed = Hashed { corners: Corners::default(), around: Neighborhood::default() };
         for (start, sums) in (0..).step_by(LANES).zip(sums.chunks_exact_mut(LANES)) {
             let prints = f32x16::from_slice(simd, &chunk.prints[start..][..LANES]);
             let kept = kept(simd, prints * octave.frequency as f32);
             let mut added = f32x16::splat(simd, mean);
             if !kept.simd_eq(0.0).all_true() {
                 let along = octave.along::<V, S, D>(simd, chunk, start, self.evolution.unwrap_or(0.0));
-                let values = self.octave(simd, octave.seed, &along, &mut hashed);
+                let values = match Cells::of(simd, &along) {
+                    Some(cells) => values(&cells),
+                    None => self.far_octave(simd, octave.seed, &along),
+                };
                 added = kept * values + (f32x16::splat(simd, 1.0) - kept) * mean;
             }
             (f32x16::from_slice(simd, sums) + added * weight).store_slice(sums);
         }
     }
 
+    /// Returns an octave of gradient noise at a block of points.
     #[inline(always)]
-    fn octave<V: Simd, const D: usize>(
+    fn gradients<V: Simd, const D: usize>(
         &self,
         simd: V,
         seed: u32,
-        along: &[[f64x8<V>; 2]; D],
-        Hashed { corners, around }: &mut Hashed<D>,
+        cells: &Cells<V, D>,
+        corners: &mut Corners<D>,
     ) -> f32x16<V> {
-        let Some(cells) = Cells::of(simd, along) else { return self.far_octave(simd, seed, along) };
-        match self.kind {
-            NoiseKind::Fbm => gradient_noises(simd, seed, &cells, corners),
-            NoiseKind::Ridged => {
-                let noises = gradient_noises(simd, seed, &cells, corners);
-                let valleys = f32x16::splat(simd, 1.0) - noises.abs();
-                valleys * valleys
-            }
-            NoiseKind::Cellular => nearest::<V, D, false, false>(simd, seed, &cells, around).distances[0],
-            NoiseKind::Edges => nearest::<V, D, true, false>(simd, seed, &cells, around).edges(),
+        let noises = gradient_noises(simd, seed, cells, corners);
+        if self.kind == NoiseKind::Fbm {
+            return noises;
+        }
+        let valleys = f32x16::splat(simd, 1.0) - noises.abs();
+        valleys * valleys
+    }
+
+    /// Returns an octave of noise from feature points at a block of points.
+    #[inline(always)]
+    fn features<V: Simd, const D: usize>(
+        &self,
+        simd: V,
+        seed: u32,
+        cells: &Cells<V, D>,
+        around: &mut Neighborhood<D>,
+    ) -> f32x16<V> {
+        if self.kind == NoiseKind::Cellular {
+            nearest::<V, D, false, false>(simd, seed, cells, around).distances[0]
+        } else {
+            nearest::<V, D, true, false>(simd, seed, cells, around).edges()
         }
     }
 
@@ -177,8 +219,8 @@ impl Octave {
         evolution: f64,
     ) -> [[f64x8<V>; 2]; D] {
         let mut along = [[f64x8::splat(simd, evolution + self.shift[D - 1]); 2]; D];
-        for axis in 0..S {
-            for (half, along) in along[axis].iter_mut().enumerate() {
+        for (axis, halves) in along.iter_mut().enumerate().take(S) {
+            for (half, along) in halves.iter_mut().enumerate() {
                 let places = &chunk.places[axis][start + half * (LANES / 2)..][..LANES / 2];
                 *along = f64x8::from_slice(simd, places) * self.frequency + self.shift[axis];
             }
@@ -204,12 +246,6 @@ impl Octave {
             }
         }
     }
-}
-
-/// What was hashed last, for the next block.
-struct Hashed<const D: usize> {
-    corners: Corners<D>,
-    around: Neighborhood<D>,
 }
 
 /// Returns the cell of a lane and the fraction within it.

@@ -225,10 +225,11 @@ impl PreparedNoise {
         let place = |index: usize| std::array::from_fn(|axis| f64::from(planes[axis][index]) - self.moved(axis));
         out.fill(0.0);
         let mut places = block.places().enumerate().filter(|(index, _)| coverage[*index] != 0.0).peekable();
+        let (mut indices, mut pixels) = ([0; AT_ONCE], [[0.0; 2]; AT_ONCE]);
+        let [mut ahead, mut prints, mut values] = [[0.0; AT_ONCE]; 3];
         while places.peek().is_some() {
             // Points on surfaces lie side by side, however few of them there are.
-            let (mut indices, mut pixels, mut count) = ([0; AT_ONCE], [[0.0; 2]; AT_ONCE], 0);
-            let [mut ahead, mut prints, mut values] = [[0.0; AT_ONCE]; 3];
+            let mut count = 0;
             for (index, at) in places.by_ref().take(AT_ONCE) {
                 (indices[count], pixels[count]) = (index, at);
                 ahead[count] = depths.map_or(0.0, |depths| depths[index]);

@@ -9,6 +9,7 @@ mod gated;
 mod parts;
 mod runner;
 mod shared;
+mod state;
 mod tapped;
 
 use crate::planning::plan::{Feed, Fill, Pass, Sample};
@@ -22,14 +23,13 @@ pub(crate) use extent::extents;
 use gated::Gated;
 use runner::Runner;
 use shared::{ReplacedValues, SharingView, UnsharedPixels};
+use state::{FillState, Image};
 use std::borrow::Cow;
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::time::Instant;
 use tapped::{Tapped, Taps};
-use trochoid_graph::{
-    Block, Connection, Inputs, NoBound, NodeError, NodeId, Outputs, SharedResult, Slot, Stage, Variance,
-};
+use trochoid_graph::{Block, Connection, Inputs, NoBound, NodeError, NodeId, Outputs, SharedResult, Slot, Variance};
 use trochoid_image::Window;
 use trochoid_kernel::{Chunk, CompiledProgram, Plane, WeightAudit};
 
@@ -63,51 +63,6 @@ pub(crate) struct Fills<'p> {
     gated: Option<Gated<'p>>,
     /// By fill, the number of samples that it left out since they do not show.
     left_out: Vec<u64>,
-}
-
-struct FillState<'p> {
-    fill: &'p Fill,
-    /// `None` where a buffer of the caller replaces the stage.
-    stage: Option<&'p dyn Stage>,
-    taps: Option<Runner<'p>>,
-    /// Planes by output and channel; empty where not wanted.
-    planes: Vec<Vec<Vec<f32>>>,
-    one_row: bool,
-    /// Columns and offset for which a single row was filled last.
-    columns: Option<(i64, i64, [f64; 2])>,
-    /// By port and connection: how far the image extends, and the region of it that the current tile needs.
-    images: Vec<Vec<Image>>,
-    /// Pixels that the planes hold; planes of a single row hold only its columns.
-    window: Window,
-    /// Pixels that the program before the stage runs over.
-    tap_window: Window,
-    /// Planes of that program, if it runs again only where samples differ.
-    tapped: Tapped,
-    /// Results of the first sample at the pixels where the current sample does not share them.
-    replaced: ReplacedValues,
-    /// What the stage found at the first sample, for use at all samples.
-    found: Option<SharedResult>,
-    /// Window needed for the current sample: everything that the planes hold, except for what was shared.
-    need: Window,
-    /// Why the stage knows no bound, if it was asked for one and has none.
-    unbounded: Cell<Option<NoBound>>,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-struct Image {
-    extent: Window,
-    region: Window,
-}
-
-impl FillState<'_> {
-    /// Returns the pixels that the stage itself fills: a single row or column if it does not vary along that axis.
-    fn own_window(&self, window: Window) -> Window {
-        match self.fill.variance {
-            Variance::Constant | Variance::Column => Window { y1: window.y0 + 1, ..window },
-            Variance::Row => Window { x1: window.x0 + 1, ..window },
-            Variance::Pixel => window,
-        }
-    }
 }
 
 impl<'p> Fills<'p> {
