@@ -20,7 +20,7 @@ impl<S: Simd, const D: usize> Cells<S, D> {
     pub(super) fn of(simd: S, along: &[[f64x8<S>; 2]; D]) -> Option<Self> {
         let mut is_near = mask64x8::splat(simd, true);
         for half in along.as_flattened() {
-            is_near = is_near & half.abs().simd_lt((1u64 << 30) as f64);
+            is_near &= half.abs().simd_lt((1u64 << 30) as f64);
         }
         if !is_near.all_true() {
             return None;
@@ -46,7 +46,7 @@ impl<S: Simd, const D: usize> Cells<S, D> {
         let first = self.numbers[0];
         let mut differ = first.simd_ne(first.rotate_elements_right::<1>());
         for numbers in &self.numbers[1..] {
-            differ = differ | numbers.simd_ne(numbers.rotate_elements_right::<1>());
+            differ |= numbers.simd_ne(numbers.rotate_elements_right::<1>());
         }
         differ.to_bitmask() as u32 | 1
     }

@@ -201,7 +201,7 @@ fn search<S: Simd, const D: usize, const SECOND: bool, const WAYS: bool>(
     for index in 0..3usize.pow(D as u32) {
         let mut bounds = aways[0][step(index, 0)];
         for (axis, aways) in aways.iter().enumerate().skip(1) {
-            bounds = bounds + aways[step(index, axis)];
+            bounds += aways[step(index, axis)];
         }
         let [first, second] = found.distances;
         let within = bounds.simd_le(if SECOND { second } else { first });
@@ -211,8 +211,8 @@ fn search<S: Simd, const D: usize, const SECOND: bool, const WAYS: bool>(
         let mut ways = place(index);
         let mut square = f32x16::splat(simd, 0.0);
         for axis in 0..D {
-            ways[axis] = ways[axis] - fractions[axis];
-            square = square + ways[axis] * ways[axis];
+            ways[axis] -= fractions[axis];
+            square += ways[axis] * ways[axis];
         }
         let (nearest, nearer) = (square.simd_lt(first), square.simd_lt(second));
         found.distances[0] = nearest.select(square, first);

@@ -179,13 +179,13 @@ fn blended<S: Simd, const D: usize>(
     gradients: impl Fn(usize, usize) -> f32x16<S>,
 ) -> f32x16<S> {
     let mut sums = f32x16::splat(simd, 0.0);
-    for corner in 0..1 << D {
+    for (corner, weight) in weights.iter().copied().enumerate().take(1 << D) {
         let mut dot = f32x16::splat(simd, 0.0);
         for (axis, inside) in fractions.iter().copied().enumerate() {
             let offset = if (corner >> axis) & 1 == 1 { inside - 1.0 } else { inside };
-            dot = dot + gradients(corner, axis) * offset;
+            dot += gradients(corner, axis) * offset;
         }
-        sums = sums + weights[corner] * dot;
+        sums += weight * dot;
     }
     sums
 }
