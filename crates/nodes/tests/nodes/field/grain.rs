@@ -32,11 +32,11 @@ fn agrees_with_the_reference_and_lies_about_one_half() {
 #[test]
 fn samples_side_by_side_have_the_bits_of_single_ones() {
     for knobs in [
-        r#""threads": 0.31"#,
-        r#""threads": 0.4, "slub": 0"#,
-        r#""threads": 0.7, "turn": 90"#,
-        r#""threads": 0.2, "turn": 33, "slub": 1"#,
-        r#""kind": "paper", "threads": 0.4, "turn": -20"#,
+        r#""threads": 1.31"#,
+        r#""threads": 1.4, "slub": 0"#,
+        r#""threads": 1, "turn": 90"#,
+        r#""threads": 1.2, "turn": 33, "slub": 1"#,
+        r#""kind": "paper", "threads": 1.1, "turn": -20"#,
     ] {
         let nodes = format!(r#""out": {{ "type": "Grain", {knobs} }}"#);
         let frame = Frame::new(graph("weights", &nodes, Path::new(".")).unwrap()).unwrap();
