@@ -2,6 +2,8 @@
 //! compiled a second time for them. Nothing of it is part of the interface.
 
 use crate::paint::seeds::{self, Cells};
+use crate::paint::{Brush, LANES, Stroke};
+use trochoid_image::Window;
 
 /// Surface point that a pixel sees: where it is at rest, the index of its surface, and its depth.
 pub type Corner = ([f64; 3], f64, f64);
@@ -36,6 +38,64 @@ impl Seeds {
 /// Returns the lower of the two levels of seeds for an area per pixel²; `None` if it is degenerate.
 pub fn level_of(area: f64, pixels: f64) -> Option<i64> {
     seeds::level_of(area, pixels)
+}
+
+/// Numbers of a stroke: those of Strokes' formula, and the surface and depth beyond whose edges it ends.
+pub struct StrokeNumbers {
+    /// Center, in pixels.
+    pub at: [f64; 2],
+    /// Unit vector along the stroke.
+    pub along: [f64; 2],
+    /// Half its length and half its width, in pixels.
+    pub half: [f64; 2],
+    /// Sideways displacement of its ends, in half widths.
+    pub bend: f64,
+    /// Opacity and bristle, and phases of both patterns of bristles, each from 0 to 1.
+    pub looks: [f64; 4],
+    /// Surface and depth, if edges cut the stroke.
+    pub edge: Option<(f64, f64)>,
+    /// Largest ratio of two depths that is not an edge.
+    pub step: f64,
+}
+
+/// A stroke as it is painted row by row, and straight from the formula, on samples with some shift.
+pub struct PaintedStroke(Stroke, Brush);
+
+impl PaintedStroke {
+    /// Creates the stroke with these numbers.
+    pub fn new(numbers: &StrokeNumbers) -> Self {
+        let StrokeNumbers { at, along, half, bend, looks: [opacity, bristle, one, other], edge, step } = *numbers;
+        let (hairs, source, order) = ([one, other], [0, 0], 0);
+        let stroke = Stroke { at, along, half, bend, opacity, bristle, hairs, edge, step, source, order };
+        Self(stroke, Brush::new(&stroke))
+    }
+
+    /// Returns the pixels that it may cover.
+    pub fn bounds(&self, shift: [f64; 2]) -> Window {
+        self.1.bounds(self.1.seen_from(shift))
+    }
+
+    /// Returns the first and the last column that it may cover in a row.
+    pub fn columns(&self, shift: [f64; 2], y: i64) -> [i64; 2] {
+        self.1.columns(self.1.seen_from(shift), y)
+    }
+
+    /// Returns its coverage of a part of a row, given surfaces and depths there: `skipped` pixels after its first column.
+    /// Behind the part, the last group of lanes is filled up.
+    pub fn row(&self, shift: [f64; 2], y: i64, skipped: usize, parts: &[f32], depths: &[f32]) -> Vec<f32> {
+        let at = self.1.seen_from(shift);
+        let [begin, _] = self.1.columns(at, y);
+        let mut out = vec![[f32::NAN; LANES]; parts.len().div_ceil(LANES)];
+        let from = [begin as f64 - at[0], y as f64 - at[1]];
+        self.1.cover_row(from, skipped as i64, parts, depths, &mut out);
+        out.concat()
+    }
+
+    /// Returns its coverage of a pixel, from the formula.
+    pub fn covers(&self, shift: [f64; 2], [x, y]: [i64; 2], part: f64, depth: f64) -> f64 {
+        let stroke = self.0.seen_from(shift);
+        stroke.covers([x as f64 - stroke.at[0], y as f64 - stroke.at[1]], part, depth)
+    }
 }
 
 #[cfg(feature = "scene")]

@@ -58,6 +58,7 @@ mod lit {
 }
 
 mod paint {
+    mod brush;
     mod line_set;
     mod seeds;
     mod strokes;
