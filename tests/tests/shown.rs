@@ -24,8 +24,11 @@ const NODES: &str = r##""across": { "type": "ScreenX" }, "down": { "type": "Scre
         "layers": [{ "length": 16, "width": 5, "spacing": 4 }] },
     "along": { "type": "FlowField", "along": "gradient", "field": "noise", "smooth": 1 }"##;
 
-/// Each with what shows in places only, and the largest share of the picture in which it may be filled.
-const CASES: [(&str, &str, &[(&str, f64)]); 8] = [
+/// A stage that shows in places only, and the largest share of the picture in which it may be filled.
+type Shown = (&'static str, f64);
+
+/// What is tested, nodes, and what of them shows.
+const CASES: [(&str, &str, &[Shown]); 8] = [
     (
         "behind a weight of 0",
         r##""out": { "type": "Mix", "a": "#123", "b": "marble", "weight": "right" }"##,
