@@ -8,6 +8,10 @@ use trochoid_graph::{Kind, NodeId, Op, Program, Slot, Stage, Variance};
 use trochoid_image::Window;
 use trochoid_kernel::CompiledProgram;
 
+/// Most operations of a program whose gates are looked for: sets of gates grow with the depth at which a value is read, and
+/// memory with the square of the number of operations.
+const MOST: usize = 4096;
+
 /// A value of the program, and what it is where something shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Gate {
@@ -64,10 +68,14 @@ impl Scheduler<'_, '_, '_> {
     /// So where a stage before it was left out, either one of these gates is closed, and the stage does not show whatever the
     /// value is; or the value does not depend on what was left out.
     pub(crate) fn gates(&self, roots: &[u32], fills: &mut [Fill]) -> Option<Gates> {
+        let is_costly = |fill: &Fill| self.stage(fill.node).is_some_and(Stage::is_costly);
+        if self.program.ops().len() > MOST || !fills.iter().any(is_costly) {
+            return None;
+        }
         let read = self.read_where(roots);
         let mut shown = self.shown_where(fills, &read);
         for (fill, shown) in fills.iter().zip(&mut shown) {
-            if !self.stage(fill.node).is_some_and(Stage::is_costly) {
+            if !is_costly(fill) {
                 shown.clear();
             }
         }
