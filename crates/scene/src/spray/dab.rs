@@ -9,6 +9,9 @@ use trochoid_sea::spray::Droplet;
 /// at all: a drop that flies past the lens must not fill the picture.
 const NEAR: [f64; 2] = [12.0, 4.0];
 
+/// Number of samples that are computed side by side.
+pub(super) const LANES: usize = 8;
+
 /// How drops are painted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brush {
@@ -57,9 +60,47 @@ impl SpraySample {
         }
     }
 
+    #[inline(always)]
     pub(super) fn done(self) -> Self {
         let age = if self.weight > 0.0 { (self.age / self.weight).min(1.0) } else { 0.0 };
         Self { alpha: 1.0 - self.alpha, age, ..self }
+    }
+}
+
+/// What [`SpraySample`] holds, at samples side by side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SprayLanes {
+    pub(super) alpha: [f64; LANES],
+    pub(super) depth: [f64; LANES],
+    pub(super) age: [f64; LANES],
+    pub(super) weight: [f64; LANES],
+}
+
+impl SprayLanes {
+    pub(super) const NONE: Self = {
+        let SpraySample { alpha, depth, age, weight } = SpraySample::NONE;
+        Self { alpha: [alpha; LANES], depth: [depth; LANES], age: [age; LANES], weight: [weight; LANES] }
+    };
+
+    /// Adds a stamp where its coverage is more than 0.
+    #[inline(always)]
+    pub(super) fn add(&mut self, dab: &Dab, alphas: [f64; LANES]) {
+        let mut sum = *self;
+        for lane in 0..LANES {
+            let (alpha, is_added) = (alphas[lane], alphas[lane] > 0.0);
+            let or = |new: f64, old: f64| if is_added { new } else { old };
+            sum.alpha[lane] = or(sum.alpha[lane] * (1.0 - alpha), sum.alpha[lane]);
+            sum.depth[lane] = or(sum.depth[lane].min(dab.depth), sum.depth[lane]);
+            sum.age[lane] = or(sum.age[lane] + alpha * dab.age, sum.age[lane]);
+            sum.weight[lane] = or(sum.weight[lane] + alpha, sum.weight[lane]);
+        }
+        *self = sum;
+    }
+
+    /// Returns the sum at one of the samples.
+    pub(super) fn at(&self, lane: usize) -> SpraySample {
+        let Self { alpha, depth, age, weight } = self;
+        SpraySample { alpha: alpha[lane], depth: depth[lane], age: age[lane], weight: weight[lane] }
     }
 }
 
@@ -122,23 +163,51 @@ impl Dab {
     /// Returns its coverage at a position in front of a surface at a planar depth.
     #[inline(always)]
     pub(super) fn alpha(&self, place: [f64; 2], surface: f64, brush: &Brush) -> f64 {
-        let [x, y] = [place[0] - self.center[0], place[1] - self.center[1]];
-        let along = x * self.along[0] + y * self.along[1];
-        let across = x * self.across[0] + y * self.across[1];
-        let inside = 1.0 - along * along - across * across;
+        let [along, across, inside] = self.within(place);
         if inside <= 0.0 {
             return 0.0;
         }
-        let before = surface - self.depth;
-        let seen = if brush.soft > 0.0 {
-            (before / brush.soft + 0.5).clamp(0.0, 1.0)
-        } else {
-            f64::from(u8::from(before > 0.0))
-        };
+        let seen = self.seen(surface, brush);
         if seen <= 0.0 {
             return 0.0;
         }
         self.strength * seen * self.print.cover(along, across, inside)
+    }
+
+    /// Does the same, with the same bits, at positions side by side; 0 or less where it does not cover.
+    #[inline(always)]
+    pub(super) fn alphas(&self, x: [f64; LANES], y: f64, surfaces: [f64; LANES], brush: &Brush) -> [f64; LANES] {
+        let [mut along, mut across, mut inside] = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            [along[lane], across[lane], inside[lane]] = self.within([x[lane], y]);
+        }
+        if inside.iter().fold(true, |none, inside| none & (*inside <= 0.0)) {
+            return [0.0; LANES];
+        }
+        let cover = self.print.covers(along, across, inside);
+        let mut alphas = [0.0; LANES];
+        for lane in 0..LANES {
+            let seen = self.seen(surfaces[lane], brush);
+            let alpha = self.strength * seen * cover[lane];
+            alphas[lane] = if (inside[lane] <= 0.0) | (seen <= 0.0) { 0.0 } else { alpha };
+        }
+        alphas
+    }
+
+    /// Returns a position along the stamp and across it, and 1 less the square of its distance from the middle.
+    #[inline(always)]
+    fn within(&self, place: [f64; 2]) -> [f64; 3] {
+        let [x, y] = [place[0] - self.center[0], place[1] - self.center[1]];
+        let along = x * self.along[0] + y * self.along[1];
+        let across = x * self.across[0] + y * self.across[1];
+        [along, across, 1.0 - along * along - across * across]
+    }
+
+    /// Returns the share of the drop that is seen in front of a surface.
+    #[inline(always)]
+    fn seen(&self, surface: f64, brush: &Brush) -> f64 {
+        let before = surface - self.depth;
+        if brush.soft > 0.0 { (before / brush.soft + 0.5).clamp(0.0, 1.0) } else { f64::from(u8::from(before > 0.0)) }
     }
 }
 

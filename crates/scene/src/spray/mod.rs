@@ -30,7 +30,7 @@ pub use stamp::Stamp;
 pub use trochoid_sea::spray::Droplet;
 
 use crate::Projector;
-use dab::Dab;
+use dab::{Dab, LANES, SprayLanes};
 use fearless_simd::{Level, Simd, dispatch};
 use trochoid_image::Window;
 
@@ -176,21 +176,26 @@ impl Dabs {
                 let within = window.intersect(Window::new(x0, y0, x1, y1));
                 let bin = (row * columns + column) as usize;
                 let entries = &self.entries[self.starts[bin] as usize..self.starts[bin + 1] as usize];
+                let across = within.width().div_ceil(LANES);
                 sums.clear();
-                sums.resize(within.area(), SpraySample::NONE);
+                sums.resize(across * within.height(), SprayLanes::NONE);
                 dispatch!(Level::new(), simd => simd.vectorize(
                     #[inline(always)]
                     || self.fill_bin(entries, [within, window], offset, surface, stop, &mut sums)
                 ));
-                for (sums, y) in sums.chunks_exact(within.width().max(1)).zip(within.y0..) {
+                for (sums, y) in sums.chunks_exact(across.max(1)).zip(within.y0..) {
                     let start = (y - window.y0) as usize * window.width() + (within.x0 - window.x0) as usize;
                     let write = |plane: &mut Option<&mut [f32]>, value: fn(&SpraySample) -> f64| {
                         let Some(plane) = plane else { return };
-                        let out = &mut plane[start..start + sums.len()];
+                        let out = &mut plane[start..start + within.width()];
                         if entries.is_empty() {
                             out.fill(value(&SpraySample::NONE.done()) as f32);
-                        } else {
-                            out.iter_mut().zip(sums).for_each(|(out, sum)| *out = value(&sum.done()) as f32);
+                            return;
+                        }
+                        for (out, sums) in out.chunks_mut(LANES).zip(sums) {
+                            for (lane, out) in out.iter_mut().enumerate() {
+                                *out = value(&sums.at(lane).done()) as f32;
+                            }
                         }
                     };
                     write(&mut alpha, |sum| sum.alpha);
@@ -248,8 +253,10 @@ impl Dabs {
         offset: [f64; 2],
         surface: &[f32],
         stop: &dyn Fn() -> bool,
-        sums: &mut [SpraySample],
+        sums: &mut [SprayLanes],
     ) {
+        let across = within.width().div_ceil(LANES);
+        let lanes: [f64; LANES] = std::array::from_fn(|lane| lane as f64);
         for &entry in entries {
             if stop() {
                 return;
@@ -259,13 +266,26 @@ impl Dabs {
             let first = |edge: f64, offset: f64, least: i64| ((edge - offset).floor().max(least as f64)) as i64;
             let end = |edge: f64, offset: f64, most: i64| ((edge - offset).ceil().min((most - 1) as f64)) as i64 + 1;
             let columns = first(left, offset[0], within.x0)..end(right, offset[0], within.x1);
+            if columns.is_empty() {
+                continue;
+            }
+            let group = |x: i64| (x - within.x0) as usize / LANES;
+            let groups = group(columns.start)..group(columns.end - 1) + 1;
             for y in first(top, offset[1], within.y0)..end(bottom, offset[1], within.y1) {
-                let row = (y - window.y0) as usize * window.width();
-                let own = (y - within.y0) as usize * within.width();
-                for x in columns.clone() {
-                    let seen = f64::from(surface[row + (x - window.x0) as usize]);
-                    let place = [x as f64 + offset[0], y as f64 + offset[1]];
-                    sums[own + (x - within.x0) as usize].add(dab, dab.alpha(place, seen, &self.brush));
+                let start = (y - window.y0) as usize * window.width() + (within.x0 - window.x0) as usize;
+                let surface = &surface[start..start + within.width()];
+                let sums = &mut sums[(y - within.y0) as usize * across..][..across];
+                // Groups of samples; a stamp does not cover those of a group that lie outside of its bounds.
+                for (group, sum) in sums[groups.clone()].iter_mut().enumerate() {
+                    let first = (groups.start + group) * LANES;
+                    let of_group = &surface[first..within.width().min(first + LANES)];
+                    let mut surfaces = [f64::NEG_INFINITY; LANES];
+                    for (to, from) in surfaces.iter_mut().zip(of_group) {
+                        *to = f64::from(*from);
+                    }
+                    let left = (within.x0 + first as i64) as f64;
+                    let x = lanes.map(|lane| left + lane + offset[0]);
+                    sum.add(dab, dab.alphas(x, y as f64 + offset[1], surfaces, &self.brush));
                 }
             }
         }

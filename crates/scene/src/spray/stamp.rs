@@ -1,5 +1,6 @@
 //! Shapes of brush stamps.
 
+use super::dab::LANES;
 use trochoid_sea::spray::Droplet;
 
 /// Share of the largest radius from which drops of mixed stamps are ragged.
@@ -76,15 +77,37 @@ impl Print {
     pub(super) fn cover(&self, along: f64, across: f64, inside: f64) -> f64 {
         match self.form {
             Form::Disc | Form::Streak => (2.0 * inside).min(1.0),
+            Form::Ragged => self.ragged(along, across, inside),
+        }
+    }
+
+    /// Does the same at positions side by side.
+    #[inline(always)]
+    pub(super) fn covers(&self, along: [f64; LANES], across: [f64; LANES], inside: [f64; LANES]) -> [f64; LANES] {
+        let mut covers = [0.0; LANES];
+        match self.form {
+            Form::Disc | Form::Streak => {
+                for lane in 0..LANES {
+                    covers[lane] = (2.0 * inside[lane]).min(1.0);
+                }
+            }
             Form::Ragged => {
-                let [x, y] = [along * self.cells[0], across * self.cells[1]];
-                let rough = 0.65 * noise(self.seed, x, y) + 0.35 * noise(!self.seed, 2.1 * x, 2.1 * y);
-                // Paint remains where there was enough of it: less toward the edge, and with age.
-                let paint = inside * (1.0 - 0.6 * self.worn);
-                let t = ((1.1 * paint + self.torn * 1.6 * (rough - 0.55) - 0.05) / 0.6).clamp(0.0, 1.0);
-                t * t * (3.0 - 2.0 * t) * (paint / 0.3).min(1.0)
+                for lane in 0..LANES {
+                    covers[lane] = self.ragged(along[lane], across[lane], inside[lane]);
+                }
             }
         }
+        covers
+    }
+
+    #[inline(always)]
+    fn ragged(&self, along: f64, across: f64, inside: f64) -> f64 {
+        let [x, y] = [along * self.cells[0], across * self.cells[1]];
+        let rough = 0.65 * noise(self.seed, x, y) + 0.35 * noise(!self.seed, 2.1 * x, 2.1 * y);
+        // Paint remains where there was enough of it: less toward the edge, and with age.
+        let paint = inside * (1.0 - 0.6 * self.worn);
+        let t = ((1.1 * paint + self.torn * 1.6 * (rough - 0.55) - 0.05) / 0.6).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t) * (paint / 0.3).min(1.0)
     }
 }
 
