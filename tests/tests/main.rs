@@ -23,6 +23,7 @@ mod filters;
 mod formulas;
 mod frames;
 mod groups;
+mod held;
 mod hoisting;
 mod include;
 mod keeping;

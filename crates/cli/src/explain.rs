@@ -10,6 +10,8 @@
 //!   `estimated`, all four null unless measured;
 //! - `omissions`: a list of `{node, of, what, left_out, of_all, why}`, the work that stages skip; `not_prepared` is the
 //!   reason if this work is unknown;
+//! - `held`: a list of `{node, what, channels, bytes}`, the planes that are filled over the whole picture before tiles read
+//!   them; `what` is `result`, or `inputs` if the planes are what the node reads;
 //! - `measured`: null, or `{width, height, samples, runs, seconds, seconds_in_full, spread}`, or `{error}`.
 //!
 //! Infinite interval bounds are the strings `inf` and `-inf`.
@@ -21,8 +23,8 @@ use crate::shell::{HEADING, printable, wrap};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use trochoid::{
-    Account, Cache, CheckedGraph, Cost, Costs, EvalError, Evidence, Fate, Interval, LeftOut, MeasureError, Monitor,
-    NodeId, Omission, Plan, ProofStep, Settings, measure,
+    Account, Cache, CheckedGraph, Cost, Costs, EvalError, Evidence, Fate, HeldPlanes, Interval, LeftOut, MeasureError,
+    Monitor, NodeId, Omission, Plan, ProofStep, Settings, in_bytes, measure,
 };
 
 /// Maximum width and height of the picture that is evaluated for measuring, in pixels.
@@ -35,6 +37,7 @@ pub(crate) struct Explanation<'g> {
     frame: i64,
     accounts: Vec<Account>,
     omissions: Result<Vec<(NodeId, Vec<Omission>)>, EvalError>,
+    held: Vec<HeldPlanes>,
     /// Measured costs; `None` if measuring was not requested.
     costs: Option<Result<Costs, MeasureError>>,
 }
@@ -62,9 +65,11 @@ pub(crate) fn explain(
     let (plan, accounts) = Plan::explained(graph, &[name], frame, &[], &Settings::default())
         .map_err(|error| Failure::new(INVALID, error))?;
     // Missing files are reported as warnings already; the rest of the explanation does not need them.
-    let omissions = plan.omissions(&mut Cache::new(), &InterruptMonitor);
+    let mut cache = Cache::new();
+    let omissions = plan.omissions(&mut cache, &InterruptMonitor);
+    let held = omissions.as_ref().map_or(Vec::new(), |_| plan.held(&mut cache, &InterruptMonitor).unwrap_or_default());
     let costs = measured.then(|| measure(graph, name, frame, LARGEST, &InterruptMonitor));
-    Ok(Explanation { graph, output, frame, accounts, omissions, costs })
+    Ok(Explanation { graph, output, frame, accounts, omissions, held, costs })
 }
 
 /// Nodes that are not evaluated for the same reason.
@@ -122,6 +127,7 @@ impl Explanation<'_> {
         }
         self.channels(&mut text);
         self.spared(&mut text);
+        self.held(&mut text);
         self.how(&mut text);
         text
     }
@@ -207,6 +213,19 @@ impl Explanation<'_> {
                     }
                 }
             }
+        }
+    }
+
+    /// Appends the planes that are held over the whole picture.
+    fn held(&self, text: &mut String) {
+        if self.held.is_empty() {
+            return;
+        }
+        text.push_str("\n  Filled over the whole picture first, since filters read far around tiles\n");
+        for HeldPlanes { node, before, channels, bytes } in &self.held {
+            let (name, what) = (&self.graph.node(*node).name, if *before { "what it reads" } else { "its result" });
+            let (planes, bytes) = (if *channels == 1 { "channel" } else { "channels" }, in_bytes(*bytes as u64));
+            text.push_str(&wrap(&printable(&format!("{name}: {what}, {channels} {planes}, {bytes}")), 4));
         }
     }
 
@@ -312,6 +331,10 @@ impl Explanation<'_> {
             "nodes": nodes,
             "omissions": omissions,
             "not_prepared": self.omissions.as_ref().err().map(ToString::to_string),
+            "held": self.held.iter().map(|held| json!({
+                "node": self.graph.node(held.node).name, "what": if held.before { "inputs" } else { "result" },
+                "channels": held.channels, "bytes": held.bytes,
+            })).collect::<Vec<_>>(),
             "measured": measured,
         })
     }

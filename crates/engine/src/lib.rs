@@ -28,6 +28,7 @@ pub use running::buffers::Buffers;
 pub use running::certify::{AccuracyLimit, Certified, CertifiedPixels, Certifier, Distribution};
 pub use running::foreign::ForeignError;
 pub use running::frame::{EvalError, Frame, Monitor, NodeReport, Phases, Picture, Silent, State};
+pub use running::held::HeldPlanes;
 pub use running::inspect::{Blame, InspectedPixel, Inspection};
 pub use running::memory::{MemoryAccount, MemoryConsumer, Pictures};
 pub use running::prepare::Cache;

@@ -42,17 +42,27 @@ pub struct Switches {
     pub fuse: bool,
     /// Run the pointwise program as machine code, where the processor and the system allow it.
     pub compile: bool,
+    /// Fill what filters read far beyond a tile over the whole picture first, and not again for every tile.
+    pub hold: bool,
 }
 
-content_key!(Switches { demand, prune, fold, merge, hoist, fuse, compile });
+content_key!(Switches { demand, prune, fold, merge, hoist, fuse, compile, hold });
 
 impl Switches {
     /// Every optimization.
     pub const ALL: Self =
-        Self { demand: true, prune: true, fold: true, merge: true, hoist: true, fuse: true, compile: true };
+        Self { demand: true, prune: true, fold: true, merge: true, hoist: true, fuse: true, compile: true, hold: true };
     /// No optimization.
-    pub const NONE: Self =
-        Self { demand: false, prune: false, fold: false, merge: false, hoist: false, fuse: false, compile: false };
+    pub const NONE: Self = Self {
+        demand: false,
+        prune: false,
+        fold: false,
+        merge: false,
+        hoist: false,
+        fuse: false,
+        compile: false,
+        hold: false,
+    };
 }
 
 /// Planes that a cache keeps from one picture to the next.

@@ -121,11 +121,11 @@ pub use store::{FolderStore, NoStore, StoreUses};
 pub use stream::FileSink;
 pub use trochoid_engine::{
     Account, AccuracyLimit, Audit, Batch, BindingFault, Blame, BufferFault, Buffers, Cache, Certified, CertifiedPixels,
-    Certifier, Channels, Distribution, EvalError, Evidence, Fate, ForeignError, Frame, Hull, Illegal, InspectedPixel,
-    Instructions, Interval, Judging, Keep, LeftOut, Look, MemoryAccount, MemoryConsumer, Monitor, NodeReport,
-    NotPointwise, Phases, Picture, PictureError, Pictures, Plan, PlanError, ProofStep, ReferenceError, ReferenceFrame,
-    ReferencePixel, Samples, SamplesMut, Settings, ShadeError, Shader, Silent, Sink, Slot, State, StoredSample,
-    Storing, Switches, paint,
+    Certifier, Channels, Distribution, EvalError, Evidence, Fate, ForeignError, Frame, HeldPlanes, Hull, Illegal,
+    InspectedPixel, Instructions, Interval, Judging, Keep, LeftOut, Look, MemoryAccount, MemoryConsumer, Monitor,
+    NodeReport, NotPointwise, Phases, Picture, PictureError, Pictures, Plan, PlanError, ProofStep, ReferenceError,
+    ReferenceFrame, ReferencePixel, Samples, SamplesMut, Settings, ShadeError, Shader, Silent, Sink, Slot, State,
+    StoredSample, Storing, Switches, paint,
 };
 pub use trochoid_graph::{
     Accepts, Access, AccessViolation, Alias, Animated, Arity, BadData, Channel, CheckedGraph, CheckedNode, ContentKey,

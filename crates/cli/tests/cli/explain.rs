@@ -68,6 +68,29 @@ fn machines_get_the_same_as_json() {
 }
 
 #[test]
+fn planes_held_over_the_whole_picture_are_listed() {
+    // Seen at this size, tiles would fill much of the noise again.
+    let scene = Scene::new(
+        r##"{ "trochoid": 1, "format": { "width": 900, "height": 600 }, "nodes": {
+        "lace": { "type": "Noise", "scale": 0.1 },
+        "foam": { "type": "Clamp", "field": "lace", "min": 0, "max": 0.3 },
+        "water": { "type": "Mix", "a": "#123", "b": "#fff", "weight": "foam" },
+        "far": { "type": "Warp", "image": "water", "dx": "lace", "reach": 60 } },
+      "outputs": { "beauty": { "color": "far" } } }"##,
+    );
+    scene.run(&["check", "a.json", "--explain"]).code(0).says(&[
+        "Filled over the whole picture first, since filters read far around tiles",
+        "far: what it reads, 3 channels, 6.",
+    ]);
+    let json = scene.run(&["check", "a.json", "--explain", "--json"]).code(0).json();
+    let held = &json["explained"][0]["held"];
+    let one = held.as_array().unwrap().iter().find(|held| held["what"] == "inputs").unwrap();
+    assert_eq!((&one["node"], &one["channels"], &one["bytes"]), (&"far".into(), &3.into(), &(900 * 600 * 12).into()));
+    let hidden = Scene::new(HIDDEN).run(&["check", "a.json", "--explain", "--json"]).code(0).json();
+    assert_eq!(hidden["explained"][0]["held"], serde_json::json!([]));
+}
+
+#[test]
 fn what_is_unknown_is_reported_with_its_reason() {
     let scene = Scene::new(READS);
     // The file is missing: the results of planning are printed, with the reason that the rest is unknown.

@@ -297,7 +297,9 @@ impl Scheduler<'_, '_, '_> {
         let mut beyond: HashMap<NodeId, Reach> = HashMap::new();
         for fill in fills.iter().rev() {
             let own = beyond.get(&fill.node).copied().unwrap_or_default();
-            for (slot, reach) in reads(fill, self.stage(fill.node), format, own) {
+            let reads = Reads::of(fill, self.stage(fill.node), format, own);
+            let before = read_before(fill).map(|slot| (slot, reads.taps));
+            for (slot, reach) in reads.planes.iter().copied().chain(before) {
                 let known = beyond.entry(slot.node).or_default();
                 *known = larger(*known, reach);
                 largest = larger(largest, reach);
@@ -406,27 +408,41 @@ pub(crate) fn larger(a: Reach, b: Reach) -> Reach {
     (a.0.max(b.0), a.1.max(b.1))
 }
 
-/// Lists the planes that a fill reads, each with how far beyond a tile, if the fill itself reaches `own` beyond it.
-pub(crate) fn reads(fill: &Fill, stage: Option<&dyn Stage>, format: Format, own: Reach) -> Vec<(Slot, Reach)> {
-    let picture = format.window();
-    let grown = |before: i64, after: i64, most: usize| before.max(after).clamp(0, most as i64) as usize;
-    let (mut read, mut taps) = (Vec::new(), own);
-    for (port, connections) in &fill.inputs {
-        let asked = stage.map_or(picture, |stage| stage.regions_of_interest(*port, picture, format));
-        let reach = (
-            own.0 + grown(picture.x0 - asked.x0, asked.x1 - picture.x1, picture.width()),
-            own.1 + grown(picture.y0 - asked.y0, asked.y1 - picture.y1, picture.height()),
-        );
-        for feed in connections.iter().flatten() {
-            match feed {
-                Feed::Slot(slot) => read.push((*slot, reach)),
-                Feed::Tap(..) => taps = larger(taps, reach),
-                Feed::Nothing | Feed::Constant(_) => {}
+/// What a fill reads, and how far beyond a tile.
+pub(crate) struct Reads {
+    /// Planes of other fills.
+    pub(crate) planes: Vec<(Slot, Reach)>,
+    /// How far beyond the tile the program before the fill runs, whose results it reads.
+    pub(crate) taps: Reach,
+}
+
+impl Reads {
+    /// Lists what a fill reads that itself reaches `own` beyond a tile.
+    pub(crate) fn of(fill: &Fill, stage: Option<&dyn Stage>, format: Format, own: Reach) -> Self {
+        let picture = format.window();
+        let grown = |before: i64, after: i64, most: usize| before.max(after).clamp(0, most as i64) as usize;
+        let (mut planes, mut taps) = (Vec::new(), own);
+        for (port, connections) in &fill.inputs {
+            let asked = stage.map_or(picture, |stage| stage.regions_of_interest(*port, picture, format));
+            let reach = (
+                own.0 + grown(picture.x0 - asked.x0, asked.x1 - picture.x1, picture.width()),
+                own.1 + grown(picture.y0 - asked.y0, asked.y1 - picture.y1, picture.height()),
+            );
+            for feed in connections.iter().flatten() {
+                match feed {
+                    Feed::Slot(slot) => planes.push((*slot, reach)),
+                    Feed::Tap(..) => taps = larger(taps, reach),
+                    Feed::Nothing | Feed::Constant(_) => {}
+                }
             }
         }
+        let views = fill.shared.iter().flatten();
+        planes.extend(views.flat_map(|view| SHARING_CHANNELS.map(|channel| (sharing_slot(*view, channel), own))));
+        Self { planes, taps }
     }
-    read.extend(fill.taps.iter().flat_map(|taps| &taps.planes).map(|slot| (*slot, taps)));
-    let views = fill.shared.iter().flatten();
-    read.extend(views.flat_map(|view| SHARING_CHANNELS.map(|channel| (sharing_slot(*view, channel), own))));
-    read
+}
+
+/// Lists the planes that a program before a fill reads.
+pub(crate) fn read_before(fill: &Fill) -> impl Iterator<Item = Slot> {
+    fill.taps.iter().flat_map(|taps| &taps.planes).copied()
 }

@@ -1,13 +1,13 @@
 //! Planes that stages filled, kept for the next evaluation: an edit refills only what depends on it.
 
 use super::prepare::{Cache, PreparedStage, key_of_planes};
-use super::steps::Steps;
+use super::steps::{Steps, Whole};
 use crate::planning::plan::{Fill, Pass};
 use crate::planning::schedule::Reach;
 use crate::{Keep, Plan};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
-use trochoid_graph::{FrameContext, Key, NodeId, Settled, Variance};
+use trochoid_graph::{FrameContext, Key, NodeId, Rate, Settled, Variance};
 use trochoid_image::Window;
 
 /// A stage's planes over the whole picture, by sample, output and channel; empty where not wanted.
@@ -33,9 +33,9 @@ impl StagePlanes {
 pub(crate) struct PlaneKeeper {
     /// Planes of earlier evaluations and steps, by the index of the fill: a stage has several fills if its samples share
     /// only some channels.
-    pub(crate) known: HashMap<usize, Arc<StagePlanes>>,
+    known: HashMap<Whole, Arc<StagePlanes>>,
     /// Planes that the current step fills, tile by tile.
-    new: HashMap<usize, Mutex<StagePlanes>>,
+    new: HashMap<Whole, Mutex<StagePlanes>>,
     /// Keys of the planes to keep.
     keys: HashMap<usize, Key>,
     /// Planes to keep that are filled.
@@ -68,17 +68,28 @@ impl PlaneKeeper {
             let fill = &pass.fills[index];
             fill.variance == Variance::Pixel && extents.get(&fill.node) == Some(&picture)
         };
+        let holds = plan.settings.switches.hold;
+        let can_hold = |planes: Whole| match planes {
+            _ if !holds => false,
+            Whole::Fill(index) => can_wait(index),
+            // Others run the program before them at single pixels.
+            Whole::Taps(index) => {
+                let fill = &pass.fills[index];
+                fill.shared.is_none() && plan.stage(fill.node).is_some_and(|stage| stage.rate() == Rate::Sample)
+            }
+        };
         let mut unknown = Vec::new();
         let keeps = plan.settings.keep != Keep::Nothing;
         for (index, fill) in pass.fills.iter().enumerate().filter(|(index, _)| keeps && can_wait(*index)) {
             let Some(key) = ready.get(&fill.node).map(|ready| key_of_planes(plan, pass, fill, ready)) else { continue };
             match cache.planes(&key) {
-                Some(filled) => _ = keeper.known.insert(index, filled),
+                Some(filled) => _ = keeper.known.insert(Whole::Fill(index), filled),
                 None => unknown.push((index, fill, key)),
             }
         }
-        let is_known = |fill: usize| keeper.known.contains_key(&fill);
-        let mut steps = Steps::new(plan, pass, &is_known, &can_wait);
+        let known_before: HashSet<Whole> = keeper.known.keys().copied().collect();
+        let is_known = |fill: usize| known_before.contains(&Whole::Fill(fill));
+        let mut steps = Steps::new(plan, pass, &is_known, &can_hold);
         let is_spared = |node: NodeId| {
             let mut fills = pass.fills.iter().enumerate().filter(|(_, fill)| fill.node == node);
             fills.all(|(index, _)| steps.is_idle(index))
@@ -96,22 +107,19 @@ impl PlaneKeeper {
         let coarse = cache.recent(picture.area()).saturating_sub(now);
         // Estimates saturate.
         let mut room = cache.limit().saturating_sub(prepared.saturating_add(known).saturating_add(coarse));
-        let bytes = |fill: &Fill| {
-            let wanted = fill.wanted.iter().flatten().filter(|wanted| **wanted);
-            wanted.count() * picture.area() * 4 * pass.offsets.len()
-        };
+        let bytes = |whole: Whole| bytes(plan, pass, whole);
         let mut taken = prepared - now;
-        for (index, fill, key) in unknown.into_iter().rev() {
-            let Some(left) = room.checked_sub(bytes(fill)) else { continue };
+        for (index, _, key) in unknown.into_iter().rev() {
+            let Some(left) = room.checked_sub(bytes(Whole::Fill(index))) else { continue };
             room = left;
-            taken = taken.saturating_add(bytes(fill));
+            taken = taken.saturating_add(bytes(Whole::Fill(index)));
             keeper.keys.insert(index, key);
         }
         // Old planes go before new ones take memory.
         if keeps {
             cache.make_way(taken);
         }
-        if steps.held(&|fill| keeper.keys.contains_key(&fill), &|fill| bytes(&pass.fills[fill])) > spare {
+        if steps.held(&|fill| keeper.keys.contains_key(&fill), &bytes) > spare {
             steps = Steps::new(plan, pass, &is_known, &|_| false);
         }
         keeper.step = steps.count();
@@ -127,13 +135,20 @@ impl PlaneKeeper {
         let Some(step) = self.step.checked_sub(1) else { return false };
         self.step = step;
         let area = plan.graph.format().window().area();
-        for (index, fill) in pass.fills.iter().enumerate().filter(|(index, _)| steps.takes_part(*index, step)) {
-            if steps.is_whole(index) || self.keys.contains_key(&index) {
-                let plane = |wanted: &bool| vec![0.0; if *wanted { area } else { 0 }];
-                let planes = || fill.wanted.iter().map(|channels| channels.iter().map(plane).collect()).collect();
-                let samples = pass.offsets.iter().map(|_| planes()).collect();
-                self.new.insert(index, Mutex::new(StagePlanes { samples }));
-            }
+        let kept = self.keys.keys().copied().filter(|fill| steps.takes_part(*fill, step)).map(Whole::Fill);
+        for whole in steps.filled_by(step).chain(kept) {
+            let plane = |wanted: bool| vec![0.0; if wanted { area } else { 0 }];
+            let planes = || match whole {
+                Whole::Fill(fill) => {
+                    let wanted = pass.fills[fill].wanted.iter();
+                    wanted.map(|channels| channels.iter().copied().map(plane).collect()).collect()
+                }
+                Whole::Taps(fill) => {
+                    tap_channels(&pass.fills[fill]).map(|channels| vec![plane(true); channels]).collect()
+                }
+            };
+            let samples = pass.offsets.iter().map(|_| planes()).collect();
+            self.new.insert(whole, Mutex::new(StagePlanes { samples }));
         }
         true
     }
@@ -141,14 +156,16 @@ impl PlaneKeeper {
     /// Ends a step once every tile is done: what it filled is known to the next one, and what no later one reads goes.
     pub(crate) fn end_step(&mut self) {
         let Some(steps) = &self.steps else { return };
-        for (index, filled) in self.new.drain() {
+        for (whole, filled) in self.new.drain() {
             let filled = Arc::new(filled.into_inner().unwrap_or_else(PoisonError::into_inner));
-            if let Some(key) = self.keys.get(&index) {
+            if let Whole::Fill(fill) = whole
+                && let Some(key) = self.keys.get(&fill)
+            {
                 self.kept.push((*key, filled.clone()));
             }
-            self.known.insert(index, filled);
+            self.known.insert(whole, filled);
         }
-        self.known.retain(|index, _| !steps.is_whole(*index) || steps.is_read_after(*index, self.step));
+        self.known.retain(|whole, _| !steps.is_whole(*whole) || steps.is_read_after(*whole, self.step));
     }
 
     /// Returns whether the current step is the last one, which also runs the program.
@@ -162,9 +179,17 @@ impl PlaneKeeper {
         [count - 1 - self.step, count]
     }
 
-    /// Returns how far stages reach beyond a tile, horizontally and vertically.
-    pub(crate) fn halo(&self, plan: &Plan<'_>) -> Reach {
-        self.steps.as_ref().map_or_else(|| plan.halo(), Steps::halo)
+    /// Lists the planes that steps hold, with the number of planes for each sample and the bytes of all.
+    pub(crate) fn whole(&self, plan: &Plan<'_>, pass: &Pass) -> Vec<(Whole, usize, usize)> {
+        let mut whole: Vec<Whole> = self.steps.iter().flat_map(Steps::whole).collect();
+        whole.sort_unstable();
+        whole.into_iter().map(|whole| (whole, whole.channels(pass), bytes(plan, pass, whole))).collect()
+    }
+
+    /// Returns how far stages reach beyond a tile in the last step, or in the current one, horizontally and vertically.
+    pub(crate) fn halo(&self, plan: &Plan<'_>, of_last: bool) -> Reach {
+        let step = if of_last { 0 } else { self.step };
+        self.steps.as_ref().map_or_else(|| plan.halo(), |steps| steps.halo(step))
     }
 
     /// Returns whether the current step needs nothing of a fill.
@@ -172,25 +197,30 @@ impl PlaneKeeper {
         self.steps.as_ref().is_some_and(|steps| !steps.takes_part(fill, self.step))
     }
 
-    /// Returns whether the current step fills whole planes of a fill.
-    pub(crate) fn wants(&self, fill: usize) -> bool {
-        self.new.contains_key(&fill)
+    /// Returns whether the current step fills some whole planes.
+    pub(crate) fn wants(&self, whole: Whole) -> bool {
+        self.new.contains_key(&whole)
+    }
+
+    /// Returns whole planes that are known, for a sample, by output or root and channel.
+    pub(crate) fn known(&self, whole: Whole, sample: usize) -> Option<&[Vec<Vec<f32>>]> {
+        self.known.get(&whole).map(|filled| &filled.samples[sample][..])
     }
 
     /// Copies a tile of a sample from planes that cover a window around it.
-    pub(crate) fn take(
+    pub(crate) fn take<'f>(
         &self,
-        fill: usize,
+        whole: Whole,
         sample: usize,
         tile: Window,
         window: Window,
         picture: Window,
-        from: &[Vec<Vec<f32>>],
+        from: impl Iterator<Item = &'f Vec<f32>>,
     ) {
-        let Some(filled) = self.new.get(&fill) else { return };
+        let Some(filled) = self.new.get(&whole) else { return };
         let mut filled = filled.lock().unwrap_or_else(PoisonError::into_inner);
         let start = |within: Window, y: i64| (y - within.y0) as usize * within.width() + (tile.x0 - within.x0) as usize;
-        for (to, from) in filled.samples[sample].iter_mut().flatten().zip(from.iter().flatten()) {
+        for (to, from) in filled.samples[sample].iter_mut().flatten().zip(from) {
             if to.is_empty() {
                 continue;
             }
@@ -223,11 +253,22 @@ impl Plan<'_> {
     }
 
     /// Returns the only pass, if its stages may be filled over the whole picture: from the document alone, and without bounds.
-    fn whole_pass(&self) -> Option<&Pass> {
+    pub(super) fn whole_pass(&self) -> Option<&Pass> {
         let whole = self.window == self.graph.format().window() && !self.settings.bounds();
         match &self.passes[..] {
             [pass] if whole && !self.bound.contains(&true) => Some(pass),
             _ => None,
         }
     }
+}
+
+/// Returns the number of channels of each root of the program before a fill.
+fn tap_channels(fill: &Fill) -> impl Iterator<Item = usize> {
+    fill.taps.iter().flat_map(|taps| &taps.roots).copied()
+}
+
+/// Returns the bytes of whole planes.
+fn bytes(plan: &Plan<'_>, pass: &Pass, whole: Whole) -> usize {
+    let plane = plan.graph.format().window().area().saturating_mul(4 * pass.offsets.len());
+    plane.saturating_mul(whole.channels(pass))
 }

@@ -3,8 +3,8 @@
 //!
 //! `run` evaluates a frame: `prepare` prepares its stages within the limit that `memory` checks, `fill` fills their
 //! planes for a `tile` of a `tile_size`, in one of several `steps`, and `bands` receive the finished rows. The other
-//! modules produce something other than a picture: `certify` bounds on its errors, `inspect` one pixel in detail,
-//! `reference` the slow f64 result, `examine` faults of input files.
+//! modules produce something other than a picture: `certify` bounds on its errors, `inspect` one pixel in detail, `held` a
+//! list of planes, `reference` the slow f64 result, `examine` faults of input files.
 
 pub(crate) mod bands;
 pub(crate) mod buffer_fault;
@@ -14,6 +14,7 @@ mod check_headers;
 pub(crate) mod fill;
 pub(crate) mod foreign;
 pub(crate) mod frame;
+pub(crate) mod held;
 pub(crate) mod inspect;
 pub(crate) mod keep;
 pub(crate) mod memory;

@@ -2,7 +2,6 @@
 
 use super::bands::{Bands, OwnRows, Rows};
 use super::frame::{Frame, NodeReport, Phases, Picture, State};
-use super::keep::PlaneKeeper;
 use super::memory::Pictures;
 use super::prepare::{PreparedStage, prepare};
 use super::tile::{Evaluation, Worker};
@@ -155,16 +154,15 @@ impl Plan<'_> {
                 self.outputs.iter().map(|output| self.judge(output, &ready, buffers)).collect();
             let judged = started.elapsed().as_secs_f64();
             let started = Instant::now();
-            // Steps make tiles smaller, but whole planes come on top of what was checked.
-            let spare = account.tiles().min(self.settings.memory_limit.saturating_sub(account.total()));
-            let bytes = [account.held(), spare].map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX));
-            let mut keeper = PlaneKeeper::new(self, &ready, bytes, cache);
-            let tile = self.tile(&ready, keeper.halo(self));
-            let bands = bands(tile)?;
+            let mut keeper = self.keeper(&ready, &account, cache);
+            let bands = bands(self.tile(&ready, keeper.halo(self, true)))?;
             let mut totals = WorkerTotals::default();
             let mut steps = || {
                 while keeper.begin_step(self) {
-                    let between = (!keeper.is_last_step()).then(|| Bands::of_planes(Vec::new(), self.window, tile));
+                    let between = (!keeper.is_last_step()).then(|| {
+                        let tile = self.tile(&ready, keeper.halo(self, false));
+                        Bands::of_planes(Vec::new(), self.window, tile)
+                    });
                     let bands = between.as_ref().unwrap_or(&bands);
                     // No more workers than tiles.
                     let workers = account.workers().min(bands.tiles()).max(1);

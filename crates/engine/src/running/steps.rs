@@ -1,38 +1,67 @@
 //! Divides the filling of a pass into steps: what filters read far around a tile is filled first, over the whole picture.
 //!
 //! Without steps, a tile also fills what its filters read beyond it, and its neighbors fill that again. Behind filters of
-//! filters, a tile holds and fills several times its own pixels.
+//! filters, a tile holds and fills several times its own pixels. Planes over the whole picture cost memory instead, and the
+//! time to write and read them; so planes are held where tiles would spend more time on filling again.
 
 use super::fill::by_slot;
 use crate::Plan;
-use crate::planning::plan::Pass;
-use crate::planning::schedule::{Reach, larger, reads};
+use crate::planning::plan::{Fill, Pass};
+use crate::planning::schedule::{Reach, Reads, larger, read_before};
 use std::collections::{BTreeSet, HashMap};
+use trochoid_graph::Slot;
 
-/// Most pixels beyond a tile that a stage fills together with it.
-const FAR: usize = 16;
+/// Time that a stage takes to fill a sample of a plane, in units of the time to write and read it: the least that was
+/// measured over stages of the hero scenes.
+const STAGE: f64 = 4.0;
+
+/// Least share of a picture's pixels that tiles fill again for planes to be held.
+const AGAIN: f64 = 0.05;
+
+/// Planes that are held over the whole picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) enum Whole {
+    /// Those of a fill.
+    Fill(usize),
+    /// Those of the program before a fill.
+    Taps(usize),
+}
+
+impl Whole {
+    /// Returns the number of planes for each sample of a pixel.
+    pub(crate) fn channels(self, pass: &Pass) -> usize {
+        match self {
+            Self::Fill(fill) => pass.fills[fill].wanted.iter().flatten().filter(|wanted| **wanted).count(),
+            Self::Taps(fill) => pass.fills[fill].taps.iter().flat_map(|taps| &taps.roots).sum(),
+        }
+    }
+}
 
 /// Steps in which the fills of a pass are filled, counted from the last one, which is 0 and also runs the program.
 #[derive(Debug, Default)]
 pub(crate) struct Steps {
     /// Steps of each fill; none if nothing of it is needed.
     of: Vec<BTreeSet<usize>>,
-    /// Fills whose planes have to be whole before the next step, with the last step that reads them.
-    whole: HashMap<usize, usize>,
-    /// How far the stages of any step reach beyond its tiles.
-    halo: Reach,
+    /// Planes that have to be whole before the next step: the step that fills them, and the last one that reads them.
+    whole: HashMap<Whole, [usize; 2]>,
+    /// How far the stages of each step reach beyond its tiles.
+    halo: Vec<Reach>,
 }
 
 impl Steps {
-    /// Divides a pass. Fills that are `known` take no part; only fills that `can_wait` for all of their pixels begin a step.
+    /// Divides a pass. Fills that are `known` take no part; only planes that `can_wait` for all of their pixels begin a step.
     pub(crate) fn new(
         plan: &Plan<'_>,
         pass: &Pass,
         known: &dyn Fn(usize) -> bool,
-        can_wait: &dyn Fn(usize) -> bool,
+        can_wait: &dyn Fn(Whole) -> bool,
     ) -> Self {
         let fills = &pass.fills;
         let by_slot = by_slot(fills);
+        let pays = |reach: Reach, planes: usize, upstream: &dyn Fn() -> usize| {
+            let again = plan.filled_again(reach);
+            again > AGAIN && STAGE * again * upstream() as f64 > planes as f64
+        };
         let mut steps = Self { of: vec![BTreeSet::new(); fills.len()], ..Self::default() };
         let mut beyond: Vec<Reach> = vec![(0, 0); fills.len()];
         let mut has_readers = vec![false; fills.len()];
@@ -41,31 +70,50 @@ impl Steps {
             if fill.read || !has_readers[index] {
                 steps.of[index].insert(0);
             }
-            let (own, is_far) = (&steps.of[index], beyond[index].0.max(beyond[index].1) > FAR);
-            let (first, last) = (own.last().copied(), own.first().copied());
+            let own = &steps.of[index];
             let is_needed = !known(index) && !own.is_empty();
+            let whole = Whole::Fill(index);
+            let all = || upstream(fills, &by_slot, fill.slots().copied(), known) + whole.channels(pass);
+            let is_far = is_needed && pays(beyond[index], whole.channels(pass), &all);
             if !is_needed {
                 steps.of[index].clear();
-            } else if let (Some(first), Some(last)) = (first, last)
+            } else if let (Some(&first), Some(&last)) = (own.last(), own.first())
                 && (is_far || first > last)
-                && can_wait(index)
+                && can_wait(whole)
             {
                 let step = if is_far { first + 1 } else { first };
-                steps.whole.insert(index, last);
+                steps.whole.insert(whole, [step, last]);
                 steps.of[index] = BTreeSet::from([step]);
                 if is_far {
                     beyond[index] = (0, 0);
                 }
             }
             let own = steps.of[index].clone();
-            let stage = plan.stage(fill.node);
-            for (slot, reach) in reads(fill, stage, plan.graph.format(), beyond[index]) {
-                let Some(&input) = by_slot.get(&slot) else { continue };
+            let reads = Reads::of(fill, plan.stage(fill.node), plan.graph.format(), beyond[index]);
+            // Inputs with the steps in which they are read, and how far beyond a tile.
+            let with_input = |slot: Slot, steps: &BTreeSet<usize>, reach: Reach| {
+                by_slot.get(&slot).map(|input| (*input, steps.clone(), reach))
+            };
+            let mut inputs: Vec<(usize, BTreeSet<usize>, Reach)> =
+                reads.planes.iter().filter_map(|(slot, reach)| with_input(*slot, &own, *reach)).collect();
+            let mut before = (own.clone(), reads.taps);
+            if let (true, Some(&first), Some(&last)) = (is_needed, own.last(), own.first()) {
+                // Filters that read whole planes reach beyond tiles too, and may compute part of their work again.
+                let reach = inputs.iter().map(|(.., reach)| *reach).chain([reads.taps]).fold((0, 0), larger);
+                own.iter().for_each(|step| steps.reaches(*step, reach));
+                let whole = Whole::Taps(index);
+                let programs = || upstream(fills, &by_slot, read_before(fill), known);
+                if can_wait(whole) && pays(reads.taps, whole.channels(pass), &programs) {
+                    steps.whole.insert(whole, [first + 1, last]);
+                    before = (BTreeSet::from([first + 1]), (0, 0));
+                }
+            }
+            inputs.extend(read_before(fill).filter_map(|slot| with_input(slot, &before.0, before.1)));
+            for (input, own, reach) in inputs {
                 has_readers[input] = true;
                 if is_needed {
-                    steps.of[input].extend(&own);
+                    steps.of[input].extend(own);
                     beyond[input] = larger(beyond[input], reach);
-                    steps.halo = larger(steps.halo, reach);
                 }
             }
         }
@@ -74,11 +122,19 @@ impl Steps {
 
     /// Returns the number of steps.
     pub(crate) fn count(&self) -> usize {
-        self.of.iter().filter_map(|steps| steps.last()).max().map_or(1, |step| step + 1)
+        let whole = self.whole.values().map(|[first, _]| first);
+        self.of.iter().filter_map(|steps| steps.last()).chain(whole).max().map_or(1, |step| step + 1)
     }
 
-    pub(crate) fn halo(&self) -> Reach {
-        self.halo
+    /// Returns how far the stages of a step reach beyond its tiles.
+    pub(crate) fn halo(&self, step: usize) -> Reach {
+        self.halo.get(step).copied().unwrap_or_default()
+    }
+
+    fn reaches(&mut self, step: usize, reach: Reach) {
+        let count = self.halo.len().max(step + 1);
+        self.halo.resize(count, (0, 0));
+        self.halo[step] = larger(self.halo[step], reach);
     }
 
     /// Returns whether nothing of a fill is needed, or nothing new.
@@ -91,24 +147,53 @@ impl Steps {
         self.of[fill].contains(&step)
     }
 
-    /// Returns whether the planes of a fill must be whole before the next step.
-    pub(crate) fn is_whole(&self, fill: usize) -> bool {
-        self.whole.contains_key(&fill)
+    /// Lists all planes that must be whole before some step.
+    pub(crate) fn whole(&self) -> impl Iterator<Item = Whole> {
+        self.whole.keys().copied()
     }
 
-    /// Returns whether whole planes of a fill are read after a step.
-    pub(crate) fn is_read_after(&self, fill: usize, step: usize) -> bool {
-        self.whole.get(&fill).is_some_and(|last| *last < step)
+    /// Lists the planes that must be whole after a step.
+    pub(crate) fn filled_by(&self, step: usize) -> impl Iterator<Item = Whole> {
+        self.whole.iter().filter(move |(_, [first, _])| *first == step).map(|(planes, _)| *planes)
     }
 
-    /// Returns the most bytes of whole planes that are held at once, without those that are `kept` anyway.
-    pub(crate) fn held(&self, kept: &dyn Fn(usize) -> bool, bytes: &dyn Fn(usize) -> usize) -> usize {
+    /// Returns whether some planes must be whole before the next step.
+    pub(crate) fn is_whole(&self, planes: Whole) -> bool {
+        self.whole.contains_key(&planes)
+    }
+
+    /// Returns whether some whole planes are read after a step.
+    pub(crate) fn is_read_after(&self, planes: Whole, step: usize) -> bool {
+        self.whole.get(&planes).is_some_and(|[_, last]| *last < step)
+    }
+
+    /// Returns the most bytes of whole planes that are held at once, without those of fills that are `kept` anyway.
+    pub(crate) fn held(&self, kept: &dyn Fn(usize) -> bool, bytes: &dyn Fn(Whole) -> usize) -> usize {
+        let is_kept = |planes: Whole| matches!(planes, Whole::Fill(fill) if kept(fill));
         let held = |step: usize| {
-            let at = self.whole.iter().filter(|(fill, last)| {
-                !kept(**fill) && **last <= step && self.of[**fill].last().is_some_and(|first| *first >= step)
-            });
-            at.map(|(fill, _)| bytes(*fill)).fold(0, usize::saturating_add)
+            let at = self
+                .whole
+                .iter()
+                .filter(|(planes, [first, last])| !is_kept(**planes) && (*last..=*first).contains(&step));
+            at.map(|(planes, _)| bytes(*planes)).fold(0, usize::saturating_add)
         };
         (0..self.count()).map(held).max().unwrap_or(0)
     }
+}
+
+/// Returns the number of planes of all fills that planes depend on, except for known ones.
+fn upstream(
+    fills: &[Fill],
+    by_slot: &HashMap<Slot, usize>,
+    from: impl Iterator<Item = Slot>,
+    known: &dyn Fn(usize) -> bool,
+) -> usize {
+    let mut seen = BTreeSet::new();
+    let mut open: Vec<usize> = from.filter_map(|slot| by_slot.get(&slot).copied()).collect();
+    while let Some(index) = open.pop() {
+        if !known(index) && seen.insert(index) {
+            open.extend(fills[index].slots().filter_map(|slot| by_slot.get(slot)));
+        }
+    }
+    seen.into_iter().map(|index| fills[index].wanted.iter().flatten().filter(|wanted| **wanted).count()).sum()
 }

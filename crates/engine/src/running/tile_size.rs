@@ -15,29 +15,55 @@ const AREA: usize = 480 * 270;
 /// Average share of a tile for which a thread idles at the end of a picture.
 const IDLE: f64 = 0.5;
 
+/// Most work of all threads together, in units of what a single thread would do, if there are more tiles than threads.
+const MORE: f64 = 1.1;
+
 /// Returns the numbers of columns, at most `most`, and of bands into which to divide a picture whose stages reach beyond
 /// a tile, for threads that share the tiles. Few tiles are better since their stages fill the same pixels again; many are
 /// better since tiles differ, and threads idle at the end of the picture.
 fn divided((width, height): (usize, usize), most: usize, (across, down): Reach, threads: usize) -> (usize, usize) {
     let area = AREA.max(across.saturating_mul(down).saturating_mul(72));
-    // Pixels along an axis that all tiles fill, on average: about half of the stages reach beyond.
-    let filled = |size: usize, parts: usize, halo: usize| {
-        let own = size as f64 / parts as f64;
-        let beyond = (2 * halo * (parts - 1)) as f64 / parts as f64;
-        [own, (own + beyond).min(size as f64)]
-    };
-    let time = |&(columns, bands): &(usize, usize)| {
+    // Work for a tile, of which about half of the stages reach beyond it.
+    let work = |&(columns, bands): &(usize, usize)| {
         let ([x, wide], [y, high]) = (filled(width, columns, across), filled(height, bands, down));
-        (((columns * bands) as f64 / threads as f64).max(1.0) + IDLE) * (x * y + wide * high)
+        x * y + wide * high
     };
+    let time =
+        |way: &(usize, usize), threads: usize| (((way.0 * way.1) as f64 / threads as f64).max(1.0) + IDLE) * work(way);
     let is_small = |&(columns, bands): &(usize, usize)| width.div_ceil(columns) * height.div_ceil(bands) <= area;
     // At least as many rows as a tile without a halo has.
     let (columns, bands) = (1..=most.max(1), 1..=(height / TILE.1).max(1));
     let ways = columns.flat_map(|columns| bands.clone().map(move |bands| (columns, bands)));
-    ways.filter(is_small).min_by(|a, b| time(a).total_cmp(&time(b))).unwrap_or((most.max(1), (height / TILE.1).max(1)))
+    let ways: Vec<(usize, usize)> = ways.filter(is_small).collect();
+    let fastest = |threads: usize, most: f64| {
+        let all = |way: &(usize, usize)| (way.0 * way.1) as f64 * work(way);
+        let ways = ways.iter().filter(|way| way.0 * way.1 <= threads || all(way) <= most);
+        ways.min_by(|a, b| time(a, threads).total_cmp(&time(b, threads))).map(|way| (*way, all(way)))
+    };
+    let alone = fastest(1, f64::INFINITY);
+    let chosen = alone.and_then(|(_, least)| fastest(threads, MORE * least));
+    chosen.or(alone).map_or((most.max(1), (height / TILE.1).max(1)), |(way, _)| way)
+}
+
+/// Returns how many pixels a part of an axis has, and how many it fills on average if its stages reach beyond it.
+fn filled(size: usize, parts: usize, halo: usize) -> [f64; 2] {
+    let own = size as f64 / parts as f64;
+    let beyond = (2 * halo * (parts - 1)) as f64 / parts as f64;
+    [own, (own + beyond).min(size as f64)]
 }
 
 impl Plan<'_> {
+    /// Returns the share of the picture's pixels that tiles fill again, if stages reach this far beyond a tile.
+    pub(super) fn filled_again(&self, (across, down): Reach) -> f64 {
+        let (width, height) = (self.window.width(), self.window.height());
+        let (columns, bands) = match self.settings.tile {
+            Some(tile) => (width.div_ceil(tile.0.max(1)), height.div_ceil(tile.1.max(1))),
+            None => divided((width, height), width / TILE.0, (across, down), self.threads()),
+        };
+        let ([x, wide], [y, high]) = (filled(width, columns, across), filled(height, bands, down));
+        (wide * high) / (x * y) - 1.0
+    }
+
     /// Returns the width and height of tiles.
     pub(super) fn tile(&self, ready: &HashMap<NodeId, PreparedStage>, halo: Reach) -> (usize, usize) {
         let fills = self.passes.iter().flat_map(|pass| &pass.fills);

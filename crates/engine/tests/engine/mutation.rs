@@ -82,6 +82,7 @@ fn every_switch_gives_the_same_bits() {
         Switches { hoist: false, ..all },
         Switches { fuse: false, ..all },
         Switches { compile: false, ..all },
+        Switches { hold: false, ..all },
     ];
     for switches in off {
         for (threads, tile) in [(1, (256, 16)), (2, (7, 3)), (3, (1, 1))] {

@@ -7,6 +7,7 @@ use super::{Chunk, FillState, Fills};
 use crate::planning::gates::{Condition, GateSet, Gates};
 use crate::planning::plan::{Feed, Fill, Pass, Sample};
 use crate::running::keep::PlaneKeeper;
+use crate::running::steps::Whole;
 use trochoid_graph::{NodeError, Rate};
 use trochoid_image::{Format, Window};
 use trochoid_kernel::Plane;
@@ -59,9 +60,9 @@ impl<'p> Gated<'p> {
     /// Returns the same for evaluations that keep planes.
     pub(super) fn with_keeper(self, keeper: &PlaneKeeper) -> Self {
         let fills = self.fills;
-        let mut kept: Vec<bool> = (0..fills.len()).map(|fill| keeper.wants(fill)).collect();
+        let mut kept: Vec<bool> = (0..fills.len()).map(|fill| keeper.wants(Whole::Fill(fill))).collect();
         for index in (0..fills.len()).rev() {
-            if kept[index] {
+            if kept[index] || keeper.wants(Whole::Taps(index)) {
                 let (before, _) = fills.split_at(index);
                 for (before, kept) in before.iter().zip(&mut kept) {
                     *kept |= fills[index].slots().any(|slot| before.fills(slot));

@@ -13,10 +13,12 @@ mod state;
 mod tapped;
 
 use crate::planning::plan::{Feed, Fill, Pass, Sample};
+use crate::planning::schedule::read_before;
 use crate::planning::shading::{SHARING_CHANNELS, sharing_slot};
 use crate::running::certify::{Found, fill_with_bounds};
 use crate::running::keep::PlaneKeeper;
 use crate::running::prepare::{PreparedStage, node_error};
+use crate::running::steps::Whole;
 use crate::{Buffers, EvalError, Monitor, Plan};
 use extent::clamped;
 pub(crate) use extent::extents;
@@ -142,7 +144,18 @@ impl<'p> Fills<'p> {
 
     /// Returns the planes of a fill for the current sample that an earlier evaluation filled, by output and channel.
     fn known(&self, fill: usize) -> Option<&'p [Vec<Vec<f32>>]> {
-        self.keeper?.known.get(&fill).map(|filled| &filled.samples[self.sample][..])
+        self.keeper?.known(Whole::Fill(fill), self.sample)
+    }
+
+    /// Returns the results of the program before a fill for the current sample, if an earlier step holds them, by root and
+    /// channel.
+    fn known_taps(&self, fill: usize) -> Option<&'p [Vec<Vec<f32>>]> {
+        self.keeper?.known(Whole::Taps(fill), self.sample)
+    }
+
+    /// Returns whether the current step fills some whole planes.
+    fn holds(&self, whole: Whole) -> bool {
+        self.keeper.is_some_and(|keeper| keeper.wants(whole))
     }
 
     /// Fills every stage over the window that a tile needs, for a sample, and adds the time of each stage to
@@ -155,7 +168,8 @@ impl<'p> Fills<'p> {
         self.unshared.clear();
         self.gated.iter_mut().for_each(Gated::begin);
         for index in 0..self.fills.len() {
-            if self.fills[index].need.is_empty() {
+            let holds_taps = self.holds(Whole::Taps(index));
+            if self.fills[index].need.is_empty() && !holds_taps {
                 continue;
             }
             if self.monitor.cancelled() {
@@ -163,6 +177,11 @@ impl<'p> Fills<'p> {
             }
             let started = Instant::now();
             let id = self.fills[index].fill.node;
+            if holds_taps {
+                self.hold_taps(index, sample.index);
+                seconds[id.0] += started.elapsed().as_secs_f64();
+                continue;
+            }
             let filled = match &self.fills[index].fill.shared {
                 Some(views) if sample.index > 0 && self.known(index).is_none() => {
                     self.fill_unshared(index, views, sample.offset)
@@ -173,10 +192,11 @@ impl<'p> Fills<'p> {
                 }),
             };
             filled.map_err(|error| node_error(self.plan, id, error, self.monitor))?;
-            if let Some(keeper) = self.keeper.filter(|keeper| keeper.wants(index)) {
+            let whole = Whole::Fill(index);
+            if let Some(keeper) = self.keeper.filter(|keeper| keeper.wants(whole)) {
                 let state = &self.fills[index];
                 let picture = self.plan.graph.format().window();
-                keeper.take(index, sample.index, self.tile, state.window, picture, &state.planes);
+                keeper.take(whole, sample.index, self.tile, state.window, picture, state.planes.iter().flatten());
             }
             seconds[id.0] += started.elapsed().as_secs_f64();
         }
@@ -210,7 +230,7 @@ impl<'p> Fills<'p> {
         self.tile = tile;
         let is_last = self.keeper.is_none_or(PlaneKeeper::is_last_step);
         for (index, state) in self.fills.iter_mut().enumerate() {
-            let is_whole = self.keeper.is_some_and(|keeper| keeper.wants(index));
+            let is_whole = self.keeper.is_some_and(|keeper| keeper.wants(Whole::Fill(index)));
             state.need = if (state.fill.read && is_last) || is_whole { tile } else { Window::default() };
             state.tap_window = Window::default();
         }
@@ -227,7 +247,18 @@ impl<'p> Fills<'p> {
                 state.window = state.need;
             }
             let is_everywhere = state.fill.shared.as_ref().is_some_and(Vec::is_empty);
-            let is_known = self.keeper.is_some_and(|keeper| keeper.known.contains_key(&index));
+            let asks =
+                |whole: Whole| self.keeper.map(|keeper| (keeper.wants(whole), keeper.known(whole, sample).is_some()));
+            let (_, is_known) = asks(Whole::Fill(index)).unwrap_or_default();
+            let (holds_taps, knows_taps) = asks(Whole::Taps(index)).unwrap_or_default();
+            if holds_taps {
+                state.tap_window = tile;
+                for slot in read_before(state.fill) {
+                    if let Some(other) = self.by_slot.get(&slot).and_then(|&index| before.get_mut(index)) {
+                        other.need = other.need.union(tile);
+                    }
+                }
+            }
             if state.need.is_empty() || is_known || (is_shared && is_everywhere) {
                 continue;
             }
@@ -258,8 +289,8 @@ impl<'p> Fills<'p> {
                     }
                 }
             }
-            for slot in state.fill.taps.iter().flat_map(|taps| &taps.planes) {
-                need(slot, state.tap_window);
+            for slot in read_before(state.fill).filter(|_| !knows_taps) {
+                need(&slot, state.tap_window);
             }
         }
     }
@@ -347,7 +378,9 @@ impl<'p> Fills<'p> {
             plane.reserve_exact(samples.saturating_sub(plane.len()));
             plane.resize(samples, 0.0);
         }
-        self.run_taps(state, before, sample.index, machine, tapped);
+        if self.known_taps(index).is_none() {
+            self.run_taps(state, before, sample.index, machine, tapped);
+        }
         let taps = &tapped.planes;
         let held: Vec<Vec<ConnectionPlanes<'_>>> = state
             .fill
@@ -358,7 +391,7 @@ impl<'p> Fills<'p> {
                 let connections = connections.iter().zip(images);
                 connections
                     .map(|(feeds, image)| {
-                        feeds.iter().map(|feed| self.samples(feed, image.region, state, before, taps)).collect()
+                        feeds.iter().map(|feed| self.samples(feed, image.region, index, taps)).collect()
                     })
                     .collect()
             })
@@ -433,24 +466,20 @@ impl<'p> Fills<'p> {
     }
 
     /// Returns the samples of one channel over a region, row by row; borrowed if they are already contiguous.
-    fn samples<'a>(
-        &'a self,
-        feed: &Feed,
-        region: Window,
-        state: &FillState<'_>,
-        before: &'a [FillState<'_>],
-        taps: &'a Taps,
-    ) -> Option<Cow<'a, [f32]>> {
+    fn samples<'a>(&'a self, feed: &Feed, region: Window, index: usize, taps: &'a Taps) -> Option<Cow<'a, [f32]>> {
         let plane = match feed {
             Feed::Nothing => return None,
             Feed::Constant(value) => return Some(vec![*value; region.area()].into()),
             Feed::Tap(root, channel) => {
-                let within = state.tap_window;
+                let (samples, within) = match self.known_taps(index) {
+                    Some(known) => (&known[*root][*channel], self.plan.graph.format().window()),
+                    None => (taps.get(&(*root, *channel))?, self.fills[index].tap_window),
+                };
                 let stride = within.width();
                 let start = (region.y0 - within.y0) as usize * stride + (region.x0 - within.x0) as usize;
-                Plane { samples: taps.get(&(*root, *channel))?, start, stride }
+                Plane { samples, start, stride }
             }
-            Feed::Slot(slot) => self.plane(slot, region, before),
+            Feed::Slot(slot) => self.plane(slot, region, &self.fills[..index]),
         };
         let (width, height) = (region.width(), region.height());
         Some(if plane.stride == width || height == 1 {

@@ -3,6 +3,7 @@
 use super::runner::Runner;
 use super::shared::UnsharedPixels;
 use super::{FillState, Fills};
+use crate::running::steps::Whole;
 use std::collections::HashMap;
 use trochoid_graph::Slot;
 use trochoid_image::Window;
@@ -42,6 +43,24 @@ impl Tapped {
 }
 
 impl<'p> Fills<'p> {
+    /// Runs the program before a stage over the current tile, for a step that holds its results over the whole picture.
+    pub(super) fn hold_taps(&mut self, index: usize, sample: usize) {
+        let Some(keeper) = self.keeper else { return };
+        let state = &mut self.fills[index];
+        let Some(compiled) = &state.fill.taps else { return };
+        let tapped_of = if state.fill.steady { &mut state.tapped } else { &mut self.tapped };
+        let (mut tapped, mut machine) = (std::mem::take(tapped_of), state.taps.take());
+        self.run_taps(&self.fills[index], &self.fills[..index], sample, machine.as_mut(), &mut tapped);
+        let roots = compiled.roots.iter().enumerate();
+        let planes = roots.flat_map(|(root, channels)| (0..*channels).map(move |channel| (root, channel)));
+        let planes = planes.filter_map(|root| tapped.planes.get(&root));
+        let picture = self.plan.graph.format().window();
+        keeper.take(Whole::Taps(index), sample, self.tile, self.fills[index].tap_window, picture, planes);
+        let state = &mut self.fills[index];
+        state.taps = machine;
+        *(if state.fill.steady { &mut state.tapped } else { &mut self.tapped }) = tapped;
+    }
+
     /// Runs the pointwise program before a stage, and stores the planes of its roots.
     pub(super) fn run_taps(
         &self,
