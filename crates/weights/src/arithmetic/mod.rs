@@ -9,6 +9,7 @@
 //! floating-point number, x ≤ y implies fl(x) ≤ y. u = 2⁻²⁴ is the unit roundoff of f32.
 
 mod partition;
+pub(crate) mod powers;
 mod rows;
 
 pub use partition::{MAX_WEIGHTS, accumulate, blend, normalize, round_partition, round_weight, stack};

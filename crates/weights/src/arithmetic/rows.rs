@@ -4,12 +4,14 @@
 //! loops, which run over pixels, vectorize. The results equal those of the one-pixel forms bit for bit.
 
 use super::partition::{divisor, round_f64, round_weight, share};
-use super::{fractional_power, integer_power};
+use super::powers::{LANES, is_ordinary, powers};
+use super::{at_most, fractional_power, integer_power};
 
 /// Pixels in a block: three running values of 8 bytes each make 1.5 KiB.
 const BLOCK: usize = 64;
 
 /// Raises a row of masks to one power, bit for bit like [`power`](super::power); chooses the method once.
+#[inline(always)]
 pub fn power_row(row: &mut [f32], p: f32) {
     if p == 1.0 {
         return;
@@ -21,8 +23,25 @@ pub fn power_row(row: &mut [f32], p: f32) {
     } else if p <= 16.0 && p == p.trunc() {
         row.iter_mut().for_each(|t| *t = integer_power(*t, p as u32));
     } else {
-        row.iter_mut().for_each(|t| *t = fractional_power(*t, p));
+        fractional_power_row(row, p);
     }
+}
+
+#[inline(always)]
+fn fractional_power_row(row: &mut [f32], p: f32) {
+    let mut rest = row;
+    if is_ordinary(f64::from(p)) {
+        let (groups, last) = rest.as_chunks_mut::<LANES>();
+        for group in groups {
+            let own = *group;
+            *group = match powers(own, f64::from(p)) {
+                Some(powers) => std::array::from_fn(|lane| at_most(powers[lane] as f32, own[lane])),
+                None => own.map(|t| fractional_power(t, p)),
+            };
+        }
+        rest = last;
+    }
+    rest.iter_mut().for_each(|t| *t = fractional_power(*t, p));
 }
 
 /// State of rounding a partition, per pixel: the largest raw weight, its plane, and the sum of the rounded weights.

@@ -147,6 +147,20 @@ proptest! {
             }
         }
     }
+
+    #[test]
+    fn rows_of_any_numbers_have_the_bits_of_single_powers(
+        row in prop::collection::vec(any::<u32>().prop_map(f32::from_bits), 1..40),
+        some in prop::collection::vec(mask(), 1..40),
+        p in prop_oneof![any::<u32>().prop_map(f32::from_bits), 0.0_f32..4.0, 15.0_f32..300.0],
+    ) {
+        let row = [row, some].concat();
+        let mut powered = row.clone();
+        fast::power_row(&mut powered, p);
+        for (t, power) in row.iter().zip(&powered) {
+            prop_assert_eq!(fast::power(*t, p).to_bits(), power.to_bits(), "{:e} to the power {:e}", t, p);
+        }
+    }
 }
 
 #[test]
