@@ -211,6 +211,8 @@ struct Sums {
     /// Of these channels the weighted sums of the strokes' values.
     sums: Vec<Vec<f64>>,
     left: Vec<f64>,
+    /// Weights of the stroke that is being added, at the pixels of a row.
+    weights: Vec<[f64; LANES]>,
 }
 
 impl Sums {
@@ -231,44 +233,43 @@ impl Sums {
     /// Adds a stroke to pixels of a row, given its coverage of each pixel and its values by channel.
     #[inline(always)]
     fn add(&mut self, start: usize, covers: &[[f32; LANES]], values: &[(usize, f64)]) {
-        for (covers, start) in covers.iter().zip((start..).step_by(LANES)) {
-            let Some(left) = self.left[start..].first_chunk_mut::<LANES>() else { return };
-            let weights = weights(*covers, left);
-            for (channel, value) in values {
-                if !self.is_used[*channel] {
-                    continue;
+        let pixels = start..start + covers.len() * LANES;
+        self.weights.resize(covers.len(), [0.0; LANES]);
+        let left = self.left[pixels.clone()].as_chunks_mut::<LANES>().0;
+        for ((weights, left), covers) in self.weights.iter_mut().zip(left).zip(covers) {
+            (*weights, *left) = shared(*left, *covers);
+        }
+        for (channel, value) in values.iter().filter(|(channel, _)| self.is_used[*channel]) {
+            let sums = self.sums[*channel][pixels.clone()].as_chunks_mut::<LANES>().0;
+            if value.is_finite() {
+                for (sums, weights) in sums.iter_mut().zip(&self.weights) {
+                    *sums = weighted(*sums, *weights, *value);
                 }
-                let Some(sums) = self.sums[*channel][start..].first_chunk_mut::<LANES>() else { return };
-                *sums = weighted(*sums, &weights, *value);
+                continue;
             }
+            // 0 times infinity counts as 0.
+            let pixels = sums.as_flattened_mut().iter_mut().zip(self.weights.as_flattened());
+            pixels.filter(|(_, weight)| **weight > 0.0).for_each(|(sum, weight)| *sum += weight * value);
         }
     }
 }
 
-/// Returns the weights of a stroke at a group of pixels, and takes them from what is left.
+/// Returns the weights of a stroke at a group of pixels, and what it leaves there.
 #[inline(always)]
-fn weights(covers: [f32; LANES], left: &mut [f64; LANES]) -> [f64; LANES] {
-    let (mut weights, mut rest) = ([0.0; LANES], *left);
+fn shared(mut left: [f64; LANES], covers: [f32; LANES]) -> ([f64; LANES], [f64; LANES]) {
+    let mut weights = [0.0; LANES];
     for lane in 0..LANES {
-        weights[lane] = f64::from(covers[lane]) * rest[lane];
-        rest[lane] -= weights[lane];
+        weights[lane] = f64::from(covers[lane]) * left[lane];
+        left[lane] -= weights[lane];
     }
-    *left = rest;
-    weights
+    (weights, left)
 }
 
 /// Returns sums with the value of a stroke added.
 #[inline(always)]
-fn weighted(mut sums: [f64; LANES], weights: &[f64; LANES], value: f64) -> [f64; LANES] {
-    if value.is_finite() {
-        for lane in 0..LANES {
-            sums[lane] += weights[lane] * value;
-        }
-        return sums;
-    }
-    // 0 times infinity counts as 0.
-    for (sum, weight) in sums.iter_mut().zip(weights).filter(|(_, weight)| **weight > 0.0) {
-        *sum += weight * value;
+fn weighted(mut sums: [f64; LANES], weights: [f64; LANES], value: f64) -> [f64; LANES] {
+    for lane in 0..LANES {
+        sums[lane] += weights[lane] * value;
     }
     sums
 }
