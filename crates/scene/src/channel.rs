@@ -73,9 +73,40 @@ impl Samples {
         }
     }
 
-    /// Returns the samples of a channel; empty if it was not requested.
+    /// Returns the planes to be filled.
+    pub(crate) fn targets(&mut self) -> Targets<'_> {
+        Targets { planes: self.planes.each_mut().map(Vec::as_mut_slice) }
+    }
+}
+
+/// Planes of the caller to be filled with one sample of each pixel of a window.
+#[derive(Debug, Default)]
+pub struct Targets<'a> {
+    planes: [&'a mut [f32]; Channel::COUNT],
+}
+
+impl<'a> Targets<'a> {
+    /// Asks for a channel, row by row in a plane that has as many entries as the window has pixels.
+    pub fn ask(&mut self, channel: Channel, plane: &'a mut [f32]) {
+        self.planes[channel as usize] = plane;
+    }
+
+    /// Returns the channels that are asked for, at so many pixels.
+    ///
+    /// # Panics
+    /// A plane has another size.
+    pub(crate) fn wanted(&self, pixels: usize) -> ChannelSet {
+        let asked = Channel::ALL.into_iter().zip(&self.planes).filter(|(_, plane)| !plane.is_empty());
+        let check = |(channel, plane): (Channel, &&mut [f32])| {
+            assert_eq!(plane.len(), pixels, "a plane has an entry for each pixel");
+            channel
+        };
+        asked.map(check).collect()
+    }
+
+    /// Returns the plane of a channel; empty if it was not asked for.
     #[inline]
     pub(crate) fn all(&mut self, channel: Channel) -> &mut [f32] {
-        &mut self.planes[channel as usize]
+        self.planes[channel as usize]
     }
 }

@@ -62,7 +62,7 @@ mod visible;
 
 pub use camera::{Camera, Projection, Projector, Ray};
 pub use certain::Certain;
-pub use channel::{Samples, channel_of};
+pub use channel::{Samples, Targets, channel_of};
 pub use float::{Floating, Plane};
 pub use footprint::{Footprints, GRAZING, footprint, footprints_seen};
 pub use glam::DVec3;

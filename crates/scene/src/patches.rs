@@ -49,22 +49,25 @@ impl Patches {
         let mut twists = vec![[0.0; 3]; positions.len()];
         twists.par_chunks_mut(columns).enumerate().for_each(|(row, twists)| {
             let rows = row_differences(row, &steps).map(|(row, weight)| (row * columns, weight));
-            for (column, twist) in twists.iter_mut().enumerate() {
-                let across = column_differences(column, columns, closed);
-                let mut sum = Vec3::ZERO;
-                for (row, weight) in rows {
-                    let mut along = Vec3::from(tangents[row + column][0]);
-                    for (column, weight) in across {
-                        along -= Vec3::from(positions[row + column]) * weight;
+            let rows = rows.map(|(row, weight)| (&positions[row..][..columns], &tangents[row..][..columns], weight));
+            let own = &tangents[row * columns..][..columns];
+            dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+                for (column, twist) in twists.iter_mut().enumerate() {
+                    let across = column_differences(column, columns, closed);
+                    let mut sum = Vec3::ZERO;
+                    for (positions, tangents, weight) in rows {
+                        let mut along = Vec3::from(tangents[column][0]);
+                        for (column, weight) in across {
+                            along -= Vec3::from(positions[column]) * weight;
+                        }
+                        sum += along * weight;
                     }
-                    sum += along * weight;
+                    for (column, weight) in across {
+                        sum += Vec3::from(own[column][1]) * weight;
+                    }
+                    *twist = sum.to_array();
                 }
-                let row = row * columns;
-                for (column, weight) in across {
-                    sum += Vec3::from(tangents[row + column][1]) * weight;
-                }
-                *twist = sum.to_array();
-            }
+            }));
         });
         Self { tangents, twists, steps, closed }
     }
@@ -92,17 +95,15 @@ fn row_differences(row: usize, steps: &[f32]) -> [(usize, f32); 3] {
 }
 
 /// Returns columns and weights of the derivative by s at a column.
+#[inline(always)]
 fn column_differences(column: usize, columns: usize, closed: bool) -> [(usize, f32); 2] {
     let last = columns - 1;
-    let (before, after) = match (column, closed) {
-        (0, true) => (last - 1, 1),
-        (0, false) => (0, 1),
-        (column, true) if column == last => (last - 1, 1),
-        (column, false) if column == last => (last - 1, last),
-        _ => (column - 1, column + 1),
-    };
-    let apart = if !closed && (column == 0 || column == last) { 1.0 } else { 2.0 };
-    [(before, -1.0 / apart), (after, 1.0 / apart)]
+    match (column, closed) {
+        (column, _) if column > 0 && column < last => [(column - 1, -0.5), (column + 1, 0.5)],
+        (_, true) => [(last - 1, -0.5), (1, 0.5)],
+        (0, false) => [(0, -1.0), (1, 1.0)],
+        (_, false) => [(last - 1, -1.0), (last, 1.0)],
+    }
 }
 
 /// Number of rays that are solved side by side, in vectors.

@@ -110,7 +110,9 @@ impl Visible {
         if !pixels.is_empty() && self.layers.iter().any(|layer| matches!(layer.mesh.between, Between::Patches(_))) {
             let wanted = ChannelSet::of(&[Channel::RestX, Channel::RestZ, Channel::Depth]);
             shown.shape(Window::new(0, 0, pixels.len() as i64, 1), wanted);
-            self.look(around(pixels), offset, |seen| self.resolve(seen.at(pixels), offset, wanted, &mut shown));
+            self.look_around(around(pixels), offset, |seen| {
+                self.resolve(seen.at(pixels), offset, wanted, &mut shown.targets())
+            });
         }
         shown
     }

@@ -153,8 +153,24 @@ impl Visible {
     /// Windows are requested once for each sample of their pixels. Most of the work on a triangle is the same for all
     /// samples, so the first request does it for the others too, and the thread remembers the result.
     pub(crate) fn look(&self, window: Window, offset: [f64; 2], take: impl FnOnce(SeenTriangles<'_>)) {
+        self.look_through(window, window, offset, take);
+    }
+
+    /// Does the same where other samples of the pixels are likely to be asked for through a window that differs a little:
+    /// looks at whole bins.
+    pub(crate) fn look_around(&self, window: Window, offset: [f64; 2], take: impl FnOnce(SeenTriangles<'_>)) {
+        let first = |axis: usize, at: i64| at.div_euclid(BIN[axis]) * BIN[axis];
+        let [x0, y0] = [first(0, window.x0), first(1, window.y0)];
+        let [x1, y1] = [first(0, window.x1 - 1) + BIN[0], first(1, window.y1 - 1) + BIN[1]];
+        let picture = Window::sized(self.projector.size[0] as u32, self.projector.size[1] as u32);
+        let bins = Window::new(x0, y0, x1, y1).intersect(picture).union(window);
+        let is_held = self.covers(bins) && bins.area().saturating_mul(self.offsets.len()) <= TOGETHER;
+        self.look_through(window, if is_held { bins } else { window }, offset, take);
+    }
+
+    fn look_through(&self, window: Window, larger: Window, offset: [f64; 2], take: impl FnOnce(SeenTriangles<'_>)) {
         let sample = self.offsets.iter().position(|known| *known == offset);
-        let sample = sample.filter(|_| window.area().saturating_mul(self.offsets.len()) <= TOGETHER);
+        let sample = sample.filter(|_| larger.area().saturating_mul(self.offsets.len()) <= TOGETHER);
         MEMORY.with_borrow_mut(|memory| {
             let Some(sample) = sample else {
                 let mut triangles = Vec::new();
@@ -169,8 +185,8 @@ impl Visible {
                     // The memory of the oldest window is reused for the new one.
                     let oldest = if memory.windows.len() == REMEMBERED { memory.windows.pop() } else { None };
                     let mut triangles = oldest.map(|oldest| oldest.triangles).unwrap_or_default();
-                    self.rasterize(window, &self.offsets, &mut triangles, &mut memory.keys);
-                    RememberedWindow { view: self.number, window, triangles }
+                    self.rasterize(larger, &self.offsets, &mut triangles, &mut memory.keys);
+                    RememberedWindow { view: self.number, window: larger, triangles }
                 }
             };
             let (samples, triangles) = (self.offsets.len(), &known.triangles[..]);
@@ -459,14 +475,17 @@ impl<'a, const N: usize> PixelSamples<'a, N> {
                 if some < I::of(0) {
                     continue;
                 }
-                let (nearest, seen) = (&mut self.keys[index], &mut self.triangles[index]);
+                // By masks of bits: which samples a triangle covers is not predictable.
+                let (mut nearest, mut seen) = (self.keys[index], self.triangles[index]);
                 for sample in 0..N {
-                    if inside[sample] < I::of(0) {
-                        continue;
-                    }
                     let key = edges.key([at[0][sample], at[1][sample], at[2][sample]]);
-                    see(key, number, &mut nearest[sample], &mut seen[sample]);
+                    let first = u64::from(key == nearest[sample]) & u64::from(number < seen[sample]);
+                    let is_seen = u64::from(inside[sample] >= I::of(0)) & (u64::from(key > nearest[sample]) | first);
+                    let mask = 0_u64.wrapping_sub(is_seen);
+                    nearest[sample] = f64::from_bits(key.to_bits() & mask | nearest[sample].to_bits() & !mask);
+                    seen[sample] = number & mask | seen[sample] & !mask;
                 }
+                (self.keys[index], self.triangles[index]) = (nearest, seen);
             }
             for edge in 0..3 {
                 left[edge] = left[edge] + down[edge];

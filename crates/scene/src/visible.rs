@@ -4,7 +4,7 @@ use trochoid_image::{Format, Window};
 
 use crate::project::{BIN, Binned, Layer, Raster};
 use crate::surface::{Between, Mesh};
-use crate::{Camera, ChannelSet, Projector, Samples, Surface};
+use crate::{Camera, ChannelSet, Projector, Samples, Surface, Targets};
 
 /// What a camera sees of some surfaces: made once per frame, then evaluated at any pixels from any thread.
 ///
@@ -193,30 +193,48 @@ impl Visible {
     /// # Panics
     /// A wanted channel was not prepared, or the window is not [covered](Self::covers).
     pub fn fill(&self, window: Window, offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
+        out.shape(window, wanted);
+        self.fill_planes(window, offset, &mut out.targets());
+    }
+
+    /// Does the same into planes of the caller.
+    ///
+    /// # Panics
+    /// Same as [`Visible::fill`], or a plane does not have the window's size.
+    pub fn fill_planes(&self, window: Window, offset: [f64; 2], out: &mut Targets<'_>) {
+        let wanted = out.wanted(window.area());
         assert!(self.wanted.includes(wanted), "a view is asked only for the channels it was prepared for");
         assert!(self.covers(window), "a view is asked only for the part it was prepared for");
-        out.shape(window, wanted);
         if window.is_empty() || wanted == ChannelSet::EMPTY {
             return;
         }
         self.look(window, offset, |seen| self.resolve(seen.within(window), offset, wanted, out));
     }
 
-    /// Does the same for single pixels, written as one row; each has the same bits as in any window.
+    /// Does the same as [`Visible::fill`] for single pixels, written as one row; each has the same bits as in any window.
+    ///
+    /// # Panics
+    /// Same as [`Visible::fill`].
+    pub fn fill_pixels(&self, pixels: &[[i64; 2]], offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
+        out.shape(Window::new(0, 0, pixels.len() as i64, 1), wanted);
+        self.fill_planes_at(pixels, offset, &mut out.targets());
+    }
+
+    /// Does the same into planes of the caller.
     ///
     /// Pixels of a window that the thread has just computed are fastest, row by row.
     ///
     /// # Panics
-    /// A wanted channel was not prepared.
-    pub fn fill_pixels(&self, pixels: &[[i64; 2]], offset: [f64; 2], wanted: ChannelSet, out: &mut Samples) {
+    /// Same as [`Visible::fill_planes`].
+    pub fn fill_planes_at(&self, pixels: &[[i64; 2]], offset: [f64; 2], out: &mut Targets<'_>) {
+        let wanted = out.wanted(pixels.len());
         assert!(self.wanted.includes(wanted), "a view is asked only for the channels it was prepared for");
-        out.shape(Window::new(0, 0, pixels.len() as i64, 1), wanted);
         if pixels.is_empty() || wanted == ChannelSet::EMPTY {
             return;
         }
         let around = around(pixels);
         assert!(self.covers(around), "a view is asked only for the part it was prepared for");
-        self.look(around, offset, |seen| self.resolve(seen.at(pixels), offset, wanted, out));
+        self.look_around(around, offset, |seen| self.resolve(seen.at(pixels), offset, wanted, out));
     }
 }
 

@@ -3,7 +3,6 @@
 use super::edge_on::check_edge_on;
 use super::{MOST_DOUBT, NO_RUN, RenderHandle, SurfaceHandle, exact, too_rough};
 use crate::geometry::memory;
-use std::cell::RefCell;
 use std::sync::OnceLock;
 use trochoid_graph::*;
 use trochoid_image::Format;
@@ -200,11 +199,6 @@ fn is_whole(channel: Channel) -> bool {
     matches!(channel, Channel::Coverage | Channel::Surface)
 }
 
-thread_local! {
-    /// Reused from tile to tile.
-    static SAMPLES: RefCell<scene::Samples> = RefCell::default();
-}
-
 impl Prepared for PreparedRender {
     fn handle(&self) -> Option<Handle> {
         let (camera, surfaces, exact) = (self.camera, self.surfaces.clone(), self.exact.clone());
@@ -215,23 +209,21 @@ impl Prepared for PreparedRender {
         let Some(visible) = self.visible_in(block) else { return Ok(()) };
         let mut planes: Vec<_> =
             Channel::ALL.into_iter().enumerate().filter_map(|(i, c)| Some((c, outputs.take(Out::View, i)?))).collect();
-        let coverage = outputs.take(Out::Coverage, 0);
-        let mut wanted: ChannelSet = planes.iter().map(|(channel, _)| *channel).collect();
-        if coverage.is_some() {
-            wanted = wanted.union(ChannelSet::COVERAGE);
+        let mut coverage = outputs.take(Out::Coverage, 0);
+        let mut targets = scene::Targets::default();
+        if let Some(plane) = &mut coverage {
+            targets.ask(Channel::Coverage, plane);
         }
-        SAMPLES.with_borrow_mut(|samples| {
-            match block.scattered {
-                None => visible.fill(block.window, block.offset, wanted, samples),
-                Some(pixels) => visible.fill_pixels(pixels, block.offset, wanted, samples),
-            }
-            for (channel, plane) in &mut planes {
-                plane.copy_from_slice(samples.channel(*channel));
-            }
-            if let Some(plane) = coverage {
-                plane.copy_from_slice(samples.channel(Channel::Coverage));
-            }
-        });
+        // The view's own coverage, if it is wanted, takes the place of the other one.
+        planes.iter_mut().for_each(|(channel, plane)| targets.ask(*channel, plane));
+        match block.scattered {
+            None => visible.fill_planes(block.window, block.offset, &mut targets),
+            Some(pixels) => visible.fill_planes_at(pixels, block.offset, &mut targets),
+        }
+        let own = planes.iter().find(|(channel, _)| *channel == Channel::Coverage);
+        if let (Some(plane), Some((_, own))) = (&mut coverage, own) {
+            plane.copy_from_slice(own);
+        }
         if let Some(sums) = self.follows.filter(|_| !planes.is_empty()) {
             let pixels: Vec<[i64; 2]> = block.pixels().collect();
             let points = visible.points(&borrowed(&self.surfaces), &pixels, block.offset, sums);

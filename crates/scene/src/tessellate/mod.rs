@@ -5,6 +5,7 @@ mod part;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 use rayon::prelude::*;
 use trochoid_image::Window;
@@ -385,17 +386,19 @@ impl<L: Layout> Rows<'_, L> {
     /// Returns the positions of a row.
     fn positions(&self, row: usize, scratch: &mut Scratch) -> Vec<[f32; 3]> {
         self.layout.row(row, FieldSet { displacement: true, ..FieldSet::default() }, scratch);
-        (0..self.columns).map(|column| self.position(column, scratch)).collect()
+        let Scratch { x, z, fields, .. } = &*scratch;
+        let displaced = |c: usize| fields.displacement.each_ref().map(|values| values[c]);
+        (0..self.columns).map(|c| self.position([x[c], z[c]], displaced(c))).collect()
     }
 
-    /// Returns the position of a vertex of the row that was computed last.
-    fn position(&self, column: usize, scratch: &Scratch) -> [f32; 3] {
-        let Scratch { x, z, fields, .. } = scratch;
-        let (eye, [dx, dy, dz]) = (self.projector.position, &fields.displacement);
+    /// Returns the position of a vertex from its rest point and its displacement.
+    #[inline(always)]
+    fn position(&self, [x, z]: [f64; 2], [dx, dy, dz]: [f32; 3]) -> [f32; 3] {
+        let eye = self.projector.position;
         [
-            (x[column] - eye.x + f64::from(dx[column])) as f32,
-            (self.sea.level - eye.y + f64::from(dy[column])) as f32,
-            (z[column] - eye.z + f64::from(dz[column])) as f32,
+            (x - eye.x + f64::from(dx)) as f32,
+            (self.sea.level - eye.y + f64::from(dy)) as f32,
+            (z - eye.z + f64::from(dz)) as f32,
         ]
     }
 
@@ -410,19 +413,30 @@ impl<L: Layout> Rows<'_, L> {
         };
         self.layout.row(index, wanted, scratch);
         let Scratch { x, z, fields, .. } = &*scratch;
-        for (column, position) in columns.clone().zip(row.positions.iter_mut()) {
-            *position = self.position(column, scratch);
-        }
-        let ([yx, yz], [xx, xz, zz]) = (&fields.slope, &fields.strain);
+        let (x, z) = (&x[columns.clone()], &z[columns.clone()]);
         let ways = self.layout.ways(index);
-        for (c, tangents) in columns.clone().zip(row.tangents.iter_mut()) {
-            let by = [[1.0 + xx[c], yx[c], xz[c]], [xz[c], yz[c], 1.0 + zz[c]]].map(|way| way.map(f64::from));
-            let along = |[x, z]: [f64; 2]| std::array::from_fn(|axis| (x * by[0][axis] + z * by[1][axis]) as f32);
-            *tangents = ways(c).map(along);
-        }
-        for (c, rest) in columns.clone().zip(row.rests.iter_mut()) {
-            *rest = [(x[c] - eye.x) as f32, (z[c] - eye.z) as f32];
-        }
+        // Slices of one length and plain loops, which become vectors.
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            let [dx, dy, dz] = fields.displacement.each_ref().map(|values| &values[columns.clone()]);
+            let points = x.iter().zip(z).zip(dx.iter().zip(dy).zip(dz));
+            for (position, ((x, z), ((dx, dy), dz))) in row.positions.iter_mut().zip(points) {
+                *position = self.position([*x, *z], [*dx, *dy, *dz]);
+            }
+            for (rest, (x, z)) in row.rests.iter_mut().zip(x.iter().zip(z)) {
+                *rest = [(x - eye.x) as f32, (z - eye.z) as f32];
+            }
+            if wanted.derivatives {
+                let [yx, yz] = fields.slope.each_ref().map(|values| &values[columns.clone()]);
+                let [xx, xz, zz] = fields.strain.each_ref().map(|values| &values[columns.clone()]);
+                for (c, tangents) in row.tangents.iter_mut().enumerate().take(yx.len()) {
+                    let by_x = [f64::from(1.0 + xx[c]), f64::from(yx[c]), f64::from(xz[c])];
+                    let by_z = [f64::from(xz[c]), f64::from(yz[c]), f64::from(1.0 + zz[c])];
+                    let along = |[x, z]: [f64; 2], axis: usize| (x * by_x[axis] + z * by_z[axis]) as f32;
+                    let [s, t] = ways(columns.start + c);
+                    *tangents = [[along(s, 0), along(s, 1), along(s, 2)], [along(t, 0), along(t, 1), along(t, 2)]];
+                }
+            }
+        }));
         if !row.slope_variances.is_empty() {
             row.slope_variances.copy_from_slice(&fields.slope_variance[columns]);
         }
