@@ -127,3 +127,41 @@ fn lines_of_a_view_are_drawn_only_where_they_show() {
         }
     }
 }
+
+#[test]
+fn a_view_behind_another_one_is_filled_only_where_it_shows() {
+    let nodes = r##""camera": { "type": "Camera", "position": [0, 3, 8], "target": [0, 3, 0] },
+        "above": { "type": "Camera", "position": [0, 20, 0.5], "target": [0, 0, 0] },
+        "sun": { "type": "Light", "direction": [0.8, 0.36, -0.05] },
+        "sea": { "type": "GerstnerSea", "count": 6, "seed": 3 },
+        "view": { "type": "Render", "camera": "camera", "surfaces": ["sea"] },
+        "deck": { "type": "Render", "camera": "above", "surfaces": ["sea"] },
+        "height": { "type": "Height", "view": "deck" },
+        "tall": { "type": "Clamp", "field": "height", "min": -0.5, "max": 0.5 },
+        "cosine": { "type": "NonSpecular", "view": "deck", "lights": ["sun"] },
+        "bright": { "type": "Clamp", "field": "cosine", "min": 0.2, "max": 0.9, "power": 1.5 },
+        "glint": { "type": "Specular", "view": "deck", "lights": ["sun"], "shininess": 40 },
+        "skin": { "type": "Fresnel", "view": "deck" },
+        "far": { "type": "Depth", "view": "deck" },
+        "near": { "type": "Clamp", "field": "far", "min": 15, "max": 22 },
+        "clouds": { "type": "Mix", "a": "#234", "b": "#fed", "weight": "tall" },
+        "lit": { "type": "Mix", "a": "clouds", "b": "#fa8", "weight": "bright" },
+        "gilded": { "type": "Mix", "a": "lit", "b": "#fff", "weight": "glint" },
+        "veiled": { "type": "Mix", "a": "gilded", "b": "#88a", "weight": "skin" },
+        "sky": { "type": "Mix", "a": "veiled", "b": "#012", "weight": "near" },
+        "out": { "type": "Mix", "a": "sky", "b": "#0a2c40", "weight": "view.coverage" }"##;
+    for (samples, shading) in [(1, "sample"), (4, "sample"), (4, "pixel")] {
+        let [width, height] = SIZE;
+        let format = format!(r#""width": {width}, "height": {height}, "samples": {samples}, "shading": "{shading}""#);
+        let graph = graph(&format, nodes, r#""out": { "color": "out" }"#);
+        let frame = under_all_settings(&graph, 1, &Buffers::new(), &format);
+        assert_eq!(frame.pictures[0].audit.hull_exits, 0, "{format}");
+        let filled = |name: &str| frame.nodes.iter().find(|report| report.name == name).unwrap().pixels;
+        let all = width * height * samples;
+        assert!(filled("view") >= all, "{format}: the view that decides is filled everywhere");
+        let found = filled("deck");
+        if shading == "sample" {
+            assert!(found > 0 && found < all * 2 / 3, "{format}: deck filled at {found} samples of {all}");
+        }
+    }
+}

@@ -237,11 +237,12 @@ impl Scheduler<'_, '_, '_> {
         shown.into_iter().map(Option::unwrap_or_default).collect()
     }
 
-    /// Returns whether a fill may be left out where it does not show, and 0 stand for it.
+    /// Returns whether a fill may be left out where it does not show, and 0 stand for it, or for a view what it has where no
+    /// surface is seen.
     fn can_be_gated(&self, fill: &Fill) -> bool {
         let kinds = &self.planner.graph.node(fill.node).kinds;
         let is_legal = |kind: &Kind| match kind {
-            Kind::Color | Kind::Field(_) => true,
+            Kind::Color | Kind::Field(_) | Kind::View => true,
             Kind::Weights(ways) => *ways == 2,
             _ => false,
         };

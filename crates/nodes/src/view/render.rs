@@ -91,6 +91,10 @@ impl Stage for Render {
         Rate::Surface
     }
 
+    fn is_costly(&self) -> bool {
+        true
+    }
+
     fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
         memory::of_view(&self.surfaces, self.fineness, context)
     }

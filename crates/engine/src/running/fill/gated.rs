@@ -8,8 +8,9 @@ use crate::planning::gates::{Condition, GateSet, Gates};
 use crate::planning::plan::{Feed, Fill, Pass, Sample};
 use crate::running::keep::PlaneKeeper;
 use crate::running::steps::Whole;
-use trochoid_graph::{NodeError, Rate};
-use trochoid_image::{Format, Window};
+use fearless_simd::{Level, Simd, dispatch};
+use trochoid_graph::{Kind, NodeError, Rate};
+use trochoid_image::{Channel, Format, Window};
 use trochoid_kernel::Plane;
 
 /// Share of a tile from which on a stage is filled everywhere: pixels by themselves cost more.
@@ -25,16 +26,23 @@ pub(super) struct Gated<'p> {
     /// Number of levels that have run.
     known: usize,
     /// By set of conditions, where in the tile all of them hold, as far as this was asked.
-    open: Vec<Option<Open>>,
+    open: Vec<Open>,
     /// Fills of which whole planes are kept, or which those read: what does not show now may show after an edit.
     kept: Vec<bool>,
 }
 
-/// Pixels at which something shows, and the smallest window around them.
+/// Where in a tile something shows. It keeps its memory from sample to sample.
 #[derive(Default)]
 struct Open {
-    pixels: UnsharedPixels,
+    is_known: bool,
+    /// By pixel, whether something shows there.
+    is_open: Vec<bool>,
+    count: usize,
+    /// The smallest window around these pixels.
     bounds: Window,
+    /// The pixels, listed when a stage is filled at them alone.
+    pixels: UnsharedPixels,
+    is_listed: bool,
 }
 
 impl<'p> Gated<'p> {
@@ -46,7 +54,7 @@ impl<'p> Gated<'p> {
             machines: gates.levels.iter().map(|level| Runner::new(level, false, chunks)).collect(),
             roots: gates.levels.iter().map(|level| vec![Vec::new(); level.roots.len()]).collect(),
             known: 0,
-            open: gates.sets.iter().map(|_| None).collect(),
+            open: gates.sets.iter().map(|_| Open::default()).collect(),
             kept: vec![false; pass.fills.len()],
         })
     }
@@ -54,7 +62,7 @@ impl<'p> Gated<'p> {
     /// Begins with another sample or tile.
     pub(super) fn begin(&mut self) {
         self.known = 0;
-        self.open.iter_mut().for_each(|open| *open = None);
+        self.open.iter_mut().for_each(|open| open.is_known = false);
     }
 
     /// Returns the same for evaluations that keep planes.
@@ -85,33 +93,58 @@ impl<'p> Gated<'p> {
 
 impl Open {
     /// Finds the pixels of a tile at which all conditions hold.
-    fn find(set: &[Condition], roots: &[Vec<Vec<f32>>], tile: Window) -> Self {
-        let width = tile.width();
-        let mut found = Self::default();
-        found.pixels.begin(tile);
-        let mut row = vec![true; width];
-        for (y, start) in (tile.y0..tile.y1).zip((0..).step_by(width)) {
-            row.fill(true);
+    fn find(&mut self, set: &[Condition], roots: &[Vec<Vec<f32>>], tile: Window) {
+        let Self { is_open, .. } = self;
+        is_open.clear();
+        is_open.resize(tile.area(), true);
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
             for condition in set {
-                for (open, value) in row.iter_mut().zip(&roots[condition.level][condition.root][start..]) {
+                for (open, value) in is_open.iter_mut().zip(&roots[condition.level][condition.root]) {
                     *open &= *value != condition.hides;
                 }
             }
-            let Some(first) = row.iter().position(|open| *open) else { continue };
-            let last = row.iter().rposition(|open| *open).unwrap_or(first);
-            let (x0, x1) = (tile.x0 + first as i64, tile.x0 + last as i64 + 1);
-            found.bounds = found.bounds.union(Window::new(x0, y, x1, y + 1));
-            for x in (first..=last).filter(|x| row[*x]) {
-                found.pixels.push(start + x, [tile.x0 + x as i64, y]);
+        }));
+        (self.count, self.bounds) = (0, Window::default());
+        // Columns from the first open one to behind the last one.
+        let [mut from, mut to] = [tile.width(), 0];
+        for (y, row) in (tile.y0..).zip(is_open.chunks_exact(tile.width())) {
+            let count = row.iter().map(|open| u32::from(*open)).sum::<u32>();
+            if count > 0 {
+                self.count += count as usize;
+                from = row[..from].iter().position(|open| *open).unwrap_or(from);
+                to += row[to..].iter().rposition(|open| *open).map_or(0, |last| last + 1);
+                let y0 = if self.bounds.is_empty() { y } else { self.bounds.y0 };
+                self.bounds = Window::new(tile.x0 + from as i64, y0, tile.x0 + to as i64, y + 1);
             }
         }
-        found
+        (self.is_known, self.is_listed) = (true, false);
+    }
+
+    /// Lists the pixels.
+    fn pixels(&mut self, tile: Window) -> &UnsharedPixels {
+        let Self { is_open, bounds, pixels, is_listed, .. } = self;
+        if !std::mem::replace(is_listed, true) {
+            pixels.begin(tile);
+            for y in bounds.y0..bounds.y1 {
+                let start = (y - tile.y0) as usize * tile.width();
+                let row = &is_open[start..start + tile.width()];
+                let mut x = (bounds.x0 - tile.x0) as usize;
+                // Open pixels mostly follow one another.
+                for run in row[x..(bounds.x1 - tile.x0) as usize].chunk_by(|a, b| a == b) {
+                    if run[0] {
+                        pixels.extend(start + x, [tile.x0 + x as i64, y], run.len());
+                    }
+                    x += run.len();
+                }
+            }
+        }
+        pixels
     }
 }
 
 impl<'p> Fills<'p> {
-    /// Fills a stage where it shows at the current sample, and 0 elsewhere, unless it shows in most places or is kept; returns
-    /// whether it did.
+    /// Fills a stage where it shows at the current sample, and nothing elsewhere, unless it shows in most places or is kept;
+    /// returns whether it did.
     pub(super) fn fill_gated(&mut self, index: usize, sample: Sample) -> Result<bool, NodeError> {
         let state = &self.fills[index];
         let (Some(set), Some(stage)) = (state.fill.gates, state.stage) else { return Ok(false) };
@@ -128,12 +161,14 @@ impl<'p> Fills<'p> {
             let planes = self.planes(&gated.gates.levels[gated.known]);
             gated.look(&planes, self.tile);
         }
-        let roots = &gated.roots;
-        let open = gated.open[set].get_or_insert_with(|| Open::find(conditions, roots, self.tile));
+        let open = &mut gated.open[set];
+        if !open.is_known {
+            open.find(conditions, &gated.roots, self.tile);
+        }
         let share = |pixels: usize| pixels as f64 / self.tile.area() as f64;
-        let (count, around) = (open.pixels.indices.len(), open.bounds.area());
+        let (count, around) = (open.count, open.bounds.area());
         let filled = if share(count) <= if is_scattered { MOST } else { 0.0 } {
-            self.fill_open(index, &open.pixels, sample.offset).map(|()| Some(count))
+            self.fill_open(index, open.pixels(self.tile), sample.offset).map(|()| Some(count))
         } else if share(around) <= MOST {
             self.fill_within(index, open.bounds, sample).map(|()| Some(around))
         } else {
@@ -148,15 +183,11 @@ impl<'p> Fills<'p> {
         filled
     }
 
-    /// Fills a stage at some pixels of the tile, and 0 elsewhere.
+    /// Fills a stage at some pixels of the tile, and nothing elsewhere.
     fn fill_open(&mut self, index: usize, open: &UnsharedPixels, offset: [f64; 2]) -> Result<(), NodeError> {
+        self.clear(index);
         let state = &mut self.fills[index];
-        let area = state.window.area();
         let (mut planes, mut machine) = (std::mem::take(&mut state.planes), state.taps.take());
-        for (plane, wanted) in planes.iter_mut().flatten().zip(state.fill.wanted.iter().flatten()) {
-            plane.clear();
-            plane.resize(if *wanted { area } else { 0 }, 0.0);
-        }
         let mut filled = Ok(());
         if !open.indices.is_empty() {
             filled = self.fill_pixels(index, open, offset, machine.as_mut()).map(|found| {
@@ -172,9 +203,25 @@ impl<'p> Fills<'p> {
         filled
     }
 
-    /// Fills a stage within a window of the tile, and 0 elsewhere.
+    /// Makes the planes of a stage those of a place where nothing of it shows: 0, or for a view what it has where no surface
+    /// is seen, since other stages may read it there.
+    fn clear(&mut self, index: usize) {
+        let state = &mut self.fills[index];
+        let area = state.window.area();
+        let kinds = &self.plan.graph.node(state.fill.node).kinds;
+        for ((kind, planes), wanted) in kinds.iter().zip(&mut state.planes).zip(&state.fill.wanted) {
+            for (channel, (plane, wanted)) in planes.iter_mut().zip(wanted).enumerate() {
+                let nothing = if *kind == Kind::View { Channel::ALL[channel].background() } else { 0.0 };
+                plane.clear();
+                plane.resize(if *wanted { area } else { 0 }, nothing);
+            }
+        }
+    }
+
+    /// Fills a stage within a window of the tile, and nothing elsewhere.
     fn fill_within(&mut self, index: usize, within: Window, sample: Sample) -> Result<(), NodeError> {
         let tile = self.tile;
+        self.clear(index);
         let state = &mut self.fills[index];
         let (mut planes, mut machine) = (std::mem::take(&mut state.planes), state.taps.take());
         let mut part: Vec<Vec<Vec<f32>>> =
@@ -186,8 +233,6 @@ impl<'p> Fills<'p> {
         self.tapped = tapped;
         let wanted = self.fills[index].fill.wanted.iter().flatten();
         for ((plane, part), wanted) in planes.iter_mut().flatten().zip(part.iter().flatten()).zip(wanted) {
-            plane.clear();
-            plane.resize(if *wanted { tile.area() } else { 0 }, 0.0);
             if *wanted && filled.is_ok() {
                 for (y, row) in (within.y0..).zip(part.chunks_exact(within.width())) {
                     let start = (y - tile.y0) as usize * tile.width() + (within.x0 - tile.x0) as usize;

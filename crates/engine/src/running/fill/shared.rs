@@ -153,10 +153,10 @@ impl UnsharedPixels {
         self.pixels.clear();
     }
 
-    /// Adds a pixel, and its index in planes over the window.
-    pub(super) fn push(&mut self, index: usize, pixel: [i64; 2]) {
-        self.indices.push(index);
-        self.pixels.push(pixel);
+    /// Adds pixels of a row from one on, and their indices in planes over the window.
+    pub(super) fn extend(&mut self, index: usize, [x, y]: [i64; 2], count: usize) {
+        self.indices.extend(index..index + count);
+        self.pixels.extend((x..x + count as i64).map(|x| [x, y]));
     }
 
     /// Makes those of a window with these indices.
