@@ -119,8 +119,12 @@ impl PlaneKeeper {
         if keeps {
             cache.make_way(taken);
         }
-        if steps.held(&|fill| keeper.keys.contains_key(&fill), &bytes) > spare {
-            steps = Steps::new(plan, pass, &is_known, &|_| false);
+        let fewer: [&dyn Fn(Whole) -> bool; 2] =
+            [&|planes| matches!(planes, Whole::Fill(_)) && can_hold(planes), &|_| false];
+        for can_hold in fewer {
+            if steps.held(&|fill| keeper.keys.contains_key(&fill), &bytes) > spare {
+                steps = Steps::new(plan, pass, &is_known, can_hold);
+            }
         }
         keeper.step = steps.count();
         keeper.steps = Some(steps);

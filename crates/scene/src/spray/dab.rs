@@ -86,8 +86,8 @@ impl SprayLanes {
     #[inline(always)]
     pub(super) fn add(&mut self, dab: &Dab, alphas: [f64; LANES]) {
         let mut sum = *self;
-        for lane in 0..LANES {
-            let (alpha, is_added) = (alphas[lane], alphas[lane] > 0.0);
+        for (lane, alpha) in alphas.into_iter().enumerate() {
+            let is_added = alpha > 0.0;
             let or = |new: f64, old: f64| if is_added { new } else { old };
             sum.alpha[lane] = or(sum.alpha[lane] * (1.0 - alpha), sum.alpha[lane]);
             sum.depth[lane] = or(sum.depth[lane].min(dab.depth), sum.depth[lane]);
@@ -178,18 +178,18 @@ impl Dab {
     #[inline(always)]
     pub(super) fn alphas(&self, x: [f64; LANES], y: f64, surfaces: [f64; LANES], brush: &Brush) -> [f64; LANES] {
         let [mut along, mut across, mut inside] = [[0.0; LANES]; 3];
-        for lane in 0..LANES {
-            [along[lane], across[lane], inside[lane]] = self.within([x[lane], y]);
+        for (lane, x) in x.into_iter().enumerate() {
+            [along[lane], across[lane], inside[lane]] = self.within([x, y]);
         }
         if inside.iter().fold(true, |none, inside| none & (*inside <= 0.0)) {
             return [0.0; LANES];
         }
         let cover = self.print.covers(along, across, inside);
         let mut alphas = [0.0; LANES];
-        for lane in 0..LANES {
+        for (lane, to) in alphas.iter_mut().enumerate() {
             let seen = self.seen(surfaces[lane], brush);
             let alpha = self.strength * seen * cover[lane];
-            alphas[lane] = if (inside[lane] <= 0.0) | (seen <= 0.0) { 0.0 } else { alpha };
+            *to = if (inside[lane] <= 0.0) | (seen <= 0.0) { 0.0 } else { alpha };
         }
         alphas
     }

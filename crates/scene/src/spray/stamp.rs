@@ -87,13 +87,13 @@ impl Print {
         let mut covers = [0.0; LANES];
         match self.form {
             Form::Disc | Form::Streak => {
-                for lane in 0..LANES {
-                    covers[lane] = (2.0 * inside[lane]).min(1.0);
+                for (cover, inside) in covers.iter_mut().zip(inside) {
+                    *cover = (2.0 * inside).min(1.0);
                 }
             }
             Form::Ragged => {
-                for lane in 0..LANES {
-                    covers[lane] = self.ragged(along[lane], across[lane], inside[lane]);
+                for (lane, cover) in covers.iter_mut().enumerate() {
+                    *cover = self.ragged(along[lane], across[lane], inside[lane]);
                 }
             }
         }
