@@ -26,7 +26,9 @@ const NODES: &str = r##"
         "sea": { "type": "Mix", "a": "#123a5c", "b": "#d8e4d0", "weight": "foam" },
         "lit": { "type": "Mix", "a": "sea", "b": "#ffe0a0", "weight": "cosine" },
         "shiny": { "type": "Mix", "a": "lit", "b": "#ffffff", "weight": "shine" },
-        "both": { "type": "Mix", "a": "shiny", "b": "#c03020", "weight": "sail_only" },
+        "shade": { "type": "Shadow", "view": "view", "lights": ["sun"], "size": 30 },
+        "dim": { "type": "Mix", "a": "shiny", "b": "#0c2030", "weight": "shade" },
+        "both": { "type": "Mix", "a": "dim", "b": "#c03020", "weight": "sail_only" },
         "far": { "type": "Mix", "a": "both", "b": "#90a0b0", "weight": "haze" },
         "inked": { "type": "Mix", "a": "far", "b": "#000000", "weight": "edge" },
         "beauty": { "type": "Mix", "a": "#f0d090", "b": "inked", "weight": "view.coverage" }"##;

@@ -23,7 +23,7 @@ use trochoid_scene::{DVec3, Ray, Segment};
 /// Whitted, An Improved Illumination Model for Shaded Display, 1980; Vogel, A Better Way to Construct the Sunflower Head,
 /// 1979; Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
 #[derive(Clone, Node)]
-#[node(end = Front, revision = 1, output(mask: Kind::MASK = "The shadow: 1 where no light arrives."))]
+#[node(end = Front, revision = 2, output(mask: Kind::MASK = "The shadow: 1 where no light arrives."))]
 pub(crate) struct Shadow {
     /// View of the surfaces that cast and receive shadows, from a Render.
     view: One<port::View>,
@@ -49,7 +49,7 @@ pub(crate) struct Shadow {
 }
 
 impl RayQuantity for Shadow {
-    const RATE: Rate = Rate::Sample;
+    const RATE: Rate = Rate::Surface;
 
     fn view(&self) -> &One<port::View> {
         &self.view
