@@ -11,6 +11,7 @@ mod dispatch;
 mod heap;
 mod prefetch;
 mod recycle;
+mod scratch;
 mod target;
 
 pub use buffer::Buffer;
@@ -18,4 +19,5 @@ pub use dispatch::{Instructions, Kernel, dispatch};
 pub use heap::{Exhausted, Heap, exit_at_once, fallible};
 pub use prefetch::prefetch;
 pub use recycle::emptied;
+pub use scratch::Scratch;
 pub use target::{Line, Lines, Stream, Target, write_around};
