@@ -201,6 +201,55 @@ fn what_does_not_move_is_kept_over_frames() {
     }
 }
 
+/// Where something moves before a camera at rest, what does not move is seen as in the frame before: in any order of frames,
+/// after a change and back, and in playback, which keeps planes too.
+#[test]
+fn still_surfaces_of_a_view_are_prepared_once() {
+    let scene = |rise: f64| {
+        let patch = |[x, y, z]: [f64; 3]| {
+            let corners = [[-9.0, 2.0], [3.0, 2.0], [-9.0, -6.0], [3.0, -6.0]];
+            let corners = corners.map(|[dx, dz]| format!(r#"{{ "at": [{}, {y}, {}] }}"#, x + dx, z + dz));
+            format!(r#""type": "BezierModel", "patches": [{{ "points": [{}] }}]"#, corners.join(", "))
+        };
+        let nodes = format!(
+            r#""camera": {{ "type": "Camera", "position": [0, 4, 12] }},
+            "table": {{ {} }}, "shelf": {{ {} }},
+            "lid": {{ {}, "rotate": {{ "keys": [[1, [0, 0, 0]], [9, [0, 90, 40]]] }} }},
+            "view": {{ "type": "Render", "camera": "camera", "surfaces": ["table", "lid", "shelf"] }},
+            "height": {{ "type": "Height", "view": "view" }}, "object": {{ "type": "ObjectMask", "view": "view", "surfaces": ["shelf"] }}"#,
+            patch([0.0, 0.0, 0.0]),
+            patch([1.0, rise, -3.0]),
+            patch([2.0, 1.0, 1.0]),
+        );
+        graph(
+            r#""width": 48, "height": 32"#,
+            &nodes,
+            r#""height": { "field": "height" }, "object": { "weights": "object" }"#,
+        )
+    };
+    let kept = |frame: &Frame| frame.nodes.iter().find(|node| node.name == "view").unwrap().kept;
+    for keep in [Keep::Nothing, Keep::ForFrames] {
+        let settings = settings(|s| (s.keep, s.threads, s.tile) = (keep, 2, Some((16, 8))));
+        let mut cache = Cache::new();
+        let mut held = Vec::new();
+        // Frame, height of the shelf, and surfaces that are as in the frame before.
+        for (frame, rise, expected) in
+            [(1, 2.0, 0), (2, 2.0, 2), (5, 2.0, 2), (3, 2.0, 2), (4, 2.5, 1), (3, 2.5, 2), (2, 2.0, 1), (6, 2.0, 2)]
+        {
+            let graph = scene(rise);
+            let found = evaluate_again(&graph, frame, &Buffers::new(), &settings, &mut cache);
+            let off = self::settings(|s| s.switches = trochoid::Switches::NONE);
+            let plain = evaluate(&graph, frame, &Buffers::new(), &off);
+            assert!(all_bits(&found) == all_bits(&plain), "frame {frame}");
+            assert_eq!((kept(&found), kept(&plain)), (expected, 0), "frame {frame}, {keep:?}");
+            cache.forget_unused();
+            held.push(cache.bytes());
+        }
+        // What only earlier frames needed is dropped.
+        assert!(held.iter().all(|bytes| *bytes < 2 * held[0]), "{held:?}");
+    }
+}
+
 /// Counts the tiles of all steps.
 #[derive(Default)]
 struct Tiles(AtomicUsize);

@@ -371,6 +371,11 @@ pub trait Prepared: Send + Sync {
         None
     }
 
+    /// Returns the number of its parts that were prepared for an earlier frame, such as views of surfaces that do not move.
+    fn kept(&self) -> usize {
+        0
+    }
+
     /// Returns the connections, as ports and indices within them, of which nothing is in the picture: surfaces that a
     /// view lists in vain, which their author should know.
     fn unseen(&self) -> Vec<(PortId, usize)> {

@@ -1,5 +1,7 @@
 //! The channels of a view.
 
+use trochoid_key::{ContentKey, KeyHasher};
+
 macro_rules! channels {
     ($($(#[$doc:meta])* $name:ident $text:literal $background:expr,)*) => {
         /// One scalar that a view can supply for each sample, and so one of its planes.
@@ -90,6 +92,12 @@ impl Channel {
 /// A set of channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct ChannelSet(u32);
+
+impl ContentKey for ChannelSet {
+    fn feed(&self, hasher: &mut KeyHasher) {
+        self.0.feed(hasher);
+    }
+}
 
 impl ChannelSet {
     /// No channel.

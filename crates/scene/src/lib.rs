@@ -79,4 +79,4 @@ pub use sea_surface::{Resolved, SeaSurface};
 pub use surface::{Anchor, Asked, Between, Exact, GivenUp, Hit, Mesh, Met, OneSheet, Sight, Surface, Topology};
 pub use triangles::{MAX_TRIANGLES, TriangleModel, Triangles, TrianglesError};
 pub use trochoid_image::{Channel, ChannelSet};
-pub use visible::{Stats, Visible, around};
+pub use visible::{Stats, SurfaceView, Visible, around};

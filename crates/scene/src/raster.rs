@@ -4,6 +4,7 @@
 
 use std::cell::RefCell;
 use std::ops::Range;
+use std::sync::Arc;
 
 use fearless_simd::{Level, Simd, dispatch};
 use trochoid_image::Window;
@@ -267,7 +268,7 @@ impl Visible {
 
 /// Steps through primitives that mostly follow one another.
 struct Cursor<'a> {
-    layers: &'a [Layer],
+    layers: &'a [Arc<Layer>],
     firsts: &'a [u32],
     /// Layer of the last primitive, and for a grid its row and the row's cells.
     layer: usize,

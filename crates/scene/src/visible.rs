@@ -1,9 +1,10 @@
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use trochoid_image::{Format, Window};
 
 use crate::project::{BIN, Binned, Layer, Raster};
-use crate::surface::{Between, Mesh};
+use crate::surface::Between;
 use crate::{Camera, ChannelSet, Projector, Samples, Surface, Targets};
 
 /// What a camera sees of some surfaces: made once per frame, then evaluated at any pixels from any thread.
@@ -33,7 +34,9 @@ use crate::{Camera, ChannelSet, Projector, Samples, Surface, Targets};
 pub struct Visible {
     pub(crate) projector: Projector,
     pub(crate) raster: Raster,
-    pub(crate) layers: Vec<Layer>,
+    pub(crate) layers: Vec<Arc<Layer>>,
+    /// The views that these are part of.
+    views: Vec<Arc<SurfaceView>>,
     /// Number of the first primitive of each layer.
     pub(crate) firsts: Vec<u32>,
     /// Columns and rows of bins.
@@ -48,6 +51,17 @@ pub struct Visible {
     wanted: ChannelSet,
     /// Part of the picture that it covers; all of it for `None`.
     part: Option<Window>,
+}
+
+/// One surface as a camera sees it: its mesh, and the bins of the picture in which each of its primitives may be seen. It
+/// serves all frames in which surface and camera are the same.
+#[derive(Debug)]
+pub struct SurfaceView {
+    layer: Arc<Layer>,
+    /// Start of each bin's primitives; one more entry than there are bins.
+    starts: Vec<u32>,
+    /// Primitives, counted from the surface's first.
+    binned: Vec<u32>,
 }
 
 /// Number of views made so far.
@@ -104,10 +118,9 @@ impl Visible {
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
         let projector = Projector { fineness, ..camera.projector(format) };
-        let mesh =
-            |surface: &dyn Surface, projector: &Projector| surface.tessellate_part(projector, wanted, part, stop);
-        let visible = Self::of_meshes(projector, surfaces, format, wanted, mesh)?;
-        Some(Self { part, ..visible })
+        let views =
+            surfaces.iter().map(|surface| SurfaceView::new(&projector, *surface, wanted, part, stop).map(Arc::new));
+        Some(Self::of_views(projector, views.collect::<Option<_>>()?, format, wanted, part))
     }
 
     /// Returns whether a window of the picture can be filled.
@@ -115,33 +128,38 @@ impl Visible {
         self.part.is_none_or(|part| part.intersect(window) == window)
     }
 
-    /// Does the same from meshes made by the caller; `None` if one of them is `None`.
-    pub(crate) fn of_meshes(
+    /// Does the same from views of the surfaces, which were made for the same projector, channels and part.
+    ///
+    /// # Panics
+    /// Same as [`Visible::prepare`].
+    pub fn of_views(
         projector: Projector,
-        surfaces: &[&dyn Surface],
+        views: Vec<Arc<SurfaceView>>,
         format: Format,
         wanted: ChannelSet,
-        mesh: impl Fn(&dyn Surface, &Projector) -> Option<Mesh>,
-    ) -> Option<Self> {
-        let bins =
-            [i64::from(format.width()).div_euclid(BIN[0]) + 1, i64::from(format.height()).div_euclid(BIN[1]) + 1];
-        let mut pairs: Vec<Vec<Binned>> = Vec::new();
-        let (mut layers, mut firsts, mut first) = (Vec::new(), Vec::new(), 0_usize);
-        for surface in surfaces {
-            let mesh = mesh(*surface, &projector)?;
-            let number = u32::try_from(first).expect("fewer than 2³² primitives");
-            let layer = Layer::new(mesh, &projector, bins, number, &mut pairs);
+        part: Option<Window>,
+    ) -> Self {
+        let (mut firsts, mut first) = (Vec::new(), 0_usize);
+        for SurfaceView { layer, .. } in views.iter().map(AsRef::as_ref) {
+            firsts.push(u32::try_from(first).expect("fewer than 2³² primitives"));
             first += layer.primitives + layer.clipped.len();
-            layers.push(layer);
-            firsts.push(number);
         }
-        let count = pairs.iter().map(Vec::len).sum::<usize>();
+        let count = views.iter().map(|view| view.binned.len()).sum::<usize>();
         assert!(u32::try_from(first.max(count)).is_ok(), "fewer than 2³² primitives");
-        let (starts, binned) = sort((bins[0] * bins[1]) as usize, &pairs);
+        let bins = bins(&projector);
+        let (mut starts, mut binned) = (vec![0], Vec::with_capacity(count));
+        for bin in 0..(bins[0] * bins[1]) as usize {
+            for (view, first) in views.iter().zip(&firsts) {
+                let own = &view.binned[view.starts[bin] as usize..view.starts[bin + 1] as usize];
+                binned.extend(own.iter().map(|primitive| first + primitive));
+            }
+            starts.push(binned.len() as u32);
+        }
+        let layers = views.iter().map(|view| view.layer.clone()).collect();
         let raster = Raster::new(&projector);
         let offsets = (0..format.samples()).map(|sample| format.sample_offset(sample)).collect();
         let number = VIEWS.fetch_add(1, Ordering::Relaxed);
-        Some(Self { projector, raster, layers, firsts, bins, starts, binned, offsets, number, wanted, part: None })
+        Self { projector, raster, layers, views, firsts, bins, starts, binned, offsets, number, wanted, part }
     }
 
     /// Returns the camera's projection.
@@ -181,7 +199,9 @@ impl Visible {
         Stats {
             vertices: self.layers.iter().map(|layer| layer.mesh.positions.len()).sum(),
             primitives: self.binned.len(),
-            bytes: self.layers.iter().map(bytes).sum::<usize>() + (self.binned.len() + self.starts.len()) * 4,
+            bytes: self.layers.iter().map(|layer| bytes(layer)).sum::<usize>()
+                + (self.binned.len() + self.starts.len()) * 4
+                + self.views.iter().map(|view| (view.binned.len() + view.starts.len()) * 4).sum::<usize>(),
         }
     }
 
@@ -236,6 +256,28 @@ impl Visible {
         assert!(self.covers(around), "a view is asked only for the part it was prepared for");
         self.look_around(around, offset, |seen| self.resolve(seen.at(pixels), offset, wanted, out));
     }
+}
+
+impl SurfaceView {
+    /// Tessellates a surface for a projector, as [`Visible::prepare_part`] does; `None` soon after `stop` says so.
+    pub fn new(
+        projector: &Projector,
+        surface: &dyn Surface,
+        wanted: ChannelSet,
+        part: Option<Window>,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
+        let mesh = surface.tessellate_part(projector, wanted, part, stop)?;
+        let (bins, mut pairs) = (bins(projector), Vec::new());
+        let layer = Layer::new(mesh, projector, bins, 0, &mut pairs);
+        let (starts, binned) = sort((bins[0] * bins[1]) as usize, &pairs);
+        Some(Self { layer: Arc::new(layer), starts, binned })
+    }
+}
+
+/// Returns the columns and rows of bins of a picture.
+fn bins(projector: &Projector) -> [i64; 2] {
+    [0, 1].map(|axis| (projector.size[axis] as i64).div_euclid(BIN[axis]) + 1)
 }
 
 /// Returns the smallest window that has some pixels.

@@ -130,6 +130,7 @@ pub fn frame_report(graph: &CheckedGraph, frame: &Frame, write_seconds: f64) -> 
                 "pixels": node.pixels,
                 "bytes": node.bytes,
                 "repaired": node.repaired,
+                "kept": node.kept,
                 "first_repaired": node.first_repaired.as_ref().map(|first| json!({ "pixel": first.pixel, "cause": first.cause })),
                 "unseen": node.unseen,
             });

@@ -177,6 +177,8 @@ pub struct NodeReport {
     pub pixels: u64,
     /// Memory that it holds, in bytes.
     pub bytes: usize,
+    /// Number of parts of what it prepared that an earlier frame had prepared.
+    pub kept: usize,
     /// Number of illegal input values that were replaced by the nearest legal value.
     pub repaired: u64,
     /// The first of these values, in the order of rows, if the node knows what made it.

@@ -449,6 +449,7 @@ impl Plan<'_> {
                     estimated: costs[index] > 0.0,
                     pixels: samples[index],
                     bytes: ready.map_or(0, |ready| ready.prepared.bytes()),
+                    kept: ready.map_or(0, |ready| ready.prepared.kept()),
                     repaired: ready.map_or(0, |ready| ready.prepared.repaired()),
                     first_repaired: ready.and_then(|ready| ready.prepared.first_repaired()),
                     unseen: ready.map_or_else(Vec::new, |ready| self.unseen(index, &*ready.prepared)),

@@ -113,7 +113,7 @@ impl Stage for Render {
         }
         let format = prepare.frame.format;
         let (follows, fineness) = (self.points.sums(), self.fineness);
-        let (mut visible, mut certain) = (None, None);
+        let (mut visible, mut certain, mut kept) = (None, None, 0);
         let exact = if prepare.referenced() { exact(&surfaces, wanted, prepare)? } else { surfaces.clone() };
         if wanted != ChannelSet::EMPTY {
             let surfaces = borrowed(&surfaces);
@@ -124,8 +124,19 @@ impl Stage for Render {
             }
             let stop = prepare.cancellation();
             let part = prepare.part();
-            let found = scene::Visible::prepare_part(&camera, &surfaces, format, fineness, prepared, part, stop);
-            let part = found.ok_or(NodeError::Cancelled)?;
+            let projector = scene::Projector { fineness, ..camera.projector(format) };
+            // Surfaces that do not move are seen as in the frame before. They are identified by their addresses; what
+            // is prepared holds them as long as their views, so that no address is reused.
+            let view = |surface: &&dyn scene::Surface| {
+                kept += 1;
+                let address = std::ptr::from_ref(*surface).cast::<()>().addr();
+                prepare.shared(&("seen", projector, prepared, part, address), || {
+                    kept -= 1;
+                    scene::SurfaceView::new(&projector, *surface, prepared, part, stop).ok_or(NodeError::Cancelled)
+                })
+            };
+            let views = surfaces.iter().map(view).collect::<Result<_, NodeError>>()?;
+            let part = scene::Visible::of_views(projector, views, format, prepared, part);
             visible = Some(Seen { part, fineness, prepared, whole: OnceLock::new() });
             if prepare.bounded() {
                 let found = scene::Certain::new(&camera, &borrowed(&exact), format, stop);
@@ -133,7 +144,7 @@ impl Stage for Render {
             }
         }
         let port = self.surfaces.id();
-        Ok(Box::new(PreparedRender { port, camera, surfaces, exact, format, follows, visible, certain }))
+        Ok(Box::new(PreparedRender { port, camera, surfaces, exact, format, follows, visible, certain, kept }))
     }
 }
 
@@ -151,6 +162,8 @@ struct PreparedRender {
     visible: Option<Seen>,
     /// Certainty of what is seen; prepared only if bounds are requested.
     certain: Option<scene::Certain>,
+    /// Number of surfaces that are seen as in an earlier frame.
+    kept: usize,
 }
 
 /// What is seen of the surfaces.
@@ -304,6 +317,10 @@ impl Prepared for PreparedRender {
         let channels = Channel::ALL.iter().map(|channel| scene::channel_of(hit.as_ref(), *channel)).collect();
         let coverage = if hit.is_some() { 1.0 } else { 0.0 };
         Ok(vec![Reference::View(channels), Reference::Mask(coverage)])
+    }
+
+    fn kept(&self) -> usize {
+        self.kept
     }
 
     fn unseen(&self) -> Vec<(PortId, usize)> {
