@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use trochoid_image::Window;
 use trochoid_key::{ContentKey, Key, content_key};
+use trochoid_memory::Scratch;
 
 /// Values that stages share apart from their connections, such as a file that several of them read.
 ///
@@ -249,7 +250,7 @@ impl<'a> Block<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct Connection<'a> {
     /// The requested channels, `None` for others: the samples of `window`, row by row.
-    pub planes: Vec<Option<&'a [f32]>>,
+    pub planes: Scratch<Option<&'a [f32]>>,
     /// Pixels of the planes: those of the block, or the region of interest clipped to the image.
     pub window: Window,
     /// Extent of the whole image. Outside of it the nearest pixel repeats.
@@ -258,14 +259,14 @@ pub struct Connection<'a> {
 
 /// The planes connected to the ports of a stage over a block.
 pub struct Inputs<'a> {
-    ports: &'a [Vec<Connection<'a>>],
+    ports: &'a [Scratch<Connection<'a>>],
     cancelled: &'a (dyn Fn() -> bool + Sync),
     found: Option<&'a SharedResult>,
 }
 
 impl<'a> Inputs<'a> {
     /// Makes the inputs from the connections of each port; called by the engine.
-    pub fn new(ports: &'a [Vec<Connection<'a>>]) -> Self {
+    pub fn new(ports: &'a [Scratch<Connection<'a>>]) -> Self {
         Self { ports, cancelled: &|| false, found: None }
     }
 
@@ -307,7 +308,7 @@ impl<'a> Inputs<'a> {
 
     /// Returns the connections of a port: none if an optional port is open.
     pub fn all(&self, port: &impl Connected) -> &'a [Connection<'a>] {
-        self.ports.get(port.id().index()).map_or(&[], Vec::as_slice)
+        self.ports.get(port.id().index()).map_or(&[], |connections| connections)
     }
 
     /// Returns the channels of connection `index` of a port.
@@ -338,13 +339,13 @@ impl<'a> Inputs<'a> {
 
 /// The planes that a stage is to fill over a block.
 pub struct Outputs<'a> {
-    planes: Vec<Vec<Option<&'a mut [f32]>>>,
+    planes: Scratch<Scratch<Option<&'a mut [f32]>>>,
 }
 
 impl<'a> Outputs<'a> {
     /// Makes the outputs from planes by output and channel, `None` for unwanted channels; called by the engine.
-    pub fn new(planes: Vec<Vec<Option<&'a mut [f32]>>>) -> Self {
-        Self { planes }
+    pub fn new(planes: impl IntoIterator<Item: IntoIterator<Item = Option<&'a mut [f32]>>>) -> Self {
+        Self { planes: planes.into_iter().map(|channels| channels.into_iter().collect()).collect() }
     }
 
     /// Takes the plane of a channel of a node with one output; `None` if the channel is unwanted.

@@ -330,7 +330,7 @@ fn results_go_around_the_cache_into_whole_lines_only() {
     for set in sets() {
         let code = Code::compile(&program, set, Stores::Around).unwrap();
         let mut buffer = Buffer::zeroed(96, 0).unwrap();
-        write_around(vec![&mut buffer[..]], |targets| code.run(&run, targets, &mut [], &mut Scratch::default()));
+        write_around(&mut [&mut buffer[..]], |targets| code.run(&run, targets, &mut [], &mut Scratch::default()));
         for (at, v) in buffer.iter().enumerate() {
             let inside = (16..80).contains(&at);
             assert_eq!(*v, if inside { (at - 16) as f32 / 2.0 } else { 0.0 }, "{set:?} {at}");
@@ -340,7 +340,7 @@ fn results_go_around_the_cache_into_whole_lines_only() {
                 let mut buffer = Buffer::zeroed(96, 0).unwrap();
                 let run = Run { start, ..run };
                 if around {
-                    write_around(vec![&mut buffer[..]], |targets| {
+                    write_around(&mut [&mut buffer[..]], |targets| {
                         code.run(&run, targets, &mut [], &mut Scratch::default())
                     });
                 } else {

@@ -7,7 +7,7 @@ use crate::sweep::is_simple;
 use fearless_simd::Level;
 use std::sync::{Arc, OnceLock};
 use trochoid_jit::{Lanes, Op, Program, Run, STEP, Set, Stores, Value};
-use trochoid_memory::Target;
+use trochoid_memory::{Scratch, Target};
 
 /// Number of samples of a row shown to the look callback at a time: they stay in L1.
 const BLOCK: usize = 512;
@@ -32,7 +32,7 @@ pub(crate) struct Native {
 
 /// Scratch space that a machine needs to run it.
 #[derive(Debug, Default)]
-pub(crate) struct Scratch {
+pub(crate) struct NativeMemory {
     state: Vec<Lanes>,
     memory: trochoid_jit::Scratch,
     /// Padded to whole steps.
@@ -79,15 +79,15 @@ impl Native {
         out: &mut [Target<'_>],
         start: usize,
         look: Option<Look<'_>>,
-        scratch: &mut Scratch,
+        scratch: &mut NativeMemory,
     ) -> bool {
         let whole = width / STEP * STEP;
         let around = look.is_none() && whole > 0 && out.iter().all(|target| target.is_lines(start, whole));
         let stores = if around { Stores::Around } else { Stores::Cached };
         let (Some(code), Some(cached)) = (self.code(stores), self.code(Stores::Cached)) else { return false };
         load_bits(frame, &mut scratch.state, self.program.state());
-        let lines: Vec<&[f32]> = inputs.lines.iter().map(|chunk| &chunk.0[..1]).collect();
-        let rows = |from: usize, to: usize| -> Vec<&[f32]> {
+        let lines: Scratch<&[f32]> = inputs.lines.iter().map(|chunk| &chunk.0[..1]).collect();
+        let rows = |from: usize, to: usize| -> Scratch<&[f32]> {
             let planes = inputs.planes.iter().map(|row| {
                 let at = row.at.wrapping_add(from);
                 &row.plane.samples[at..at + (to - from)]
@@ -110,7 +110,8 @@ impl Native {
                 scratch.block.resize_with(out.len(), || vec![0.0; BLOCK]);
                 for from in (0..whole).step_by(BLOCK) {
                     let count = BLOCK.min(whole - from);
-                    let mut targets: Vec<Target<'_>> = scratch.block.iter_mut().map(|row| Target::new(row)).collect();
+                    let mut targets: Scratch<Target<'_>> =
+                        scratch.block.iter_mut().map(|row| Target::new(row)).collect();
                     let run = Run { inputs: &rows(from, from + count), lines: &lines, start: 0, count };
                     cached.run(&run, &mut targets, state, memory);
                     drop(targets);
@@ -146,7 +147,7 @@ impl Native {
         inputs: &[&[f32]],
         count: usize,
         outputs: &mut [Target<'_>],
-        scratch: &mut Scratch,
+        scratch: &mut NativeMemory,
     ) -> bool {
         let Some(code) = self.code(Stores::Cached) else { return false };
         load_bits(frame, &mut scratch.state, self.program.state());
@@ -173,9 +174,9 @@ impl Native {
             filled(&row.plane.samples[at..at + range.len()])
         }));
         let columns = inputs.columns[..self.columns].iter().map(|column| &column[range.start..range.start + STEP]);
-        let rows: Vec<&[f32]> = end.padded.iter().map(|chunk| &chunk.0[..STEP]).chain(columns).collect();
+        let rows: Scratch<&[f32]> = end.padded.iter().map(|chunk| &chunk.0[..STEP]).chain(columns).collect();
         end.results.resize(self.program.outputs(), Chunk::ZERO);
-        let mut targets: Vec<Target<'_>> = end.results.iter_mut().map(|chunk| Target::new(&mut chunk.0)).collect();
+        let mut targets: Scratch<Target<'_>> = end.results.iter_mut().map(|chunk| Target::new(&mut chunk.0)).collect();
         code.run(&Run { inputs: &rows, lines, start: 0, count: STEP }, &mut targets, state, memory);
     }
 }

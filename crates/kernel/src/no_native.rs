@@ -10,7 +10,7 @@ use trochoid_memory::Target;
 pub(crate) enum Native {}
 
 #[derive(Debug, Default)]
-pub(crate) struct Scratch {}
+pub(crate) struct NativeMemory {}
 
 impl Native {
     pub(crate) fn new(_code: &Code, _planes: usize, _columns: usize, _lines: usize, _level: Level) -> Option<Self> {
@@ -26,7 +26,7 @@ impl Native {
         _out: &mut [Target<'_>],
         _start: usize,
         _look: Option<Look<'_>>,
-        _scratch: &mut Scratch,
+        _scratch: &mut NativeMemory,
     ) -> bool {
         match *self {}
     }
@@ -41,7 +41,7 @@ impl Native {
         _inputs: &[&[f32]],
         _count: usize,
         _outputs: &mut [Target<'_>],
-        _scratch: &mut Scratch,
+        _scratch: &mut NativeMemory,
     ) -> bool {
         match *self {}
     }

@@ -3,10 +3,10 @@
 use crate::audit::{BitRange, ValueRule, WeightAudit};
 use crate::block::Spare;
 use crate::code::{CHUNK, Chunk, Code, CompiledProgram, Plane};
-use crate::native::Scratch;
+use crate::native::NativeMemory;
 use crate::sweep::{is_faulty, sweep};
 use fearless_simd::Level;
-use trochoid_memory::Target;
+use trochoid_memory::{Scratch, Target};
 
 /// Least and largest value of each channel of a color root, over some rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +53,7 @@ pub struct Machine<'p> {
     lines: Vec<Chunk>,
     pub(crate) end: RowEnd,
     /// Scratch space for machine code.
-    pub(crate) scratch: Scratch,
+    pub(crate) scratch: NativeMemory,
     /// Memory of the lists that blocks need.
     pub(crate) spare: Spare,
 }
@@ -88,7 +88,7 @@ pub(crate) struct CodeFrame<'p> {
 /// Planes of a tile, with the start of the current row in each.
 #[derive(Debug)]
 pub struct TilePlanes<'a> {
-    pub(crate) planes: Vec<PlaneRow<'a>>,
+    pub(crate) planes: Scratch<PlaneRow<'a>>,
     width: usize,
 }
 
@@ -133,7 +133,7 @@ impl<'p> Machine<'p> {
             columns: vec![Vec::new(); compiled.column.channels()],
             lines: vec![Chunk::ZERO; compiled.row.channels()],
             end: RowEnd::default(),
-            scratch: Scratch::default(),
+            scratch: NativeMemory::default(),
             spare: Spare::default(),
         }
     }
@@ -190,8 +190,9 @@ impl<'p> Machine<'p> {
         if !self.compiled.column.list.is_empty() {
             self.columns.iter_mut().for_each(|row| row.resize(width.next_multiple_of(CHUNK), 0.0));
             let inputs = KernelInputs { planes: &tile.planes, columns: &[], lines: &[] };
-            let mut out: Vec<Target<'_>> = self.columns.iter_mut().map(|row| Target::new(row)).collect();
+            let mut out: Scratch<Target<'_>> = self.columns.iter_mut().map(|row| Target::new(row)).collect();
             sweep(self.level, &mut self.column, inputs, width, &mut out, 0, &mut self.end, None);
+            drop(out);
             // Padded like the end of planes.
             for row in &mut self.columns {
                 let last = row[width - 1];
@@ -217,9 +218,10 @@ impl<'p> Machine<'p> {
         let width = tile.width;
         if !self.compiled.row.list.is_empty() {
             let inputs = KernelInputs { planes: &tile.planes, columns: &self.columns, lines: &[] };
-            let mut out: Vec<Target<'_>> = self.lines.iter_mut().map(|chunk| Target::new(&mut chunk.0)).collect();
+            let mut out: Scratch<Target<'_>> = self.lines.iter_mut().map(|chunk| Target::new(&mut chunk.0)).collect();
             let count = width.min(CHUNK);
             sweep(self.level, &mut self.row, inputs, count, &mut out, 0, &mut self.end, None);
+            drop(out);
             for chunk in &mut self.lines {
                 // A single value throughout.
                 let value = chunk.0[0];
@@ -241,11 +243,12 @@ impl<'p> Machine<'p> {
     /// Runs over a tile and hands every row of every root to `take` as (root, channel, y, samples).
     pub fn tile(&mut self, planes: &[Plane<'_>], width: usize, height: usize, take: TakeRow<'_>) {
         let compiled = self.compiled;
-        let mut rows = vec![vec![0.0; width]; compiled.main.channels()];
+        let mut rows: Scratch<Scratch<f32>> = (0..compiled.main.channels()).map(|_| Scratch::of(0.0, width)).collect();
         let mut tile = self.begin(planes, width);
         for y in 0..height {
-            let mut out: Vec<Target<'_>> = rows.iter_mut().map(|row| Target::new(row)).collect();
+            let mut out: Scratch<Target<'_>> = rows.iter_mut().map(|row| Target::new(row)).collect();
             self.row(&mut tile, y, &mut out, 0, None);
+            drop(out);
             for (root, &(first, count)) in compiled.main.roots.iter().enumerate() {
                 for channel in 0..count {
                     take(root, channel, y, &rows[first + channel]);

@@ -9,7 +9,7 @@ use crate::color::{
 use crate::partition::{ChannelOperand, audit, blend};
 use crate::run::{CodeFrame, KernelInputs, Look, PlaneRow, RowEnd, filled};
 use fearless_simd::{Level, Simd};
-use trochoid_memory::{Kernel, Stream, Target, dispatch, prefetch};
+use trochoid_memory::{Kernel, Scratch, Stream, Target, dispatch, prefetch};
 use trochoid_weights::arithmetic as a;
 
 /// Number of samples by which planes of the caller are prefetched: 1 KiB, measured.
@@ -39,12 +39,13 @@ pub(crate) fn sweep(
             let at = row.at + whole;
             filled(&row.plane.samples[at..at + width - whole])
         }));
-        let planes: Vec<PlaneRow<'_>> = end.padded.iter().map(|chunk| PlaneRow::padded(chunk, whole)).collect();
+        let planes: Scratch<PlaneRow<'_>> = end.padded.iter().map(|chunk| PlaneRow::padded(chunk, whole)).collect();
         end.results.resize(out.len(), Chunk::ZERO);
-        let mut targets: Vec<Target<'_>> = end.results.iter_mut().map(|chunk| Target::new(&mut chunk.0)).collect();
+        let mut targets: Scratch<Target<'_>> = end.results.iter_mut().map(|chunk| Target::new(&mut chunk.0)).collect();
         let inputs = KernelInputs { planes: &planes, ..inputs };
         let (from, to, valid) = (whole, whole + CHUNK, width - whole);
         dispatch(level, Sweep { frame, inputs, from, to, valid, out: &mut targets, start: 0, look });
+        drop(targets);
         for (out, rest) in out.iter_mut().zip(&end.results) {
             out.copy(start + whole, &rest.0[..valid]);
         }
@@ -257,17 +258,17 @@ fn partition(
     to: &[u32],
     run: impl FnOnce(&mut [&mut [f32]], &[&[f32]]),
 ) {
-    let mut taken: Vec<Option<&mut Chunk>> = to.iter().map(|&to| frame.own[to as usize].take()).collect();
+    let mut taken: Scratch<Option<&mut Chunk>> = to.iter().map(|&to| frame.own[to as usize].take()).collect();
     {
-        let from: Vec<&[f32]> = from.iter().map(|row| &chunk(&frame.own, inputs, x, *row)[..]).collect();
-        let mut to: Vec<&mut [f32]> = taken.iter_mut().flatten().map(|chunk| &mut chunk.0[..]).collect();
+        let from: Scratch<&[f32]> = from.iter().map(|row| &chunk(&frame.own, inputs, x, *row)[..]).collect();
+        let mut to: Scratch<&mut [f32]> = taken.iter_mut().flatten().map(|chunk| &mut chunk.0[..]).collect();
         for (to, from) in to.iter_mut().zip(&from) {
             to.copy_from_slice(from);
         }
         run(&mut to, &from);
     }
-    for (&to, taken) in to.iter().zip(taken) {
-        frame.own[to as usize] = taken;
+    for (&to, taken) in to.iter().zip(&mut taken) {
+        frame.own[to as usize] = taken.take();
     }
 }
 

@@ -1,5 +1,6 @@
 //! Targets: rows that are written through or around the cache.
 
+use crate::Scratch;
 use fearless_simd::{Simd, SimdBase, f32x16};
 
 /// A row that is written but not read, around the cache if requested.
@@ -87,7 +88,7 @@ impl<'a> Target<'a> {
 ///
 /// ```
 /// let mut row = vec![0.0; 64];
-/// trochoid_memory::write_around(vec![&mut row[..]], |targets| targets[0].copy(3, &[1.0, 2.0]));
+/// trochoid_memory::write_around(&mut [&mut row[..]], |targets| targets[0].copy(3, &[1.0, 2.0]));
 /// assert_eq!(row[3..5], [1.0, 2.0]);
 /// ```
 ///
@@ -96,12 +97,12 @@ impl<'a> Target<'a> {
 /// ```compile_fail
 /// let mut row = vec![0.0; 64];
 /// let mut kept = None;
-/// trochoid_memory::write_around(vec![&mut row[..]], |targets| kept = targets.iter_mut().next());
+/// trochoid_memory::write_around(&mut [&mut row[..]], |targets| kept = targets.iter_mut().next());
 /// ```
-pub fn write_around<'a, R>(slices: Vec<&'a mut [f32]>, write: impl for<'t> FnOnce(&mut [Target<'t>]) -> R) -> R {
+pub fn write_around<R>(slices: &mut [&mut [f32]], write: impl for<'t> FnOnce(&mut [Target<'t>]) -> R) -> R {
     // Dropped even if `write` panics.
     let _fence = Fence;
-    let mut targets: Vec<Target<'_>> = slices.into_iter().map(|samples| Target { samples, around: true }).collect();
+    let mut targets: Scratch<Target<'_>> = slices.iter_mut().map(|samples| Target { samples, around: true }).collect();
     write(&mut targets)
 }
 
@@ -227,7 +228,7 @@ mod tests {
         for instructions in [Instructions::Best, Instructions::Avx2, Instructions::Baseline] {
             for start in 0..33 {
                 let mut memory = vec![-1.0f32; 128];
-                write_around(vec![&mut memory[start..start + 48]], |targets| {
+                write_around(&mut [&mut memory[start..start + 48]], |targets| {
                     dispatch(instructions.level(), Number(&mut targets[0], 0.0));
                 });
                 for (i, v) in memory.iter().enumerate() {
@@ -243,7 +244,7 @@ mod tests {
         let mut buffer = crate::Buffer::zeroed(100, 0).unwrap();
         assert!(Target::new(&mut buffer[..64]).lines().is_none(), "nobody asked for it");
         for (range, whole) in [(0..64, true), (16..32, true), (0..60, false), (1..65, false), (8..24, false)] {
-            write_around(vec![&mut buffer[range.clone()]], |targets| {
+            write_around(&mut [&mut buffer[range.clone()]], |targets| {
                 assert_eq!(targets[0].lines().is_some(), whole, "{range:?}");
             });
         }
@@ -270,7 +271,7 @@ mod tests {
             let value = round as f32;
             std::thread::scope(|scope| {
                 let writer = scope.spawn(|| {
-                    write_around(vec![&mut memory[..]], |targets| {
+                    write_around(&mut [&mut memory[..]], |targets| {
                         dispatch(Instructions::Best.level(), Number(&mut targets[0], value));
                     });
                 });

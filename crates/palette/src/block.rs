@@ -3,6 +3,7 @@
 
 use crate::decompose::{Decomposer, ROUNDING};
 use crate::lattice::LANES;
+use trochoid_memory::Scratch;
 use trochoid_weights::BLOCK;
 
 /// A number for each pixel of a block.
@@ -22,7 +23,7 @@ pub(crate) struct Block {
     nodes: [Lane<u32>; 4],
     shares: [Lane<f64>; 4],
     /// Weights by color; those that fill the last piece are 0.
-    pub(crate) weights: Vec<Lane<f64>>,
+    pub(crate) weights: Scratch<Lane<f64>>,
 }
 
 impl Block {
@@ -34,7 +35,7 @@ impl Block {
             parts: [[0.0; BLOCK]; 4],
             nodes: [[0; BLOCK]; 4],
             shares: [[0.0; BLOCK]; 4],
-            weights: vec![[0.0; BLOCK]; colors.next_multiple_of(LANES)],
+            weights: Scratch::of([0.0; BLOCK], colors.next_multiple_of(LANES)),
         }
     }
 

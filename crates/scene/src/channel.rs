@@ -1,4 +1,5 @@
 use trochoid_image::{Channel, ChannelSet, Window};
+use trochoid_memory::Scratch;
 
 use crate::Hit;
 
@@ -46,7 +47,7 @@ pub fn channel_of(hit: Option<&Hit>, channel: Channel) -> f64 {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Samples {
     window: Window,
-    planes: [Vec<f32>; Channel::COUNT],
+    planes: [Scratch<f32>; Channel::COUNT],
 }
 
 impl Samples {

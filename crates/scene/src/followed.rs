@@ -7,6 +7,7 @@ use crate::surface::Hit;
 use crate::{Projector, Ray, SeaSurface};
 use glam::{DMat3, DVec3};
 use std::cell::RefCell;
+use trochoid_memory::Scratch;
 use trochoid_sea::{FieldSet, Fields, Points, Sample};
 
 /// Number of points that are processed together; no point affects the result of another.
@@ -26,7 +27,7 @@ struct FollowedPoint {
 }
 
 #[derive(Default)]
-struct Scratch {
+struct Sums {
     x: Vec<f64>,
     z: Vec<f64>,
     footprint: Vec<f64>,
@@ -35,27 +36,31 @@ struct Scratch {
 
 thread_local! {
     /// Reused from call to call.
-    static SCRATCH: RefCell<Scratch> = RefCell::default();
+    static SUMS: RefCell<Sums> = RefCell::default();
 }
 
 /// Does the same as [`meet_sea`] up to f32 rounding; falls back to it for points that are not found.
-pub(crate) fn follow_sea(sea: &SeaSurface, projector: &Projector, mesh_hits: &[(Ray, MeshHit)]) -> Vec<Option<Hit>> {
-    let mut found = vec![None; mesh_hits.len()];
+pub(crate) fn follow_sea(
+    sea: &SeaSurface,
+    projector: &Projector,
+    mesh_hits: &[(Ray, MeshHit)],
+) -> Scratch<Option<Hit>> {
+    let mut found = Scratch::of(None, mesh_hits.len());
     for first in (0..mesh_hits.len()).step_by(TOGETHER) {
         let range = first..(first + TOGETHER).min(mesh_hits.len());
         let start = |index: usize| {
             let near = &mesh_hits[index].1;
             FollowedPoint { index, rest: [near.rest.x, near.rest.z], distance: near.distance }
         };
-        let mut walks: Vec<FollowedPoint> = range.clone().map(start).collect();
-        SCRATCH.with_borrow_mut(|scratch| {
+        let mut walks: Scratch<FollowedPoint> = range.clone().map(start).collect();
+        SUMS.with_borrow_mut(|sums| {
             for _ in 0..STEPS {
-                scratch.look(sea, projector, &walks);
+                sums.look(sea, projector, &walks);
                 let mut lane = 0;
                 walks.retain_mut(|walk| {
                     lane += 1;
                     let (ray, near) = &mesh_hits[walk.index];
-                    let (sample, footprint) = (scratch.sample(lane - 1), scratch.footprint[lane - 1]);
+                    let (sample, footprint) = (sums.sample(lane - 1), sums.footprint[lane - 1]);
                     let Some(error) = walk.step(sea, ray, &sample) else { return true };
                     let is_there = error <= CLOSE * footprint && walk.distance >= 0.0;
                     if is_there {
@@ -66,7 +71,7 @@ pub(crate) fn follow_sea(sea: &SeaSurface, projector: &Projector, mesh_hits: &[(
                 });
             }
         });
-        for walk in walks {
+        for walk in &walks {
             let (ray, near) = &mesh_hits[walk.index];
             found[walk.index] = meet_sea(sea, projector, ray, near);
         }
@@ -74,7 +79,7 @@ pub(crate) fn follow_sea(sea: &SeaSurface, projector: &Projector, mesh_hits: &[(
     found
 }
 
-impl Scratch {
+impl Sums {
     /// Evaluates the sea at the rest points of the walks.
     fn look(&mut self, sea: &SeaSurface, projector: &Projector, walks: &[FollowedPoint]) {
         let Self { x, z, footprint, fields } = self;

@@ -6,6 +6,7 @@ use crate::surface::{Between, Hit, Surface};
 use crate::{Channel, ChannelSet, Projector, Ray, Samples, Visible};
 use glam::DVec3;
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 
 /// A point of a surface's mesh along a ray: where to look for the surface itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,13 +68,13 @@ impl Visible {
         pixels: &[[i64; 2]],
         offset: [f64; 2],
         sums: Sums,
-    ) -> Vec<Option<Hit>> {
+    ) -> Scratch<Option<Hit>> {
         let sheets = self.nearest_sheets(around(pixels), offset);
         let shown = self.on_patches(pixels, offset);
         let offset = self.on_raster(offset);
-        let mut found = vec![None; pixels.len()];
-        let mut mesh_hits: Vec<Vec<(Ray, MeshHit)>> = vec![Vec::new(); surfaces.len()];
-        let mut places: Vec<Vec<usize>> = vec![Vec::new(); surfaces.len()];
+        let mut found = Scratch::of(None, pixels.len());
+        let mut mesh_hits: Scratch<Scratch<(Ray, MeshHit)>> = surfaces.iter().map(|_| Scratch::new()).collect();
+        let mut places: Scratch<Scratch<usize>> = surfaces.iter().map(|_| Scratch::new()).collect();
         for (index, &[x, y]) in pixels.iter().enumerate() {
             if let Some(sheet) = sheets.at([x, y])[0] {
                 let ray = self.projector.ray(x as f64 + offset[0], y as f64 + offset[1]);
@@ -95,10 +96,10 @@ impl Visible {
                     mesh_hits.iter().map(meet).collect()
                 }
             };
-            for ((place, (ray, near)), hit) in places.iter().zip(mesh_hits).zip(hits) {
+            for ((place, (ray, near)), hit) in places.iter().zip(mesh_hits).zip(&hits) {
                 let depth = (ray.at(near.distance) - self.projector.position).dot(self.projector.forward);
-                let hit = hit.filter(|hit| (hit.depth - depth).abs() <= APART * depth.abs());
-                found[*place] = hit.map(|hit| Hit { surface, ..hit });
+                let hit = hit.as_ref().filter(|hit| (hit.depth - depth).abs() <= APART * depth.abs());
+                found[*place] = hit.map(|hit| Hit { surface, ..*hit });
             }
         }
         found

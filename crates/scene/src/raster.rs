@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use fearless_simd::{Level, Simd, dispatch};
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 
 use crate::Visible;
 use crate::edges::{Edges, Whole};
@@ -174,7 +175,7 @@ impl Visible {
         let sample = sample.filter(|_| larger.area().saturating_mul(self.offsets.len()) <= TOGETHER);
         MEMORY.with_borrow_mut(|memory| {
             let Some(sample) = sample else {
-                let mut triangles = Vec::new();
+                let mut triangles = Scratch::new();
                 self.rasterize(window, &[offset], &mut triangles, &mut memory.keys);
                 return take(SeenTriangles { window, triangles: &triangles, samples: 1, sample: 0 });
             };

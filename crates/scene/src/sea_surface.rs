@@ -2,6 +2,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::DVec3;
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 use trochoid_sea::{PreciseSea, Sea, SeaFrame};
 
 use crate::extent::{Bounds, Sector, Strip};
@@ -244,7 +245,7 @@ impl Surface for SeaSurface {
         leads_to(self, projector, ray, near, met)
     }
 
-    fn follow(&self, projector: &Projector, mesh_hits: &[(Ray, MeshHit)]) -> Vec<Option<Hit>> {
+    fn follow(&self, projector: &Projector, mesh_hits: &[(Ray, MeshHit)]) -> Scratch<Option<Hit>> {
         follow_sea(self, projector, mesh_hits)
     }
 

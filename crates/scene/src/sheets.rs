@@ -4,6 +4,7 @@ use crate::edges::Edges;
 use crate::project::BIN;
 use crate::{Projector, Visible};
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 
 /// A triangle that a sample's ray meets.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +41,7 @@ impl Sheet {
 /// Sheets at one sample of each pixel of a window.
 pub(crate) struct Field {
     window: Window,
-    sheets: Vec<Sheets>,
+    sheets: Scratch<Sheets>,
 }
 
 impl Field {
@@ -53,7 +54,7 @@ impl Field {
 impl Visible {
     /// Finds the nearest triangles at the samples of a window, at `offset` in their pixels.
     pub(crate) fn nearest_sheets(&self, window: Window, offset: [f64; 2]) -> Field {
-        let mut field = Field { window, sheets: vec![[None; 3]; window.area()] };
+        let mut field = Field { window, sheets: Scratch::of([None; 3], window.area()) };
         let inside = window.intersect(Window::sized(self.projector.size[0] as u32, self.projector.size[1] as u32));
         if inside.is_empty() {
             return field;

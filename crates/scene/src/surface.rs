@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 
 use crate::on_heights::HeightField;
 use crate::patches::Patches;
@@ -74,7 +75,7 @@ pub trait Surface: Send + Sync {
     }
 
     /// Meets the surface near points of its mesh for many rays; sums of waves may be computed in f32. Each result depends only on its own ray.
-    fn follow(&self, projector: &Projector, mesh_hits: &[(Ray, MeshHit)]) -> Vec<Option<Hit>> {
+    fn follow(&self, projector: &Projector, mesh_hits: &[(Ray, MeshHit)]) -> Scratch<Option<Hit>> {
         mesh_hits.iter().map(|(ray, near)| self.meet_near(projector, ray, near)).collect()
     }
 

@@ -3,6 +3,7 @@
 use crate::Storing;
 use crate::stored::{key, whole};
 use fearless_simd::{Level, Simd, dispatch};
+use trochoid_memory::Scratch;
 
 /// Pixels that are apportioned together.
 pub const BLOCK: usize = 64;
@@ -33,20 +34,21 @@ const COLUMN: Column = Column { wholes: [0.0; BLOCK], remainders: [0.0; BLOCK], 
 pub struct Apportioner {
     storing: Storing,
     level: Level,
-    columns: Vec<Column>,
+    columns: Scratch<Column>,
 }
 
 impl Apportioner {
     /// Creates one that stores weights this way.
     #[must_use]
     pub fn new(storing: Storing) -> Self {
-        Self { storing, level: Level::new(), columns: Vec::new() }
+        Self { storing, level: Level::new(), columns: Scratch::new() }
     }
 
     /// Apportions the weights of a block of pixels, one array for each color, and returns the largest weight that moved at
     /// a pixel. Pixels without any weight stay so.
     pub fn block(&mut self, weights: &mut [[f64; BLOCK]]) -> f64 {
-        self.columns.resize(weights.len().max(self.columns.len()), COLUMN);
+        let room = weights.len().max(self.columns.len());
+        self.columns.resize(room, COLUMN);
         let columns = &mut self.columns[..weights.len()];
         let units = f64::from(self.storing.units());
         dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || apportion(weights, columns, units)))
@@ -60,7 +62,7 @@ impl Apportioner {
     pub fn rows(&mut self, rows: &[&[f32]], stored: &mut [Vec<f32>]) -> f64 {
         assert_eq!(rows.len(), stored.len(), "a row for each color");
         let count = rows.first().map_or(0, |row| row.len());
-        let (mut weights, mut used) = (Vec::with_capacity(rows.len()), Vec::with_capacity(rows.len()));
+        let (mut weights, mut used) = (Scratch::new(), Scratch::new());
         let mut most = 0.0_f64;
         for start in (0..count).step_by(BLOCK) {
             let pixels = start..count.min(start + BLOCK);

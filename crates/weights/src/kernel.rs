@@ -4,6 +4,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use std::ops::Range;
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 
 /// Shape of a kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +54,7 @@ const ONE: f64 = 16_777_216.0;
 /// Weights of a symmetric kernel from one side to the other: multiples of 2⁻²⁴ that sum to exactly 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kernel {
-    pub(crate) weights: Vec<f32>,
+    pub(crate) weights: Scratch<f32>,
 }
 
 impl Kernel {
@@ -91,7 +92,7 @@ impl Kernel {
     pub(crate) fn folded(&self, length: usize) -> Self {
         let cut = self.radius().saturating_sub(length.max(1) - 1);
         let (ends, rest) = self.weights.split_at(cut);
-        let mut weights = rest[..rest.len() - cut].to_vec();
+        let mut weights: Scratch<f32> = rest[..rest.len() - cut].iter().copied().collect();
         // Sums of multiples of 2⁻²⁴ up to 1 are exact.
         let beyond: f64 = ends.iter().map(|w| f64::from(*w)).sum();
         let last = weights.len() - 1;
@@ -141,11 +142,11 @@ pub fn filter(
         return;
     }
     let level = Level::new();
-    let mut rows = vec![0.0; width * from.height()];
+    let mut rows = Scratch::of(0.0, width * from.height());
     let first = to.x0 - across.radius() as i64 - from.x0;
     let batches = rows.par_chunks_mut(width * BATCH[0]).zip(samples.par_chunks(stride * BATCH[0]));
     batches.for_each(|(rows, samples)| {
-        let mut line = vec![0.0f64; across.weights.len() - 1 + width.next_multiple_of(LANES)];
+        let mut line = Scratch::of(0.0f64, across.weights.len() - 1 + width.next_multiple_of(LANES));
         for (row, samples) in rows.chunks_mut(width).zip(samples.chunks(stride)) {
             if stop() {
                 return;
@@ -223,11 +224,11 @@ const NO_ROWS: Range<usize> = Range { start: usize::MAX, end: 0 };
 /// Columns of some rows, in blocks of a few columns.
 #[derive(Default)]
 struct Strip {
-    rows: Vec<[f64; COLUMNS]>,
+    rows: Scratch<[f64; COLUMNS]>,
     /// Number of rows.
     height: usize,
     /// Of each block, the rows outside of which all values are 0.
-    blocks: Vec<Range<usize>>,
+    blocks: Scratch<Range<usize>>,
 }
 
 impl Strip {
@@ -271,7 +272,7 @@ impl Strip {
 struct Down {
     radius: usize,
     /// The weights between zeros, so that each row can begin one value later than the row before.
-    weights: Vec<f64>,
+    weights: Scratch<f64>,
     /// The values, counted from the first that any row reads, whose weights in all rows are not 0.
     dense: Range<usize>,
 }

@@ -46,6 +46,6 @@ pub mod inside {
 
     /// Returns a kernel of any weights, even of such as no kernel may have.
     pub fn kernel_of(weights: Vec<f32>) -> Kernel {
-        Kernel { weights }
+        Kernel { weights: weights.into_iter().collect() }
     }
 }

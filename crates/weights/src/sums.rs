@@ -2,13 +2,15 @@
 //!
 //! The quotients in f64 are what the weights mean. Kernels get each of them rounded to f32.
 
+use trochoid_memory::Scratch;
+
 /// Largest difference of a sum of weights from 1 that counts as rounding: that of weights stored in half precision.
 pub const SUM_TOLERANCE: f64 = 1e-3;
 
 /// Adds up weights ≥ 0 pixel by pixel: `planes[i][x]` is weight i at pixel x.
 #[must_use]
-pub fn sums(planes: &[&[f32]]) -> Vec<f64> {
-    let mut sums = vec![0.0; planes.first().map_or(0, |plane| plane.len())];
+pub fn sums(planes: &[&[f32]]) -> Scratch<f64> {
+    let mut sums = Scratch::of(0.0, planes.first().map_or(0, |plane| plane.len()));
     for plane in planes {
         sums.iter_mut().zip(*plane).for_each(|(sum, weight)| *sum += f64::from(*weight));
     }

@@ -7,6 +7,7 @@
 
 mod ends;
 mod extremes;
+mod memory;
 mod messages;
 mod nodes;
 mod sheet;
@@ -26,6 +27,6 @@ fn trial(folder: &str, name: &str, holds: impl FnOnce() -> Result<(), String> + 
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
-    let trials = [nodes::trials(), ends::trials(), extremes::trials(), messages::trials()];
+    let trials = [nodes::trials(), ends::trials(), extremes::trials(), memory::trials(), messages::trials()];
     libtest_mimic::run(&arguments, trials.into_iter().flatten().collect()).exit_code()
 }

@@ -5,9 +5,10 @@ use std::sync::Mutex;
 use std::sync::PoisonError;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use trochoid_image::{Plane, Window};
+use trochoid_memory::Scratch;
 
 /// Rows of every channel of every output.
-pub(crate) type Rows<'a> = Vec<Vec<&'a mut [f32]>>;
+pub(crate) type Rows<'a> = Scratch<Scratch<&'a mut [f32]>>;
 
 /// The same in memory of its own.
 pub(crate) type OwnRows = Vec<Vec<Vec<f32>>>;
@@ -52,7 +53,8 @@ impl<'a> Bands<'a> {
     ) -> Self {
         let windows: Vec<Window> = window.tiles(window.width(), height).collect();
         let channels = pictures.iter().map(|planes| planes.len()).collect();
-        let mut bands: Vec<Rows<'a>> = windows.iter().map(|_| pictures.iter().map(|_| Vec::new()).collect()).collect();
+        let mut bands: Vec<Rows<'a>> =
+            windows.iter().map(|_| pictures.iter().map(|_| Scratch::new()).collect()).collect();
         for (output, planes) in pictures.into_iter().enumerate() {
             for plane in planes {
                 for (band, rows) in bands.iter_mut().zip(plane.samples_mut().chunks_mut(window.width() * height)) {

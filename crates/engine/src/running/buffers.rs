@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use trochoid_graph::{Kind, Slot};
 use trochoid_image::Window;
 use trochoid_kernel::Plane;
+use trochoid_memory::Scratch;
 use trochoid_weights::sums;
 
 /// The caller's f32 buffers by node name, one slice per channel.
@@ -84,12 +85,12 @@ impl<'b> Buffers<'b> {
         slots: &[Slot],
         planes: &[Plane<'_>],
         tile: Window,
-    ) -> Result<Vec<(usize, Vec<f32>)>, EvalError> {
-        let mut copies = Vec::new();
+    ) -> Result<Scratch<(usize, Scratch<f32>)>, EvalError> {
+        let mut copies = Scratch::new();
         for (index, (slot, plane)) in slots.iter().zip(planes).enumerate().filter(|(_, (s, _))| plan.bound[s.node.0]) {
             let node = plan.graph.node(slot.node);
             let kind = node.kinds[slot.output];
-            let mut copy = Vec::with_capacity(tile.area());
+            let mut copy = Scratch::new();
             for y in 0..tile.height() {
                 let row = plane.row(y, tile.width());
                 check(&node.name, kind, slot.channel, row, plane.start + y * plane.stride)?;

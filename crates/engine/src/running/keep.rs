@@ -219,7 +219,7 @@ impl PlaneKeeper {
         tile: Window,
         window: Window,
         picture: Window,
-        from: impl Iterator<Item = &'f Vec<f32>>,
+        from: impl Iterator<Item = &'f [f32]>,
     ) {
         let Some(filled) = self.new.get(&whole) else { return };
         let mut filled = filled.lock().unwrap_or_else(PoisonError::into_inner);

@@ -15,6 +15,7 @@ use std::time::Instant;
 use trochoid_graph::{Guarantee, Kind, NodeId, Omission, PortId, Prepared, Source};
 use trochoid_image::{Plane, Window};
 use trochoid_kernel::{Chunks, CompiledProgram, WeightAudit};
+use trochoid_memory::Scratch;
 use trochoid_weights::{Audit, BoxHull, HullBuilder};
 
 /// Takes finished rows, instead of planes in memory.
@@ -314,7 +315,7 @@ impl Plan<'_> {
         let totals = Mutex::new(totals);
         let failed: Mutex<Option<EvalError>> = Mutex::new(None);
         let stop = AtomicBool::new(false);
-        let work = || {
+        let fill = || {
             let mut chunks = Chunks::of(self.passes.iter().flat_map(programs));
             let mut worker = Worker::new(evaluation, chunks.all());
             let mut own = OwnRows::new();
@@ -337,6 +338,11 @@ impl Plan<'_> {
                 }
             }
             totals.lock().unwrap_or_else(PoisonError::into_inner).add(&worker);
+        };
+        let work = || {
+            fill();
+            // Tiles of the same size take the same memory again, but what comes next may take other memory.
+            Scratch::release();
         };
         rayon::scope(|scope| {
             for _ in 1..workers {

@@ -14,7 +14,7 @@ use std::time::Instant;
 use trochoid_graph::NodeId;
 use trochoid_image::Window;
 use trochoid_kernel::{Chunk, Look, Machine, Plane, WeightAudit};
-use trochoid_memory::{Target, write_around};
+use trochoid_memory::{Scratch, Target, write_around};
 use trochoid_weights::Audit;
 
 /// If a frame moves more bytes than this, the size of the cache of large processors, results are written around the
@@ -111,7 +111,7 @@ impl<'p> Worker<'p> {
     }
 
     /// Evaluates one sample per pixel: the program writes straight into the rows.
-    fn single(&mut self, index: usize, tile: Window, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
+    fn single(&mut self, index: usize, tile: Window, rows: &mut Rows<'_>) -> Result<Scratch<Audit>, EvalError> {
         let (plan, judges) = (self.plan, self.judges);
         let state = &mut self.passes[index];
         let pass = state.pass;
@@ -144,7 +144,7 @@ impl<'p> Worker<'p> {
     }
 
     /// Averages several samples per pixel, with equal weights.
-    fn averaged(&mut self, index: usize, tile: Window, rows: &mut Rows<'_>) -> Result<Vec<Audit>, EvalError> {
+    fn averaged(&mut self, index: usize, tile: Window, rows: &mut Rows<'_>) -> Result<Scratch<Audit>, EvalError> {
         let plan = self.plan;
         let state = &mut self.passes[index];
         let pass = state.pass;
@@ -167,8 +167,9 @@ impl<'p> Worker<'p> {
             let planes = with_normalized(&planes, normalized, width);
             let mut views = state.machine.begin(&planes, width);
             for y in 0..height {
-                let mut out: Vec<Target<'_>> = state.rows.iter_mut().map(|row| Target::new(row)).collect();
+                let mut out: Scratch<Target<'_>> = state.rows.iter_mut().map(|row| Target::new(row)).collect();
                 state.machine.row(&mut views, y, &mut out, 0, None);
+                drop(out);
                 dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || {
                     for (sums, row) in state.sums.iter_mut().zip(&state.rows) {
                         add(&mut sums[y * width..(y + 1) * width], row);
@@ -181,13 +182,13 @@ impl<'p> Worker<'p> {
         // for every f32 m, so the average stays in the bounding box of the samples.
         let scale = 1.0 / pass.offsets.len() as f64;
         dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || {
-            for (slice, sums) in slices(pass, rows).into_iter().zip(&state.sums) {
+            for (slice, sums) in slices(pass, rows).iter_mut().zip(&state.sums) {
                 for (to, sum) in slice.iter_mut().zip(sums) {
                     *to = (sum * scale) as f32;
                 }
             }
         }));
-        let mut seen = vec![Audit::default(); self.judges.len()];
+        let mut seen = Scratch::of(Audit::default(), self.judges.len());
         // The channels of weights are separate roots, and are audited together.
         for &(output, _) in pass.roots.iter().filter(|(_, first)| *first == 0) {
             seen[output] = audit_tile(self.judges[output].as_deref(), &rows[output], tile);
@@ -227,9 +228,9 @@ fn run_rows(
     planes: &[Plane<'_>],
     tile: Window,
     rows: &mut Rows<'_>,
-) -> Vec<Audit> {
+) -> Scratch<Audit> {
     let width = tile.width();
-    let mut seen = vec![Audit::default(); judges.len()];
+    let mut seen = Scratch::of(Audit::default(), judges.len());
     let mut views = machine.begin(planes, width);
     let mut run = |targets: &mut [Target<'_>]| {
         let mut look = |root: usize, color: [&[f32]; 3]| {
@@ -244,21 +245,25 @@ fn run_rows(
             machine.row(&mut views, y, targets, y * width, look);
         }
     };
-    let slices = slices(pass, rows);
+    let mut slices = slices(pass, rows);
     let read = pass.program.planes.iter().filter(|slot| plan.bound[slot.node.0]).count();
     // Rows of narrower tiles are copied from here.
     let stay = width == plan.window.width();
     if stay && 4 * plan.window.area() * (slices.len() + read) > CACHE {
-        write_around(slices, run);
+        write_around(&mut slices, run);
     } else {
-        run(&mut slices.into_iter().map(Target::new).collect::<Vec<_>>());
+        run(&mut slices.iter_mut().map(|slice| Target::new(slice)).collect::<Scratch<_>>());
     }
     seen
 }
 
 /// Returns the planes of a tile with some of them replaced.
-fn with_normalized<'a>(planes: &[Plane<'a>], normalized: &'a [(usize, Vec<f32>)], width: usize) -> Vec<Plane<'a>> {
-    let mut planes = planes.to_vec();
+fn with_normalized<'a>(
+    planes: &[Plane<'a>],
+    normalized: &'a [(usize, Scratch<f32>)],
+    width: usize,
+) -> Scratch<Plane<'a>> {
+    let mut planes: Scratch<Plane<'_>> = planes.iter().copied().collect();
     for (plane, samples) in normalized {
         planes[*plane] = Plane { samples, start: 0, stride: width };
     }
@@ -271,7 +276,7 @@ pub(crate) fn channel_count(pass: &Pass) -> usize {
 }
 
 /// Returns the rows of a tile that a pass writes, channel by channel in the order of its roots.
-fn slices<'r>(pass: &Pass, rows: &'r mut Rows<'_>) -> Vec<&'r mut [f32]> {
+fn slices<'r>(pass: &Pass, rows: &'r mut Rows<'_>) -> Scratch<&'r mut [f32]> {
     let made = |output: usize| pass.roots.iter().any(|(owner, _)| *owner == output);
     let mine = rows.iter_mut().enumerate().filter(|(output, _)| made(*output));
     mine.flat_map(|(_, channels)| channels.iter_mut().map(|channel| &mut **channel)).collect()
@@ -282,7 +287,7 @@ fn audit_tile(judge: Option<&Judge>, channels: &[&mut [f32]], tile: Window) -> A
     let mut audit = Audit::default();
     for y in 0..tile.height() {
         let start = y * tile.width();
-        let row: Vec<&[f32]> = channels.iter().map(|channel| &channel[start..start + tile.width()]).collect();
+        let row: Scratch<&[f32]> = channels.iter().map(|channel| &channel[start..start + tile.width()]).collect();
         audit = audit.merge(match (judge, &row[..]) {
             (Some(judge), &[r, g, b]) => judge.row([r, g, b]),
             _ => Audit { nan_count: nan_count(&row), ..Audit::default() },

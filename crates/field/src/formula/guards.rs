@@ -3,6 +3,7 @@
 use super::Function;
 use super::program::Step;
 use std::collections::HashMap;
+use trochoid_memory::Scratch;
 
 /// A condition under which steps matter, within another one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -104,8 +105,8 @@ impl Guards {
     }
 
     /// Returns which guards are known to hold for a run of samples: only that which always does.
-    pub(super) fn unknown(&self) -> Vec<Option<bool>> {
-        let mut known = vec![None; self.guards.len()];
+    pub(super) fn unknown(&self) -> Scratch<Option<bool>> {
+        let mut known = Scratch::of(None, self.guards.len());
         known[ALWAYS] = Some(true);
         known
     }

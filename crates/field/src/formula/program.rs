@@ -6,6 +6,7 @@ use super::{Expression, Tree};
 use fearless_simd::{Level, Simd, dispatch};
 use std::collections::HashMap;
 use trochoid_graph::Span;
+use trochoid_memory::Scratch;
 
 /// One step; later steps refer to its result by its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -67,7 +68,7 @@ impl Program {
         load: &mut impl FnMut(usize, usize, usize, &mut [f64]),
         store: &mut impl FnMut(usize, usize, &[f64]),
     ) {
-        let mut memory = vec![[0.0; RUN]; self.steps.len()];
+        let mut memory = Scratch::of([0.0; RUN], self.steps.len());
         for (place, step) in self.steps.iter().enumerate() {
             if let Step::Constant(bits) = step {
                 memory[place] = [f64::from_bits(*bits); RUN];
@@ -109,9 +110,9 @@ impl Program {
         mut load: impl FnMut(usize, usize, usize, &mut [Span]),
         mut store: impl FnMut(usize, usize, &[Span]),
     ) {
-        let mut memory: Vec<[Span; RUN]> = Vec::with_capacity(self.steps.len());
+        let mut memory: Scratch<[Span; RUN]> = Scratch::new();
         // Steps that depend on inputs.
-        let mut varying = Vec::new();
+        let mut varying = Scratch::new();
         for (place, step) in self.steps.iter().enumerate() {
             let fixed = match step {
                 Step::Constant(bits) => Some(Span::exactly(f64::from_bits(*bits))),

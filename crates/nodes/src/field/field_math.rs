@@ -6,6 +6,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use trochoid_field::{Expression, Program, parse};
 use trochoid_graph::*;
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 
 /// Computes a field from other fields by a formula.
 ///
@@ -184,7 +185,7 @@ impl Prepared for PreparedFieldMath {
             .program
             .get_or_init(|| Ok(Program::new(&self.expression(planes.map(|planes| planes.map(<[_]>::len)))?)));
         let program = program.as_ref().map_err(Clone::clone)?;
-        let mut wanted: Vec<_> = (0..program.width()).map(|component| outputs.only(component)).collect();
+        let mut wanted: Scratch<_> = (0..program.width()).map(|component| outputs.only(component)).collect();
         let load = |first: usize, input: usize, component: usize, run: &mut [f64]| {
             if let Some(own) = input.checked_sub(planes.len()) {
                 run.fill(self.own[own]);
@@ -203,7 +204,7 @@ impl Prepared for PreparedFieldMath {
                 planes.iter().map(|planes| planes.map_or(Vec::new(), |planes| planes.iter().map(at).collect()));
             inputs.chain(self.own.map(|own| vec![own])).collect()
         };
-        for (component, plane) in wanted.into_iter().enumerate() {
+        for (component, plane) in wanted.iter_mut().enumerate() {
             if let Some(plane) = plane {
                 self.repair(block, component, plane, values);
             }

@@ -4,6 +4,7 @@ use crate::field::Screen;
 use std::f64::consts::PI;
 use trochoid_field::{Noise, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
+use trochoid_memory::Scratch;
 
 /// A mask of the weave of canvas or the tooth of paper, fixed on the picture, with a mean of ½.
 ///
@@ -147,10 +148,10 @@ impl PreparedGrain {
     fn fill_canvas(&self, block: &Block<'_>, mask: &mut [f32]) {
         let width = block.window.width().max(1);
         // If the grain is not turned, positions along x repeat from row to row, and those along y within a row.
-        let (mut columns, mut y) = (vec![Crossing::at(0.0); width], Crossing::at(0.0));
+        let (mut columns, mut y) = (Scratch::of(Crossing::at(0.0), width), Crossing::at(0.0));
         let mut threads = [Looked::default(), Looked::default()];
         let mut places = block.places().map(|pixels| self.place(pixels));
-        let mut found = vec![(y, 0, 0); width];
+        let mut found = Scratch::of((y, 0, 0), width);
         for row in mask.chunks_mut(width) {
             threads.iter_mut().for_each(Looked::begin);
             for ((x, found), place) in columns.iter_mut().zip(&mut found).zip(&mut places) {
@@ -170,8 +171,8 @@ impl PreparedGrain {
 
     /// Fills the mask of paper.
     fn fill_paper(&self, block: &Block<'_>, mask: &mut [f32]) {
-        let lookups: Vec<[[f64; 2]; 2]> = block.places().map(|pixels| in_pulp(self.place(pixels))).collect();
-        let mut noises = [vec![0.0f32; lookups.len()], vec![0.0f32; lookups.len()]];
+        let lookups: Scratch<[[f64; 2]; 2]> = block.places().map(|pixels| in_pulp(self.place(pixels))).collect();
+        let mut noises = [0, 1].map(|_| Scratch::of(0.0f32, lookups.len()));
         for (which, (noise, out)) in self.noises.iter().zip(&mut noises).enumerate() {
             noise.fill::<2>(lookups.iter().map(|lookups| lookups[which]), &[], out);
         }
@@ -232,9 +233,9 @@ fn on_thread(top: usize, x: &Crossing, y: &Crossing) -> [f64; 2] {
 #[derive(Default)]
 struct Looked {
     /// Different places at which it is looked up, and those of the row before.
-    places: Vec<[f64; 2]>,
-    before: Vec<[f64; 2]>,
-    values: Vec<f32>,
+    places: Scratch<[f64; 2]>,
+    before: Scratch<[f64; 2]>,
+    values: Scratch<f32>,
 }
 
 impl Looked {

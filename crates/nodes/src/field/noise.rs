@@ -3,6 +3,7 @@
 use crate::field::Screen;
 use trochoid_field::{Noise as Octaves, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
+use trochoid_memory::Scratch;
 
 /// Makes procedural noise on the picture, in the world, or on the moving water.
 ///
@@ -265,8 +266,8 @@ impl Prepared for PreparedNoise {
                     [x - self.moved(0), y - self.moved(1)]
                 };
                 let prints = match self.footprints {
-                    Footprints::Even(size) => vec![size as f32; out.len()],
-                    _ => Vec::new(),
+                    Footprints::Even(size) => Scratch::of(size as f32, out.len()),
+                    _ => Scratch::new(),
                 };
                 self.octaves.fill::<2>(block.places().map(place), &prints, out);
             }

@@ -2,6 +2,7 @@
 
 use crate::field::Screen;
 use trochoid_graph::*;
+use trochoid_memory::Scratch;
 
 /// A mask of discs, boxes and polygons; 1 inside any of them.
 ///
@@ -198,8 +199,8 @@ impl Polygon {
     }
 
     /// Returns the sides that come within `reach` of a row of the picture, with the range of columns where they do.
-    fn near(&self, row: f64, reach: f64) -> Vec<(std::ops::RangeInclusive<f64>, usize)> {
-        let mut near = Vec::new();
+    fn near(&self, row: f64, reach: f64) -> Scratch<(std::ops::RangeInclusive<f64>, usize)> {
+        let mut near = Scratch::new();
         for (index, side) in self.seen.windows(2).enumerate() {
             let ([ax, ay], [bx, by]) = (side[0], side[1]);
             if ay.max(by) < row - reach || ay.min(by) > row + reach {

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use trochoid_graph::*;
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 
 /// A mask of objects, materials or assets by name, from a cryptomatte of another renderer.
 ///
@@ -162,8 +163,8 @@ struct Covered {
 
 impl Covered {
     /// Returns the sum of the coverages whose IDs are chosen, pixel by pixel.
-    fn sums(&self, lines: &[&[f32]]) -> Vec<f64> {
-        let mut sums = vec![0.0; lines.first().map_or(0, |line| line.len())];
+    fn sums(&self, lines: &[&[f32]]) -> Scratch<f64> {
+        let mut sums = Scratch::of(0.0, lines.first().map_or(0, |line| line.len()));
         for rank in lines.chunks_exact(2) {
             for ((sum, id), coverage) in sums.iter_mut().zip(rank[0]).zip(rank[1]) {
                 if self.ids.binary_search(&id.to_bits()).is_ok() {
@@ -190,15 +191,15 @@ impl Recipe for Covered {
             }
             repaired += off as u64;
         }
-        let sums = self.sums(&lines.iter().map(|line| &**line).collect::<Vec<_>>());
+        let sums = self.sums(&lines.iter().map(|line| &**line).collect::<Scratch<_>>());
         if let Some(mask) = lines.first_mut() {
-            mask.iter_mut().zip(sums).for_each(|(mask, sum)| *mask = sum as f32);
+            mask.iter_mut().zip(&sums).for_each(|(mask, sum)| *mask = *sum as f32);
         }
         Ok(repaired)
     }
 
     fn exact(&self) -> Option<ExactLines<'_>> {
-        Some(Box::new(move |_, lines| vec![self.sums(lines)]))
+        Some(Box::new(move |_, lines| vec![self.sums(lines).to_vec()]))
     }
 }
 
@@ -224,12 +225,12 @@ impl Prepared for PreparedMask {
 
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
-        let mut sums = vec![0.0_f64; mask.len()];
+        let mut sums = Scratch::of(0.0_f64, mask.len());
         for stream in &self.streams {
             stream.fill(block, &mut [Some(&mut *mask)])?;
             sums.iter_mut().zip(&*mask).for_each(|(sum, part)| *sum += f64::from(*part));
         }
-        mask.iter_mut().zip(sums).for_each(|(mask, sum)| *mask = sum.min(1.0) as f32);
+        mask.iter_mut().zip(&sums).for_each(|(mask, sum)| *mask = sum.min(1.0) as f32);
         Ok(())
     }
 

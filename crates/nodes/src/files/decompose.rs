@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_image::{Window, WorkingSpace, parse_hex, srgb_decode};
+use trochoid_memory::Scratch;
 use trochoid_palette::{Decomposer, MOST_COLORS};
 use trochoid_weights::Storing;
 
@@ -197,20 +198,25 @@ impl Prepared for PreparedDecompose {
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(decomposer) = &*self.decomposer else { return Ok(()) };
         let area = block.window.area();
-        let mut planes = [(); 3].map(|()| vec![0.0; area]);
+        let mut planes = [(); 3].map(|()| Scratch::of(0.0, area));
         for (layer, plane) in self.layers.iter().zip(&mut planes) {
             layer.fill(block, plane);
         }
         let [r, g, b] = &planes;
-        let colors: Vec<[f32; 3]> = r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]).collect();
+        let colors: Scratch<[f32; 3]> = r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]).collect();
         // Planes that nobody wants, and the first weight of a mask, are thrown away.
         let first = usize::from(self.kind == Kind::MASK);
-        let mut wanted: Vec<Option<&mut [f32]>> = (0..first).map(|_| None).collect();
+        let mut wanted: Scratch<Option<&mut [f32]>> = (0..first).map(|_| None).collect();
         wanted.extend((0..self.kind.channels()).map(|channel| outputs.only(channel)));
-        let mut spare: Vec<Vec<f32>> =
-            wanted.iter().map(|plane| if plane.is_some() { Vec::new() } else { vec![0.0; area] }).collect();
-        let mut planes: Vec<&mut [f32]> =
-            wanted.into_iter().zip(&mut spare).map(|(plane, spare)| plane.unwrap_or(spare)).collect();
+        let mut spare: Scratch<Scratch<f32>> =
+            wanted.iter().map(|plane| Scratch::of(0.0, if plane.is_some() { 0 } else { area })).collect();
+        let planes = wanted.iter_mut().zip(&mut spare);
+        let mut planes: Scratch<&mut [f32]> = planes
+            .map(|(plane, spare)| match plane {
+                Some(plane) => &mut **plane,
+                None => &mut spare[..],
+            })
+            .collect();
         decomposer.fill(&colors, Storing::Float, &mut planes);
         Ok(())
     }

@@ -7,6 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 use trochoid_graph::{BadData, Block, Choice, NodeError};
 use trochoid_image::{Format, Plane, Window};
+use trochoid_memory::Scratch;
 
 /// Mapping of the document's pixels to the pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,26 +119,28 @@ impl Fit {
         if window.is_empty() {
             return Ok(());
         }
-        let columns: Vec<Tap> = match self.sampling {
-            Sampling::Pixel => Vec::new(),
+        let columns: Scratch<Tap> = match self.sampling {
+            Sampling::Pixel => Scratch::new(),
             _ => (window.x0..window.x1).map(|x| self.tap(0, x as f64 + offset[0])).collect(),
         };
         // Taps never decrease, so the first and the last are the outermost.
         let left = self.tap(0, window.x0 as f64 + offset[0]).low;
         let length = columns.last().map_or(0, |last| (last.low + 2 - left) as usize);
-        let none = |out: &Option<&mut [f32]>| out.as_ref().map(|_| vec![0.0; length]);
-        let mut lines: [Vec<Option<Vec<f32>>>; 2] = [outs.iter().map(none).collect(), outs.iter().map(none).collect()];
+        let none = |out: &Option<&mut [f32]>| out.as_ref().map(|_| Scratch::of(0.0, length));
+        let mut lines: [Scratch<Option<Scratch<f32>>>; 2] =
+            [outs.iter().map(none).collect(), outs.iter().map(none).collect()];
         for (row, y) in (window.y0..window.y1).enumerate() {
             let down = self.tap(1, y as f64 + offset[1]);
             if self.sampling == Sampling::Pixel {
-                let mut rows: Vec<Option<&mut [f32]>> =
+                let mut rows: Scratch<Option<&mut [f32]>> =
                     outs.iter_mut().map(|out| out.as_deref_mut().map(|out| &mut out[row * width..][..width])).collect();
                 line(left, down.low, &mut rows)?;
                 continue;
             }
             let needed = if self.sampling == Sampling::Bilinear { 2 } else { 1 };
             for (below, lines) in lines.iter_mut().enumerate().take(needed) {
-                let mut rows: Vec<Option<&mut [f32]>> = lines.iter_mut().map(Option::as_deref_mut).collect();
+                let mut rows: Scratch<Option<&mut [f32]>> =
+                    lines.iter_mut().map(|line| line.as_mut().map(|line| &mut line[..])).collect();
                 line(left, down.low + below as i64, &mut rows)?;
             }
             let [upper, lower] = &lines;
@@ -274,7 +277,8 @@ impl Layer {
             rows.for_each(|(row, y)| self.copy(plane, left, down(y).low, row));
             return;
         }
-        let columns: Vec<Tap> = (window.x0..window.x1).map(|x| self.fit.tap(0, x as f64 + block.offset[0])).collect();
+        let columns: Scratch<Tap> =
+            (window.x0..window.x1).map(|x| self.fit.tap(0, x as f64 + block.offset[0])).collect();
         for (row, y) in rows {
             let down = down(y);
             for (out, across) in row.iter_mut().zip(&columns) {

@@ -4,6 +4,7 @@ use super::{ExactLines, Recipe, Stream};
 use crate::geometry::Up;
 use trochoid_graph::{Choice, NodeError};
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 use trochoid_scene::{Camera, DVec3, Projection};
 
 /// A renderer whose conventions hold for knobs that are not set.
@@ -281,7 +282,7 @@ impl Depths {
     }
 
     /// Returns the depths of a line, and where nothing is seen.
-    fn values(&self, [x, y]: [i64; 2], lines: &[&[f32]]) -> Vec<f64> {
+    fn values(&self, [x, y]: [i64; 2], lines: &[&[f32]]) -> Scratch<f64> {
         let depths = lines.first().copied().unwrap_or_default();
         let point = |index: usize| match lines[1..] {
             [x, y, z, ..] => Some([x[index], y[index], z[index]]),
@@ -302,14 +303,14 @@ impl Depths {
 
 impl Recipe for Depths {
     fn apply(&self, at: [i64; 2], lines: &mut [&mut [f32]]) -> Result<u64, NodeError> {
-        let depths = self.values(at, &lines.iter().map(|line| &**line).collect::<Vec<_>>());
+        let depths = self.values(at, &lines.iter().map(|line| &**line).collect::<Scratch<_>>());
         let mut lines = lines.iter_mut();
         let (Some(depth), mut coverage) = (lines.next(), lines.next()) else { return Ok(0) };
-        for (index, (depth, value)) in depth.iter_mut().zip(depths).enumerate() {
+        for (index, (depth, value)) in depth.iter_mut().zip(&depths).enumerate() {
             if let Some(coverage) = &mut coverage {
-                coverage[index] = self.covers(value) as f32;
+                coverage[index] = self.covers(*value) as f32;
             }
-            *depth = value as f32;
+            *depth = *value as f32;
         }
         Ok(0)
     }
@@ -322,7 +323,7 @@ impl Recipe for Depths {
         Some(Box::new(move |at, lines| {
             let depths = self.values(at, lines);
             let coverage = depths.iter().map(|depth| self.covers(*depth)).collect();
-            vec![depths, coverage]
+            vec![depths.to_vec(), coverage]
         }))
     }
 }

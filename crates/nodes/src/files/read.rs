@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use trochoid_graph::*;
 use trochoid_image::{Rgb, Window};
+use trochoid_memory::Scratch;
 
 /// Reads a picture file: EXR, PNG, JPEG or TIFF.
 ///
@@ -293,7 +294,7 @@ impl Prepared for PreparedStream {
     }
 
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
-        let mut outs: Vec<_> = self.targets.iter().map(|channel| outputs.only(*channel)).collect();
+        let mut outs: Scratch<_> = self.targets.iter().map(|channel| outputs.only(*channel)).collect();
         self.stream.fill(block, &mut outs)
     }
 

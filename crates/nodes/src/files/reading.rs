@@ -12,6 +12,7 @@ use trochoid_graph::{BadData, Choice, FrameContext, ItemName, Kind, NodeError, P
 use trochoid_image::{Plane, Rgb};
 use trochoid_io::Entry;
 use trochoid_io::{FileKind, Picture, PictureInfo, Selection};
+use trochoid_memory::Scratch;
 use trochoid_weights::sums;
 
 /// One reading of a file with a node's knobs.
@@ -423,7 +424,7 @@ impl SumNormalizer {
     /// Divides the pixels from (`x`, `y`) on by their sum, one line for each channel. Returns the number of repaired
     /// pixels.
     pub(crate) fn normalize(&self, [x, y]: [i64; 2], lines: &mut [&mut [f32]]) -> Result<u64, NodeError> {
-        let sums = sums::sums(&lines.iter().map(|line| &**line).collect::<Vec<_>>());
+        let sums = sums::sums(&lines.iter().map(|line| &**line).collect::<Scratch<_>>());
         let off = sums.iter().fold(0, |off, sum| off + u64::from(sums::is_off(*sum)));
         if off > 0 && !self.repair {
             let at = sums.iter().position(|sum| sums::is_off(*sum)).unwrap_or_default();

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use trochoid_graph::{Block, NodeError};
 use trochoid_image::{Plane, Rgb, Window};
+use trochoid_memory::Scratch;
 
 /// Number of columns converted together, so that their samples stay in cache.
 const PIECE: usize = 1024;
@@ -66,9 +67,9 @@ pub(crate) type Targets<'t, 'a> = &'t mut [Option<&'a mut [f32]>];
 
 /// Buffers that one thread reuses from row to row.
 #[derive(Default)]
-struct Scratch {
+struct RowBuffers {
     held: Option<(usize, Arc<Slot>)>,
-    lines: Vec<Vec<f32>>,
+    lines: Scratch<Scratch<f32>>,
 }
 
 impl Stream {
@@ -82,14 +83,14 @@ impl Stream {
         if outs.iter().all(Option::is_none) {
             return Ok(());
         }
-        let mut scratch = Scratch::default();
+        let mut scratch = RowBuffers::default();
         let filled = self.fit.lay(block, outs, |left, y, rows| self.line(&mut scratch, left, y, rows));
         filled.map_err(|error| self.first_fault(error))
     }
 
     /// Returns the channels at a position in the document, in pixels, in f64.
     pub(crate) fn reference(&self, at: [f64; 2]) -> Result<Vec<f64>, NodeError> {
-        let mut scratch = Scratch::default();
+        let mut scratch = RowBuffers::default();
         let mut texel = |x: i64, y: i64| {
             let mut texel = vec![[0.0_f32]; self.outputs];
             let mut rows: Vec<Option<&mut [f32]>> = texel.iter_mut().map(|value| Some(&mut value[..])).collect();
@@ -101,7 +102,7 @@ impl Stream {
     }
 
     /// Returns what the channels of the pixel nearest to (x, y) are rounded from; `None` if they are exact.
-    fn exact(&self, scratch: &mut Scratch, x: i64, y: i64) -> Result<Option<Vec<f64>>, NodeError> {
+    fn exact(&self, scratch: &mut RowBuffers, x: i64, y: i64) -> Result<Option<Vec<f64>>, NodeError> {
         let Some(exact) = self.recipe.as_ref().and_then(|recipe| recipe.exact()) else { return Ok(None) };
         let data = self.stored.data;
         let (x, y) = (x.clamp(data.x0, data.x1 - 1), y.clamp(data.y0, data.y1 - 1));
@@ -164,7 +165,7 @@ impl Stream {
         mut f: impl FnMut(&[Vec<f32>]) -> Result<(), NodeError>,
     ) -> Result<(), NodeError> {
         let data = self.stored.data;
-        let mut scratch = Scratch::default();
+        let mut scratch = RowBuffers::default();
         let mut row = vec![vec![0.0; data.width()]; self.outputs];
         for y in rows.map(|row| data.y0 + row as i64) {
             let mut targets: Vec<Option<&mut [f32]>> = row.iter_mut().map(|row| Some(&mut row[..])).collect();
@@ -175,7 +176,7 @@ impl Stream {
     }
 
     /// Reads the pixels from (`left`, `y`) on, inside or outside the data window.
-    fn line(&self, scratch: &mut Scratch, left: i64, y: i64, outs: Targets<'_, '_>) -> Result<(), NodeError> {
+    fn line(&self, scratch: &mut RowBuffers, left: i64, y: i64, outs: Targets<'_, '_>) -> Result<(), NodeError> {
         let Some(length) = outs.iter().flatten().map(|out| out.len()).next() else { return Ok(()) };
         let data = self.stored.data;
         let nearest = y.clamp(data.y0, data.y1 - 1);
@@ -190,15 +191,17 @@ impl Stream {
         if first == last {
             // To the left or right of the picture: its last pixel on that side.
             let x = left.clamp(data.x0, data.x1 - 1);
-            let mut texel = vec![[0.0_f32]; outs.len()];
-            let mut targets: Vec<Option<&mut [f32]>> = texel.iter_mut().map(|value| Some(&mut value[..])).collect();
+            let mut texel = Scratch::of([0.0_f32], outs.len());
+            let mut targets: Scratch<Option<&mut [f32]>> = texel.iter_mut().map(|value| Some(&mut value[..])).collect();
             self.texels(scratch, x, nearest, &mut targets)?;
+            drop(targets);
             fill(outs, |channel, out| out.fill(texel[channel][0]));
             return Ok(());
         }
-        let mut targets: Vec<Option<&mut [f32]>> =
+        let mut targets: Scratch<Option<&mut [f32]>> =
             outs.iter_mut().map(|out| out.as_deref_mut().map(|out| &mut out[first..last])).collect();
         self.texels(scratch, left + first as i64, nearest, &mut targets)?;
+        drop(targets);
         let outside = self.outside;
         fill(outs, |channel, out| {
             let edge = |at: usize| outside.map_or(out[at], |color| color[channel]);
@@ -210,13 +213,13 @@ impl Stream {
     }
 
     /// Reads pixels of the data window.
-    fn texels(&self, scratch: &mut Scratch, x0: i64, y: i64, outs: Targets<'_, '_>) -> Result<(), NodeError> {
+    fn texels(&self, scratch: &mut RowBuffers, x0: i64, y: i64, outs: Targets<'_, '_>) -> Result<(), NodeError> {
         let data = self.stored.data;
         let length = outs.iter().flatten().map(|out| out.len()).next().unwrap_or_default();
         let judged = &self.judged[(y - data.y0) as usize];
         let whole = x0 == data.x0 && length == data.width();
         let known = judged.load(Ordering::Relaxed) > 0;
-        let mut nothing: Vec<Option<&mut [f32]>> = outs.iter().map(|_| None).collect();
+        let mut nothing: Scratch<Option<&mut [f32]>> = outs.iter().map(|_| None).collect();
         if !known && !whole {
             // A row is validated as a whole, so that results do not depend on which part of it is requested.
             let repaired = self.convert(scratch, data.x0, y, data.width(), true, &mut nothing)?;
@@ -232,16 +235,16 @@ impl Stream {
     /// Reads, validates and converts a row of pixels, piece by piece; reads `all` channels or only the wanted ones.
     fn convert(
         &self,
-        scratch: &mut Scratch,
+        scratch: &mut RowBuffers,
         x0: i64,
         y: i64,
         length: usize,
         all: bool,
         outs: Targets<'_, '_>,
     ) -> Result<u64, NodeError> {
-        let Scratch { held, lines } = scratch;
+        let RowBuffers { held, lines } = scratch;
         let names = &self.stored.names;
-        lines.resize_with(names.len().max(self.outputs), || vec![0.0; PIECE]);
+        lines.resize_with(names.len().max(self.outputs), || Scratch::of(0.0, PIECE));
         let mut repaired = 0;
         for start in (0..length).step_by(PIECE) {
             let (x, count) = (x0 + start as i64, PIECE.min(length - start));
@@ -258,8 +261,9 @@ impl Stream {
             for (channel, line) in lines.iter_mut().enumerate().take(names.len()) {
                 repaired += self.read(held, channel, x, y, &mut line[..count])?;
             }
-            let mut pieces: Vec<&mut [f32]> = lines.iter_mut().map(|line| &mut line[..count]).collect();
+            let mut pieces: Scratch<&mut [f32]> = lines.iter_mut().map(|line| &mut line[..count]).collect();
             repaired += recipe.apply([x, y], &mut pieces)?;
+            drop(pieces);
             fill(outs, |channel, out| out[start..start + count].copy_from_slice(&lines[channel][..count]));
         }
         Ok(repaired)

@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 use trochoid_graph::*;
 use trochoid_image::{Plane, Rgb, Window};
+use trochoid_memory::Scratch;
 
 /// Looks up a picture file at u and v: on a surface, or wherever fields specify.
 ///
@@ -352,7 +353,7 @@ impl Prepared for PreparedTexture {
             |port: &One<port::Scalar>| inputs.planes(port, 0).first().copied().flatten().unwrap_or_default();
         let (u, v) = (coordinate(&self.node.u), coordinate(&self.node.v));
         // Compute each sample's pixels once for all channels.
-        let taps: Vec<_> = u
+        let taps: Scratch<_> = u
             .iter()
             .zip(v)
             .map(|(u, v)| {
@@ -365,7 +366,7 @@ impl Prepared for PreparedTexture {
         } else {
             &[]
         };
-        let wide: Vec<_> = u
+        let wide: Scratch<_> = u
             .iter()
             .zip(v)
             .zip(footprints)

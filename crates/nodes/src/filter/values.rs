@@ -2,6 +2,7 @@
 
 use std::convert::Infallible;
 use trochoid_graph::{Kind, Outputs, Prepare, Reference, References, Source};
+use trochoid_memory::Scratch;
 use trochoid_weights::arithmetic;
 
 /// Returns the kind of a node's only output.
@@ -32,18 +33,20 @@ pub(crate) fn fill_together<E>(
     outputs: &mut Outputs<'_>,
     paint: impl FnOnce(&mut [Option<&mut [f32]>]) -> Result<(), E>,
 ) -> Result<(), E> {
-    let mut planes: Vec<Option<&mut [f32]>> = (0..kind.channels()).map(|index| outputs.only(index)).collect();
+    // The sum of weights needs every weight, including those that are not requested.
+    let mut spare: Scratch<Scratch<f32>> = Scratch::new();
+    let mut planes: Scratch<Option<&mut [f32]>> = (0..kind.channels()).map(|index| outputs.only(index)).collect();
     if !matches!(kind, Kind::Weights(n) if n > 2) {
         return paint(&mut planes);
     }
-    // The sum needs every weight, including those that are not requested.
-    let mut spare: Vec<Vec<f32>> =
-        planes.iter().map(|plane| if plane.is_some() { Vec::new() } else { vec![0.0; area] }).collect();
+    spare.extend(planes.iter().map(|plane| Scratch::of(0.0, if plane.is_some() { 0 } else { area })));
     for (plane, spare) in planes.iter_mut().zip(&mut spare) {
         plane.get_or_insert(spare);
     }
     paint(&mut planes)?;
-    arithmetic::round_partition_rows(&mut planes.into_iter().flatten().collect::<Vec<_>>());
+    arithmetic::round_partition_rows(
+        &mut planes.iter_mut().flatten().map(|plane| &mut **plane).collect::<Scratch<_>>(),
+    );
     Ok(())
 }
 

@@ -4,6 +4,7 @@ use crate::filter::{BoundedChannel, BoundedSum, blended, fill_together, kind, me
 use std::convert::Infallible;
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
+use trochoid_memory::Scratch;
 
 /// Displaces the pixels of an image: colors, a mask, weights or a field.
 ///
@@ -130,7 +131,7 @@ impl Prepared for PreparedWarp {
         let row = |y: i64| (y.clamp(from.y0, from.y1 - 1) - from.y0) as usize * from.width();
         let (first, end) = (window.x0.max(from.x0), window.x1.min(from.x1));
         // Lookups of a row's displaced samples, computed once for all channels.
-        let mut taps: Vec<(usize, [usize; 4], [f32; 4])> = Vec::with_capacity(window.width());
+        let mut taps: Scratch<(usize, [usize; 4], [f32; 4])> = Scratch::new();
         let Ok(()) = fill_together(self.kind, window.area(), outputs, |planes| -> Result<(), Infallible> {
             for (y, start) in (window.y0..window.y1).zip((0..).step_by(window.width().max(1))) {
                 taps.clear();

@@ -3,6 +3,7 @@
 use crate::view::{POSITION, RenderHandle, view_planes};
 use trochoid_graph::{BadData, Choice, Connected, Inputs, Many, NodeError, One, Prepare, port};
 use trochoid_image::Format;
+use trochoid_memory::Scratch;
 use trochoid_scene::{Camera, DVec3, Illumination, Light, Projector};
 
 /// X, y and z planes of many vectors.
@@ -73,9 +74,9 @@ impl Lights {
     ) -> Result<(), NodeError> {
         mask.fill(0.0);
         let n = mask.len();
-        let mut directions = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
-        let mut intensity = vec![1.0; n];
-        let mut one = vec![0.0; n];
+        let mut directions = [0, 1, 2].map(|_| Scratch::of(0.0, n));
+        let mut intensity = Scratch::of(1.0, n);
+        let mut one = Scratch::of(0.0, n);
         for (index, light) in self.lights.iter().enumerate() {
             if let Light::Directional { .. } = light {
                 let toward = light.illuminate(DVec3::ZERO).direction.as_vec3();
@@ -116,9 +117,9 @@ impl Lights {
     pub(crate) fn within_reach(
         &self,
         points: impl Iterator<Item = DVec3> + Clone,
-        shade: impl Fn(&[Lit]) -> Vec<f64>,
-    ) -> Vec<f64> {
-        let mut masks: Vec<Vec<f64>> = points.clone().map(|_| vec![0.0; self.lights.len()]).collect();
+        shade: impl Fn(&[Lit]) -> Scratch<f64>,
+    ) -> Scratch<f64> {
+        let mut masks: Scratch<Scratch<f64>> = points.clone().map(|_| Scratch::of(0.0, self.lights.len())).collect();
         for (light, index_of_light) in self.lights.iter().zip(0..) {
             let lit = |(index, point): (usize, DVec3)| {
                 let Illumination { direction, intensity } = light.illuminate(point);
@@ -128,8 +129,8 @@ impl Lights {
                 };
                 (intensity > 0.0).then_some(Lit { index, direction, reach, intensity })
             };
-            let lit: Vec<Lit> = points.clone().enumerate().filter_map(lit).collect();
-            for (lit, mask) in lit.iter().zip(shade(&lit)) {
+            let lit: Scratch<Lit> = points.clone().enumerate().filter_map(lit).collect();
+            for (lit, mask) in lit.iter().zip(&shade(&lit)) {
                 masks[lit.index][index_of_light] = lit.intensity * mask;
             }
         }
@@ -182,8 +183,8 @@ pub(crate) fn view_directions(
     view: &One<port::View>,
     eye: &Projector,
     count: usize,
-) -> Result<[Vec<f32>; 3], NodeError> {
-    let mut views = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
+) -> Result<[Scratch<f32>; 3], NodeError> {
+    let mut views = [0, 1, 2].map(|_| Scratch::of(0.0, count));
     let [x, y, z] = &mut views;
     trochoid_scene::shading::view_directions(view_positions(inputs, view, eye)?, eye, [x, y, z]);
     Ok(views)

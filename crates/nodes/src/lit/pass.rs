@@ -117,7 +117,7 @@ impl<T: LitShader> Prepared for PreparedLitPass<T> {
         }
         let eye = match &self.eye {
             Some(eye) => view_directions(inputs, view, eye, mask.len())?,
-            None => [const { Vec::new() }; 3],
+            None => Default::default(),
         };
         let seen = Facing {
             normal: view_planes(inputs, view, NORMAL),

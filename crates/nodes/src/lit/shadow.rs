@@ -5,6 +5,7 @@ use crate::view::{Facets, Quantity, RayQuantity, Rays, SeenPoint, landed};
 use std::f64::consts::TAU;
 use trochoid_graph::*;
 use trochoid_image::Format;
+use trochoid_memory::Scratch;
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, Ray, Segment};
 
@@ -94,18 +95,19 @@ const GOLDEN: f64 = 2.399_963_229_728_653;
 const PLASTIC: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 
 impl PreparedShadow {
-    fn masks(&self, seen: &[SeenPoint], rays: &dyn Rays) -> Vec<f64> {
-        let landed = landed(seen, rays).into_iter().zip(seen);
-        let origins: Vec<DVec3> =
-            landed.map(|(landed, seen)| landed + seen.normal * (self.node.bias * seen.facet)).collect();
+    fn masks(&self, seen: &[SeenPoint], rays: &dyn Rays) -> Scratch<f64> {
+        let landed = landed(seen, rays);
+        let landed = landed.iter().zip(seen);
+        let origins: Scratch<DVec3> =
+            landed.map(|(landed, seen)| *landed + seen.normal * (self.node.bias * seen.facet)).collect();
         // Rotate the rays as differently as possible from those of neighboring pixels.
         let turn = |seen: &SeenPoint| {
             let turn = PLASTIC[0] * seen.at[0] + PLASTIC[1] * seen.at[1];
             TAU * (turn - turn.floor())
         };
-        let turns: Vec<f64> = seen.iter().map(turn).collect();
+        let turns: Scratch<f64> = seen.iter().map(turn).collect();
         let lit = self.lights.within_reach(seen.iter().map(|seen| seen.point), |lit| {
-            let mut arrived = vec![0_u32; lit.len()];
+            let mut arrived = Scratch::of(0_u32, lit.len());
             for index in 0..self.rays {
                 let radius = self.spread * ((f64::from(index) + 0.5) / f64::from(self.rays)).sqrt();
                 let segment = |lit: &Lit| {
@@ -120,13 +122,13 @@ impl PreparedShadow {
                     let ray = Ray { origin: origins[lit.index], direction };
                     Segment { ray, limit: self.node.distance.min(lit.reach) }
                 };
-                let segments: Vec<Segment> = lit.iter().map(segment).collect();
-                for (arrived, blocked) in arrived.iter_mut().zip(rays.blocks(&segments)) {
+                let segments: Scratch<Segment> = lit.iter().map(segment).collect();
+                for (arrived, blocked) in arrived.iter_mut().zip(&rays.blocks(&segments)) {
                     *arrived += u32::from(!blocked);
                 }
             }
-            arrived.into_iter().map(|arrived| f64::from(arrived) / f64::from(self.rays)).collect()
+            arrived.iter().map(|arrived| f64::from(*arrived) / f64::from(self.rays)).collect()
         });
-        lit.into_iter().map(|lit| 1.0 - lit).collect()
+        lit.iter().map(|lit| 1.0 - lit).collect()
     }
 }

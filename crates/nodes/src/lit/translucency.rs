@@ -60,7 +60,7 @@ impl RayQuantity for Translucency {
             lights.within_reach(seen.iter().map(|seen| seen.point), |lit| {
                 let paths = lit.iter().map(|lit| (starts[lit.index], lit.direction));
                 let lengths = path_knobs.lengths(paths, rays);
-                let masks = lit.iter().zip(lengths).map(|(lit, length)| {
+                let masks = lit.iter().zip(&lengths).map(|(lit, length)| {
                     let view = unit_or_up(toward_eye(&eye, seen[lit.index].point));
                     let facing = (0.5 * (1.0 - view.dot(lit.direction))).clamp(0.0, 1.0);
                     libm::exp(-length / absorption) * libm::pow(facing, power)

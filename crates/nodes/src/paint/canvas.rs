@@ -6,6 +6,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use trochoid_graph::*;
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 
 /// Inputs of strokes besides the image.
 #[derive(Clone, Items)]
@@ -54,7 +55,7 @@ pub(crate) struct BlockSurroundings<'a> {
     offset: [f64; 2],
     view: Window,
     /// Index of the surface at each pixel of the view's window, −1 where none is seen.
-    parts: Vec<f32>,
+    parts: Scratch<f32>,
     depths: Option<&'a [f32]>,
     /// Surface points at rest, if seeds are fixed to surfaces.
     rests: Option<[&'a [f32]; 3]>,
@@ -82,7 +83,7 @@ impl<'a> BlockSurroundings<'a> {
                 .map(|(c, surface)| if *c > 0.0 { surface.max(0.0) } else { -1.0 })
                 .collect(),
             (Some(coverage), None) => coverage.iter().map(|c| if *c > 0.0 { 0.0 } else { -1.0 }).collect(),
-            _ => Vec::new(),
+            _ => Scratch::new(),
         };
         let rests = RESTS.map(|rest| channel(rest).unwrap_or_default());
         Self {

@@ -6,6 +6,7 @@ use crate::view::{RenderHandle, SurfaceHandle};
 use trochoid_field::random::{draw, key};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
+use trochoid_memory::Scratch;
 use trochoid_scene::claws::{Claw, Drawn, Places, Ribbon, Shape, covered};
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{Anchor, DVec3, Projector};
@@ -416,7 +417,7 @@ impl Prepared for PreparedHooks {
         let mut planes = Out::ALL.map(|output| (output, outputs.take(output, 0)));
         planes.iter_mut().for_each(|(_, plane)| plane.iter_mut().for_each(|plane| plane.fill(0.0)));
         // Fraction of each sample that no ribbon covers yet; most blocks are far from all ribbons.
-        let mut left = Vec::new();
+        let mut left = Scratch::new();
         let mut places = Places::default();
         for (bounds, claw) in &self.claws {
             let within = covered(*bounds, window);

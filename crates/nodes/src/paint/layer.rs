@@ -3,6 +3,7 @@
 use trochoid_field::random::key;
 use trochoid_graph::Items;
 use trochoid_image::Format;
+use trochoid_memory::Scratch;
 
 /// Knobs of a layer of strokes.
 #[derive(Clone, Items)]
@@ -69,7 +70,7 @@ pub(crate) const STRIDES: [i64; 2] = [1, 2];
 
 /// Returns the layers of a node in pixels of a format, bottom layer first. The knobs are in pixels of a picture that
 /// has the given height.
-pub(crate) fn layers(knobs: &[LayerKnobs], height: Option<i64>, seed: i64, format: Format) -> Vec<Layer> {
+pub(crate) fn layers(knobs: &[LayerKnobs], height: Option<i64>, seed: i64, format: Format) -> Scratch<Layer> {
     let meant = height.map_or(f64::from(format.height()), |height| height as f64);
     let scale = f64::from(format.height()) / meant;
     let base = key(0x7374_726f_6b65, seed);

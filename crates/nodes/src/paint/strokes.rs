@@ -10,6 +10,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
+use trochoid_memory::Scratch;
 
 /// Repaints an image with brush strokes; each takes one color of the image and follows a flow.
 ///
@@ -75,7 +76,7 @@ impl Strokes {
     }
 
     /// Returns the layers in pixels of a format, bottom layer first.
-    fn layers(&self, format: Format) -> Vec<Layer> {
+    fn layers(&self, format: Format) -> Scratch<Layer> {
         layers(&self.layers, self.height, self.seed, format)
     }
 }
@@ -143,7 +144,7 @@ struct PreparedStrokes {
     stroke_inputs: StrokeInputs,
     kind: Kind,
     picture: Window,
-    layers: Vec<Layer>,
+    layers: Scratch<Layer>,
     settings: StrokeSettings,
     on_surfaces: bool,
 }
@@ -166,11 +167,11 @@ impl PreparedStrokes {
         window: Window,
         around: &impl Canvas,
         check_cancelled: impl Fn() -> Result<(), NodeError>,
-    ) -> Result<Vec<(usize, Stroke)>, NodeError> {
-        let mut strokes = Vec::new();
+    ) -> Result<Scratch<(usize, Stroke)>, NodeError> {
+        let mut strokes = Scratch::new();
         for stride in STRIDES {
             // Strokes of fine layers reach less far, so each layer has its own window.
-            let mut layers: Vec<(usize, &Layer, Window, Cells)> = Vec::new();
+            let mut layers: Scratch<(usize, &Layer, Window, Cells)> = Scratch::new();
             for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.stride() == stride) {
                 layers.push((index, layer, self.near(window, reach(&[*layer]), stride), Cells::new(layer.key)));
             }
@@ -207,18 +208,18 @@ impl PreparedStrokes {
 struct Sums {
     part: Window,
     /// Channels in which a stroke or the image differs from 0.
-    is_used: Vec<bool>,
+    is_used: Scratch<bool>,
     /// Of these channels the weighted sums of the strokes' values.
-    sums: Vec<Vec<f64>>,
-    left: Vec<f64>,
+    sums: Scratch<Scratch<f64>>,
+    left: Scratch<f64>,
     /// Weights of the stroke that is being added, at the pixels of a row.
-    weights: Vec<[f64; LANES]>,
+    weights: Scratch<[f64; LANES]>,
 }
 
 impl Sums {
     /// Starts with another part; the memory stays.
-    fn begin(&mut self, part: Window, is_used: Vec<bool>) {
-        self.sums.resize_with(is_used.len(), Vec::new);
+    fn begin(&mut self, part: Window, is_used: Scratch<bool>) {
+        self.sums.resize_with(is_used.len(), Scratch::new);
         // Groups of lanes may end behind the last row.
         let area = part.area() + LANES;
         for (sums, _) in self.sums.iter_mut().zip(&is_used).filter(|(_, is_used)| **is_used) {
@@ -276,11 +277,11 @@ fn weighted(mut sums: [f64; LANES], weights: [f64; LANES], value: f64) -> [f64; 
 
 /// Strokes from the top down, and the image's values at their sources.
 struct BlockStrokes {
-    brushes: Vec<Brush>,
+    brushes: Scratch<Brush>,
     /// Of every stroke, the channels that are not 0, with their values. Recipes have many channels, of which most are.
-    values: Vec<(usize, f64)>,
+    values: Scratch<(usize, f64)>,
     /// Of every stroke, the end of its values.
-    ends: Vec<usize>,
+    ends: Scratch<usize>,
     /// Offset within its pixel of the sample they were found for.
     offset: [f64; 2],
 }
@@ -294,8 +295,8 @@ impl BlockStrokes {
 }
 
 /// Returns of each channel of an image whether it differs from 0 anywhere in a window.
-fn used(level: Level, image: &Connection<'_>, channels: usize, window: Window) -> Vec<bool> {
-    let mut used = vec![false; channels];
+fn used(level: Level, image: &Connection<'_>, channels: usize, window: Window) -> Scratch<bool> {
+    let mut used = Scratch::of(false, channels);
     dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
         for (channel, used) in used.iter_mut().enumerate() {
             *used = !is_zero(image, channel, window);
@@ -346,8 +347,8 @@ impl PreparedStrokes {
             other.cmp(layer).then(b.order.cmp(&a.order)).then_with(|| at(1)).then_with(|| at(0))
         });
         let is_used = used(Level::new(), image, self.kind.channels(), image.window);
-        let channels: Vec<usize> = (0..is_used.len()).filter(|channel| is_used[*channel]).collect();
-        let (mut values, mut ends) = (Vec::new(), Vec::with_capacity(strokes.len()));
+        let channels: Scratch<usize> = (0..is_used.len()).filter(|channel| is_used[*channel]).collect();
+        let (mut values, mut ends) = (Scratch::new(), Scratch::new());
         for (_, stroke) in &strokes {
             let [x, y] = stroke.source;
             let value = |channel: &usize| (*channel, sample(Some(image), *channel, x, y).unwrap_or(0.0));
@@ -379,13 +380,13 @@ impl Prepared for PreparedStrokes {
         let shift = [0, 1].map(|axis| block.offset[axis] - block_strokes.offset[axis]);
         let area = window.area();
         let width = window.width();
-        let mut covers = vec![[0.0f32; LANES]; PART.0.div_ceil(LANES)];
-        let (flat, far) = (vec![-1.0f32; width], vec![f32::INFINITY; width]);
+        let mut covers = Scratch::of([0.0f32; LANES], PART.0.div_ceil(LANES));
+        let (flat, far) = (Scratch::of(-1.0f32, width), Scratch::of(f32::INFINITY, width));
         let level = Level::new();
         // Paint part by part, so that the sums stay in the cache; results do not depend on where parts end.
-        let parts: Vec<Window> = window.tiles(PART.0, PART.1).collect();
+        let parts: Scratch<Window> = window.tiles(PART.0, PART.1).collect();
         let across = width.div_ceil(PART.0);
-        let mut on: Vec<Vec<u32>> = vec![Vec::new(); parts.len()];
+        let mut on: Scratch<Scratch<u32>> = parts.iter().map(|_| Scratch::new()).collect();
         for (index, brush) in block_strokes.brushes.iter().enumerate() {
             let bounds = brush.bounds(brush.seen_from(shift)).intersect(window);
             if bounds.is_empty() {
@@ -399,18 +400,18 @@ impl Prepared for PreparedStrokes {
                 }
             }
         }
-        let (mut sums, mut own, black) = (Sums::default(), Vec::new(), vec![0.0f32; width]);
+        let (mut sums, mut own, black) = (Sums::default(), Scratch::new(), Scratch::of(0.0f32, width));
         fill_together(self.kind, area, outputs, |planes| {
-            for (part, on) in parts.into_iter().zip(on) {
+            for (&part, on) in parts.iter().zip(&on) {
                 inputs.check_cancelled()?;
                 let mut is_used = used(level, image, planes.len(), part);
-                for index in &on {
+                for index in on {
                     block_strokes.values(*index as usize).iter().for_each(|(channel, _)| is_used[*channel] = true);
                 }
                 is_used.iter_mut().zip(&*planes).for_each(|(is_used, plane)| *is_used &= plane.is_some());
                 sums.begin(part, is_used);
                 dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
-                    for index in &on {
+                    for index in on {
                         let brush = &block_strokes.brushes[*index as usize];
                         let values = block_strokes.values(*index as usize);
                         let at = brush.seen_from(shift);
@@ -476,7 +477,7 @@ impl Prepared for PreparedStrokes {
         let image = &self.image;
         let own = numbers(inputs, image);
         let mut painted = own.clone();
-        for (_, stroke) in strokes {
+        for (_, stroke) in &strokes {
             let stroke = stroke.seen_from(shift);
             let from = [x as f64 - stroke.at[0], y as f64 - stroke.at[1]];
             let w = stroke.covers(from, seen.part(x, y), seen.depth(x, y));

@@ -4,6 +4,7 @@ use super::check_trails;
 use crate::view::{Neighborhood, grown, is_covered, nothing};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
+use trochoid_memory::Scratch;
 use trochoid_sea::toon::lines::{LinePoint, Lines, density};
 use trochoid_sea::toon::{LineRow, NearPhase, NearPlace, density_span};
 
@@ -135,7 +136,7 @@ impl Prepared for PreparedDriftLines {
             return Ok(());
         }
         let Window { x0, x1, y0, .. } = block.window;
-        let mut spare: [Vec<f32>; 8] = Default::default();
+        let mut spare: [Scratch<f32>; 8] = Default::default();
         for (y, out) in (y0..).zip(mask.chunks_exact_mut(block.window.width().max(1))) {
             let [a, b, c, d, e, f, g, h] = &mut spare;
             let row = LineRow {

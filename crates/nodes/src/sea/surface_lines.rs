@@ -5,6 +5,7 @@ use crate::view::{is_covered, view_planes, view_vector};
 use std::f64::consts::TAU;
 use trochoid_field::{Noise, NoiseKind, NoiseParameters, Ranks};
 use trochoid_graph::*;
+use trochoid_memory::Scratch;
 use trochoid_scene::{DVec3, Footprints};
 
 /// A mask of lines that scroll and sway on the water, and coordinates with which a Texture places a tiled picture
@@ -217,7 +218,7 @@ impl PreparedSurfaceLines {
     fn fill_mask(&self, rest: impl Fn(usize) -> DVec3, coverage: &[f32], thickness: Option<&[f32]>, mask: &mut [f32]) {
         mask.fill(0.0);
         // Places with lines side by side, however few of them there are.
-        let mut near = Vec::with_capacity(AT_ONCE);
+        let mut near = Scratch::new();
         for (index, _) in coverage.iter().enumerate().filter(|(_, coverage)| **coverage != 0.0) {
             let place = self.place(rest(index), thickness.map_or(1.0, |plane| f64::from(plane[index])));
             // Without a line to see there, its distance does not matter.

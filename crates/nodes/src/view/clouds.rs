@@ -4,6 +4,7 @@ use super::cloud_layers::{BEND, Cut, Layer, MORE_STEPS};
 use trochoid_field::{Noise, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
 use trochoid_image::Format;
+use trochoid_memory::Scratch;
 use trochoid_scene::{Camera, DVec3, Light, Projector, Ray};
 
 /// Volumetric cloud layers lit by a light: dark where they are thick, with silver edges in front of the light.
@@ -300,14 +301,14 @@ impl PreparedClouds {
         rays: &[Ray],
         lit: bool,
         inputs: &Inputs<'_>,
-    ) -> Result<Vec<Accumulated>, NodeError> {
-        let mut gathered = vec![Accumulated::NOTHING; rays.len()];
-        let mut cuts: Vec<(usize, Cut)> = (rays.iter().enumerate())
+    ) -> Result<Scratch<Accumulated>, NodeError> {
+        let mut gathered = Scratch::of(Accumulated::NOTHING, rays.len());
+        let mut cuts: Scratch<(usize, Cut)> = (rays.iter().enumerate())
             .filter_map(|(index, ray)| {
                 Some((index, layer.cut(layer.span(ray, self.bend, self.node.distance)?, self.node.steps as usize)))
             })
             .collect();
-        let mut noise = vec![0.0; cuts.len()];
+        let mut noise = Scratch::of(0.0, cuts.len());
         for step in 0.. {
             inputs.check_cancelled()?;
             cuts.retain(|(index, cut)| gathered[*index].left > OPAQUE && cut.at(step).is_some());
@@ -318,10 +319,10 @@ impl PreparedClouds {
             let parts = || cuts.iter().filter_map(|(index, cut)| Some((*index, cut.part, cut.at(step)?)));
             let place = |point: DVec3| layer.place(point, self.height(point));
             let places = parts().map(|(index, _, (at, _))| place(rays[index].at(at)));
-            let prints: Vec<f32> =
+            let prints: Scratch<f32> =
                 parts().map(|(index, part, (at, _))| self.footprint(&rays[index], at, part) as f32).collect();
             layer.noise.fill(places, &prints, &mut noise);
-            let (mut dense, mut dense_prints) = (Vec::new(), Vec::new());
+            let (mut dense, mut dense_prints) = (Scratch::new(), Scratch::new());
             for (((ray, _, (at, length)), noise), print) in parts().zip(&noise).zip(&prints) {
                 let point = rays[ray].at(at);
                 let density = layer.density(f64::from(*noise), self.height(point), layer.spread(f64::from(*print)));
@@ -332,7 +333,7 @@ impl PreparedClouds {
                 }
             }
             if lit {
-                let mut noise = vec![0.0; dense.len()];
+                let mut noise = Scratch::of(0.0, dense.len());
                 for ahead in 0..LIGHT_STEPS {
                     let point = |dense: &Dense| Self::toward(layer, dense.point, dense.light, ahead);
                     layer.noise.fill(dense.iter().map(|dense| place(point(dense))), &dense_prints, &mut noise);
@@ -341,7 +342,7 @@ impl PreparedClouds {
                     }
                 }
             }
-            for Dense { ray, at, length, light, density, shaded, .. } in dense {
+            for &Dense { ray, at, length, light, density, shaded, .. } in &dense {
                 let bright = self.bright(&rays[ray], light, shaded / LIGHT_STEPS as f64);
                 gathered[ray].add(self.covers(layer, density, length, at), bright, at);
             }
@@ -381,9 +382,9 @@ impl Prepared for PreparedClouds {
         if planes.iter().all(Option::is_none) {
             return Ok(());
         }
-        let rays: Vec<Ray> = block.places().map(|[x, y]| self.eye.ray(x, y)).collect();
+        let rays: Scratch<Ray> = block.places().map(|[x, y]| self.eye.ray(x, y)).collect();
         let lit = planes[usize::from(Out::Light)].is_some();
-        let by_layer: Result<Vec<Vec<Accumulated>>, NodeError> =
+        let by_layer: Result<Scratch<Scratch<Accumulated>>, NodeError> =
             self.layers.iter().map(|layer| self.gather(layer, &rays, lit, inputs)).collect();
         let by_layer = by_layer?;
         for (index, ray) in rays.iter().enumerate() {

@@ -6,6 +6,7 @@ use crate::lit::eye;
 use trochoid_field::{Noise, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
+use trochoid_memory::Scratch;
 use trochoid_scene::{DVec3, Projector};
 use trochoid_weights::kernel::{Kernel, Shape, filter};
 
@@ -262,10 +263,10 @@ impl PreparedFlowField {
     }
 
     /// Returns the doubled directions over a window, before smoothing.
-    fn lines(&self, window: Window, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<[Vec<f32>; 2], NodeError> {
-        let mut lines = [vec![0.0f32; window.area()], vec![0.0f32; window.area()]];
+    fn lines(&self, window: Window, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<[Scratch<f32>; 2], NodeError> {
+        let mut lines = [0, 1].map(|_| Scratch::of(0.0f32, window.area()));
         let pixels = || (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
-        let mut noise = vec![0.0f32; if self.waver > 0.0 { window.area() } else { 0 }];
+        let mut noise = Scratch::of(0.0f32, if self.waver > 0.0 { window.area() } else { 0 });
         if self.waver > 0.0 {
             let place = |(x, y): (i64, i64)| self.screen.at([x as f64 + block.offset[0], y as f64 + block.offset[1]]);
             self.noise.fill::<2>(pixels().map(place), &[], &mut noise);
@@ -347,7 +348,7 @@ impl Prepared for PreparedFlowField {
         let mut lines = self.lines(from, block, inputs)?;
         if self.radius > 0 {
             lines = lines.map(|line| {
-                let mut smooth = vec![0.0f32; window.area()];
+                let mut smooth = Scratch::of(0.0f32, window.area());
                 let kernels = [&self.kernel, &self.kernel];
                 filter(kernels, from, &line, self.picture, window, inputs.cancellation(), &mut smooth);
                 smooth

@@ -2,6 +2,7 @@
 
 use super::{is_covered, nothing};
 use trochoid_graph::*;
+use trochoid_memory::Scratch;
 
 /// A node whose only output is a product of ramps over channels of its view, and 0 where nothing is seen.
 pub(crate) trait ChannelMask: Declare {
@@ -112,9 +113,9 @@ impl PreparedViewMask {
 impl Prepared for PreparedViewMask {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
-        let planes: Vec<&[f32]> = self.ramps.iter().map(|(channel, _)| inputs.view(&self.view, *channel)).collect();
+        let planes: Scratch<&[f32]> = self.ramps.iter().map(|(channel, _)| inputs.view(&self.view, *channel)).collect();
         let coverage = inputs.view(&self.view, Channel::Coverage);
-        let mut values = vec![0.0; planes.len()];
+        let mut values = Scratch::of(0.0, planes.len());
         for (index, out) in mask.iter_mut().enumerate() {
             values.iter_mut().zip(&planes).for_each(|(value, plane)| *value = f64::from(plane[index]));
             *out = if coverage[index] > 0.0 { self.mask(&values) as f32 } else { 0.0 };

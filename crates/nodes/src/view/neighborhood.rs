@@ -2,6 +2,7 @@
 
 use trochoid_graph::{Bounding, Channel, Connection, Inputs, One, References, Span, port};
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 
 /// Returns a window grown by a number of pixels on each side.
 pub(crate) fn grown(window: Window, by: i64) -> Window {
@@ -66,7 +67,7 @@ impl<'a> Neighborhood<'a> {
 
     /// Returns the index of the surface seen by each sample, −1 where none is seen. Views that do not distinguish
     /// surfaces count as one surface.
-    pub(crate) fn surfaces(&self) -> Vec<f32> {
+    pub(crate) fn surfaces(&self) -> Scratch<f32> {
         let coverage = self.plane(Channel::Coverage).unwrap_or_default();
         match self.plane(Channel::Surface) {
             Some(surfaces) => {

@@ -6,6 +6,7 @@ use crate::sea::check_surfaces;
 use std::sync::Arc;
 use trochoid_graph::*;
 use trochoid_image::Format;
+use trochoid_memory::Scratch;
 
 /// A node whose only output is a quantity that rays find around each seen point, and 0 where nothing is seen.
 pub(crate) trait RayQuantity: Declare {
@@ -52,7 +53,7 @@ pub(crate) trait RayQuantity: Declare {
 }
 
 /// Function that returns the quantities found by rays around seen points, in f64, each from its own point alone.
-pub(crate) type Quantity = Box<dyn Fn(&[SeenPoint], &dyn Rays) -> Vec<f64> + Send + Sync>;
+pub(crate) type Quantity = Box<dyn Fn(&[SeenPoint], &dyn Rays) -> Scratch<f64> + Send + Sync>;
 
 /// Node with such a quantity.
 #[derive(Clone)]

@@ -6,6 +6,7 @@ use crate::geometry::memory;
 use std::sync::OnceLock;
 use trochoid_graph::*;
 use trochoid_image::Format;
+use trochoid_memory::Scratch;
 use trochoid_scene as scene;
 
 /// A view of surfaces from a camera, sample by sample, to the horizon.
@@ -203,7 +204,7 @@ impl PreparedRender {
     }
 }
 
-fn borrowed(surfaces: &[SurfaceHandle]) -> Vec<&dyn scene::Surface> {
+fn borrowed(surfaces: &[SurfaceHandle]) -> Scratch<&dyn scene::Surface> {
     surfaces.iter().map(|surface| surface.as_ref()).collect()
 }
 
@@ -224,7 +225,7 @@ impl Prepared for PreparedRender {
 
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(visible) = self.visible_in(block) else { return Ok(()) };
-        let mut planes: Vec<_> =
+        let mut planes: Scratch<_> =
             Channel::ALL.into_iter().enumerate().filter_map(|(i, c)| Some((c, outputs.take(Out::View, i)?))).collect();
         let mut coverage = outputs.take(Out::Coverage, 0);
         let mut targets = scene::Targets::default();
@@ -242,7 +243,7 @@ impl Prepared for PreparedRender {
             plane.copy_from_slice(own);
         }
         if let Some(sums) = self.follows.filter(|_| !planes.is_empty()) {
-            let pixels: Vec<[i64; 2]> = block.pixels().collect();
+            let pixels: Scratch<[i64; 2]> = block.pixels().collect();
             let points = visible.points(&borrowed(&self.surfaces), &pixels, block.offset, sums);
             // Where no point of the surface is near, the mesh's point stays.
             let found = points.iter().enumerate().filter_map(|(index, point)| Some((index, point.as_ref()?)));

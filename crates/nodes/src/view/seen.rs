@@ -4,6 +4,7 @@ use super::surroundings::{Rays, Surroundings};
 use super::{NORMAL, POSITION, is_covered, too_rough, view_planes, view_vector};
 use std::cell::Cell;
 use trochoid_graph::{Block, Channel, ChannelSet, Inputs, NodeError, One, References, port};
+use trochoid_memory::Scratch;
 use trochoid_scene::shading::unit_or_up;
 use trochoid_scene::{DVec3, GivenUp, Segment};
 
@@ -28,7 +29,7 @@ struct ExactRays<'a> {
 }
 
 impl Rays for ExactRays<'_> {
-    fn first(&self, segments: &[Segment]) -> Vec<Option<f64>> {
+    fn first(&self, segments: &[Segment]) -> Scratch<Option<f64>> {
         let first = |&Segment { ray, limit }: &Segment| {
             self.surroundings.first_reference(&ray, limit).unwrap_or_else(|error| {
                 self.failed.set(Some(error));
@@ -38,8 +39,8 @@ impl Rays for ExactRays<'_> {
         segments.iter().map(first).collect()
     }
 
-    fn blocks(&self, segments: &[Segment]) -> Vec<bool> {
-        self.first(segments).into_iter().map(|distance| distance.is_some()).collect()
+    fn blocks(&self, segments: &[Segment]) -> Scratch<bool> {
+        self.first(segments).iter().map(|distance| distance.is_some()).collect()
     }
 }
 
@@ -63,13 +64,13 @@ impl Surroundings {
         inputs: &Inputs<'_>,
         view: &One<port::View>,
         out: &mut [f32],
-        quantity: impl Fn(&[SeenPoint], &dyn Rays) -> Vec<f64>,
+        quantity: impl Fn(&[SeenPoint], &dyn Rays) -> Scratch<f64>,
     ) -> Result<(), NodeError> {
         let (points, normals) = (view_planes(inputs, view, POSITION), view_planes(inputs, view, NORMAL));
         let coverage = inputs.view(view, Channel::Coverage);
         let vector = |planes: [&[f32]; 3], index: usize| DVec3::from(planes.map(|plane| f64::from(plane[index])));
         out.fill(0.0);
-        let (mut seen, mut indices) = (Vec::with_capacity(TOGETHER), Vec::with_capacity(TOGETHER));
+        let (mut seen, mut indices) = (Scratch::new(), Scratch::new());
         let mut places = block.places().enumerate().filter(|(index, _)| coverage[*index] > 0.0).peekable();
         while places.peek().is_some() {
             // Rays may be slow: a row of soft shadows can take longer than anyone wants to wait.
@@ -80,8 +81,8 @@ impl Surroundings {
                 seen.push(self.seen(at, vector(points, index), vector(normals, index)));
                 indices.push(index);
             }
-            for (index, quantity) in indices.iter().zip(quantity(&seen, self)) {
-                out[*index] = quantity as f32;
+            for (index, quantity) in indices.iter().zip(&quantity(&seen, self)) {
+                out[*index] = *quantity as f32;
             }
         }
         Ok(())
@@ -95,7 +96,7 @@ impl Surroundings {
         &self,
         inputs: &References<'_>,
         view: &One<port::View>,
-        quantity: impl Fn(&[SeenPoint], &dyn Rays) -> Vec<f64>,
+        quantity: impl Fn(&[SeenPoint], &dyn Rays) -> Scratch<f64>,
     ) -> Result<f64, NodeError> {
         if !is_covered(inputs, view) {
             return Ok(0.0);

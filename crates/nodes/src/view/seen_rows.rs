@@ -3,6 +3,7 @@
 use super::Neighborhood;
 use fearless_simd::{Level, Simd, dispatch};
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 
 /// Minimum depth, in meters.
 pub(super) const NEAREST: f64 = 1e-6;
@@ -39,8 +40,8 @@ impl SeenSample {
 /// What the samples of a window see.
 pub(super) struct SeenRows {
     window: Window,
-    surfaces: Vec<f64>,
-    w: Vec<f64>,
+    surfaces: Scratch<f64>,
+    w: Scratch<f64>,
 }
 
 /// Number of pairs that are tested for jumps together.
@@ -50,9 +51,9 @@ impl SeenRows {
     /// Returns what the samples of a window see; beyond the image, the nearest pixel repeats. `group` maps each surface
     /// to the one that it counts as.
     pub(super) fn new(around: &Neighborhood<'_>, depths: &[f32], window: Window, group: impl Fn(f32) -> f64) -> Self {
-        let mut seen = Self { window, surfaces: Vec::new(), w: vec![0.0; window.area()] };
+        let mut seen = Self { window, surfaces: Scratch::new(), w: Scratch::of(0.0, window.area()) };
         seen.surfaces.reserve(window.area());
-        let (surfaces, mut spare) = (around.surfaces(), Vec::new());
+        let (surfaces, mut spare) = (around.surfaces(), Scratch::new());
         // Neighbors mostly see the same surface.
         let mut last = (f32::NAN, 0.0);
         for (y, w) in (window.y0..window.y1).zip(seen.w.chunks_exact_mut(window.width().max(1))) {

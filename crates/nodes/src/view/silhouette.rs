@@ -5,6 +5,7 @@ use crate::lit::{BoundedDirection, BoundedVector, eye, toward_eye, view_position
 use fearless_simd::{Level, Simd, dispatch};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
+use trochoid_memory::Scratch;
 use trochoid_scene::Projector;
 use trochoid_scene::shading::{facing, facings, view_directions};
 
@@ -117,10 +118,10 @@ impl PreparedSilhouette {
     }
 
     /// Returns max(0, N · V) at all samples around a block that see a surface.
-    fn edges(&self, inputs: &Inputs<'_>, surfaces: &[f32]) -> Result<Vec<f64>, NodeError> {
+    fn edges(&self, inputs: &Inputs<'_>, surfaces: &[f32]) -> Result<Scratch<f64>, NodeError> {
         let normals = view_planes(inputs, &self.node.view, NORMAL);
         let positions = view_positions(inputs, &self.node.view, &self.eye)?;
-        let mut edges = vec![1.0; surfaces.len()];
+        let mut edges = Scratch::of(1.0, surfaces.len());
         let mut views = [[0.0; AT_ONCE]; 3];
         for (part, edges) in edges.chunks_mut(AT_ONCE).enumerate() {
             let range = part * AT_ONCE..part * AT_ONCE + edges.len();
@@ -179,7 +180,7 @@ impl Prepared for PreparedSilhouette {
         let edges = self.edges(inputs, &surfaces)?;
         let Window { x0, x1, y0, .. } = block.window;
         let width = block.window.width().max(1);
-        let mut spare: (Vec<f64>, Vec<f32>) = Default::default();
+        let mut spare: (Scratch<f64>, Scratch<f32>) = Default::default();
         if let Some(plane) = outputs.take(Out::Edge, 0) {
             for (y, out) in (y0..).zip(plane.chunks_exact_mut(width)) {
                 let edges = around.row(&edges, y, x0..x1, &mut spare.0);
@@ -202,7 +203,7 @@ impl Prepared for PreparedSilhouette {
         };
         let mut squares = edges;
         squares.iter_mut().for_each(|edge| *edge *= *edge);
-        let mut spare: ([Vec<f64>; 3], [Vec<f32>; 3]) = Default::default();
+        let mut spare: ([Scratch<f64>; 3], [Scratch<f32>; 3]) = Default::default();
         for (y, out) in (y0..).zip(mask.chunks_exact_mut(width)) {
             let ([a, b, c], [d, e, f]) = (&mut spare.0, &mut spare.1);
             let rows = Rows {

@@ -3,6 +3,7 @@
 use super::{RenderHandle, SeenPoint, SurfaceHandle};
 use std::sync::Arc;
 use trochoid_graph::{BadData, Items, NodeError, One, Prepare, port};
+use trochoid_memory::Scratch;
 use trochoid_scene::{DVec3, GivenUp, Obstacles, Projector, Ray, Segment, Surface, first_reference, surroundings};
 
 /// Fineness of the surfaces that block rays.
@@ -29,10 +30,10 @@ pub(crate) struct Surroundings {
 /// What rays meet.
 pub(crate) trait Rays {
     /// Returns the distance to the first hit along each ray, if there is one.
-    fn first(&self, segments: &[Segment]) -> Vec<Option<f64>>;
+    fn first(&self, segments: &[Segment]) -> Scratch<Option<f64>>;
 
     /// Whether anything blocks each ray.
-    fn blocks(&self, segments: &[Segment]) -> Vec<bool>;
+    fn blocks(&self, segments: &[Segment]) -> Scratch<bool>;
 }
 
 /// Distance above and below a seen point within which the surface hit by rays is searched for, and distance below that
@@ -42,15 +43,15 @@ pub(crate) const UNDER: f64 = 0.02;
 
 /// Returns the points of the surface hit by rays that correspond to seen points: facets of another size lie a little
 /// above or below these. Returns a seen point itself if there is none.
-pub(crate) fn landed(seen: &[SeenPoint], rays: &dyn Rays) -> Vec<DVec3> {
+pub(crate) fn landed(seen: &[SeenPoint], rays: &dyn Rays) -> Scratch<DVec3> {
     let down = |seen: &SeenPoint| {
         let &SeenPoint { point, normal, facet, .. } = seen;
         let reach = AROUND * facet;
         Segment { ray: Ray { origin: point + normal * reach, direction: -normal }, limit: 2.0 * reach }
     };
-    let down: Vec<Segment> = seen.iter().map(down).collect();
+    let down: Scratch<Segment> = seen.iter().map(down).collect();
     let found = rays.first(&down);
-    let landed = seen.iter().zip(&down).zip(found);
+    let landed = seen.iter().zip(&down).zip(&found);
     landed.map(|((seen, down), distance)| distance.map_or(seen.point, |distance| down.ray.at(distance))).collect()
 }
 
@@ -97,11 +98,11 @@ impl Surroundings {
 
 /// Rays that meet tessellated surfaces.
 impl Rays for Surroundings {
-    fn first(&self, segments: &[Segment]) -> Vec<Option<f64>> {
+    fn first(&self, segments: &[Segment]) -> Scratch<Option<f64>> {
         self.obstacles.first(segments)
     }
 
-    fn blocks(&self, segments: &[Segment]) -> Vec<bool> {
+    fn blocks(&self, segments: &[Segment]) -> Scratch<bool> {
         self.obstacles.blocks(segments)
     }
 }

@@ -87,8 +87,8 @@ impl RayQuantity for Thickness {
             None => refracted(-unit_or_up(toward_eye(&eye, seen.point)), seen.normal, ior),
         };
         Ok(Box::new(move |seen: &[SeenPoint], rays: &dyn Rays| {
-            let starts = path_knobs.starts(seen, rays).into_iter();
-            path_knobs.lengths(starts.zip(seen.iter().map(&along)), rays)
+            let starts = path_knobs.starts(seen, rays);
+            path_knobs.lengths(starts.iter().copied().zip(seen.iter().map(&along)), rays)
         }))
     }
 

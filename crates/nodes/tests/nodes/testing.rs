@@ -3,6 +3,7 @@
 use std::path::Path;
 use trochoid_graph::*;
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 use trochoid_nodes::inside::{Holding, prepare_read};
 use trochoid_weights::arithmetic;
 
@@ -148,8 +149,8 @@ impl Frame {
         let kinds = &self.graph.node(id).kinds;
         let mut memory: Vec<Vec<Vec<f32>>> =
             kinds.iter().map(|kind| (0..kind.channels()).map(plane).collect()).collect();
-        let planes = memory.iter_mut().map(|planes| planes.iter_mut().map(|plane| Some(&mut plane[..])).collect());
-        self.node(name).fill(&block, &Inputs::new(&[]), &mut Outputs::new(planes.collect()))
+        let planes = memory.iter_mut().map(|planes| planes.iter_mut().map(|plane| Some(&mut plane[..])));
+        self.node(name).fill(&block, &Inputs::new(&[]), &mut Outputs::new(planes))
     }
 
     /// Fills the first channel of a stage at one sample in each pixel of a window.
@@ -172,7 +173,7 @@ impl Frame {
         }
         planes[output][channel] = Some(&mut plane);
         let prepared = self.prepared[id.0].as_ref().unwrap();
-        let ports: Vec<_> = self.graph.node(id).record.ports().map(|_| Vec::new()).collect();
+        let ports: Vec<_> = self.graph.node(id).record.ports().map(|_| Scratch::new()).collect();
         prepared.fill(&block, &Inputs::new(&ports), &mut Outputs::new(planes)).unwrap();
         plane[0]
     }

@@ -10,6 +10,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use lanes::{Deepest, LANES};
 use ribbon::STEPS;
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 
 /// A ribbon with its thumbs.
 pub struct Claw {
@@ -119,10 +120,10 @@ fn united(all: Option<(RibbonPoint, f64)>, part: Option<(RibbonPoint, f64)>) -> 
 /// memory.
 #[derive(Default)]
 pub struct Places {
-    all: Vec<Option<(RibbonPoint, f64)>>,
+    all: Scratch<Option<(RibbonPoint, f64)>>,
     /// Those within one ribbon, and the x of its samples, in groups of neighbors.
-    part: Vec<Deepest>,
-    columns: Vec<[f64; LANES]>,
+    part: Scratch<Deepest>,
+    columns: Scratch<[f64; LANES]>,
 }
 
 impl Places {

@@ -15,6 +15,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use glam::DVec3;
 use packet::{Packet, RAYS};
 use tree::Tree;
+use trochoid_memory::Scratch;
 
 /// Surfaces as tessellated for a camera, ready for intersection with rays from anywhere.
 ///
@@ -104,12 +105,12 @@ impl Obstacles {
     }
 
     /// Returns the distance to the first point along each ray, if there is one within its limit.
-    pub fn first(&self, segments: &[Segment]) -> Vec<Option<f64>> {
+    pub fn first(&self, segments: &[Segment]) -> Scratch<Option<f64>> {
         self.answers::<false, _>(Level::new(), segments, |distance| distance.map(f64::from))
     }
 
     /// Returns whether there is any point along each ray within its limit.
-    pub fn blocks(&self, segments: &[Segment]) -> Vec<bool> {
+    pub fn blocks(&self, segments: &[Segment]) -> Scratch<bool> {
         self.answers::<true, _>(Level::new(), segments, |distance| distance.is_some())
     }
 
@@ -123,7 +124,8 @@ impl Obstacles {
     pub(crate) fn slowly(&self, segments: &[Segment]) -> Vec<(Option<f64>, bool)> {
         let level = Level::baseline();
         let first = self.answers::<false, _>(level, segments, |distance| distance.map(f64::from));
-        first.into_iter().zip(self.answers::<true, _>(level, segments, |distance| distance.is_some())).collect()
+        let any = self.answers::<true, _>(level, segments, |distance| distance.is_some());
+        first.iter().copied().zip(any.iter().copied()).collect()
     }
 
     /// Returns the number of bytes held.
@@ -139,9 +141,9 @@ impl Obstacles {
         level: Level,
         segments: &[Segment],
         answer: impl Fn(Option<f32>) -> T,
-    ) -> Vec<T> {
-        let mut answers = Vec::with_capacity(segments.len());
-        let mut waiting = Vec::new();
+    ) -> Scratch<T> {
+        let mut answers = Scratch::new();
+        let mut waiting = Scratch::new();
         dispatch!(level, simd => simd.vectorize(
             #[inline(always)]
             || for segments in segments.chunks(RAYS) {

@@ -33,6 +33,7 @@ use crate::Projector;
 use dab::{Dab, LANES, SprayLanes};
 use fearless_simd::{Level, Simd, dispatch};
 use trochoid_image::Window;
+use trochoid_memory::Scratch;
 
 /// Side of a bin in pixels.
 const BIN: i64 = 32;
@@ -168,7 +169,7 @@ impl Dabs {
         let edge = |index: i64, count: i64, low: i64, high: i64| {
             (if index == 0 { low } else { index * BIN }, if index == count - 1 { high } else { (index + 1) * BIN })
         };
-        let mut sums = Vec::new();
+        let mut sums = Scratch::new();
         for row in bin(window.y0, rows)..=bin(window.y1 - 1, rows) {
             for column in bin(window.x0, columns)..=bin(window.x1 - 1, columns) {
                 let (x0, x1) = edge(column, columns, window.x0, window.x1);

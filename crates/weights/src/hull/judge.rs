@@ -7,6 +7,7 @@ use super::nearness::Nearness;
 use super::screen::{BLOCK, Bounds, Groups, Pixels, TOGETHER, failing_pixels};
 use super::vector::{Point, along, length, sub};
 use super::{EVALUATION, Facet, Hull};
+use trochoid_memory::Scratch;
 
 /// Number of undecided pixels in a block from which on they are judged in f64 at once rather than collected.
 const MANY_LEFT: u32 = 24;
@@ -81,20 +82,21 @@ struct Sieve<'h> {
     margin: f64,
     /// For each plane, an excess up to which the distance is certainly within the margin. Made on first use, like the
     /// planes of each screen.
-    allowed_excess: Vec<f64>,
-    groups: Vec<Groups>,
+    allowed_excess: Scratch<f64>,
+    groups: Scratch<Groups>,
     /// Pixels that wait for each stage: the screens, and f64 last.
-    waiting: Vec<([[f32; BLOCK]; 3], usize)>,
-    planes: Vec<[f32; 4]>,
+    waiting: Scratch<([[f32; BLOCK]; 3], usize)>,
+    planes: Scratch<[f32; 4]>,
     count: u64,
     worst: f64,
 }
 
 impl<'h> Sieve<'h> {
     fn new(hull: &'h Hull, margin: f64) -> Self {
-        let waiting = vec![([[0.0; BLOCK]; 3], 0); hull.screens.len() + 1];
-        let groups = vec![Vec::new(); hull.screens.len()];
-        Self { hull, margin, allowed_excess: Vec::new(), groups, waiting, planes: Vec::new(), count: 0, worst: 0.0 }
+        let waiting = Scratch::of(([[0.0; BLOCK]; 3], 0), hull.screens.len() + 1);
+        let groups = Scratch::of(Groups::new(), hull.screens.len());
+        let (allowed_excess, planes) = (Scratch::new(), Scratch::new());
+        Self { hull, margin, allowed_excess, groups, waiting, planes, count: 0, worst: 0.0 }
     }
 
     /// Makes the planes or bounds of a stage.

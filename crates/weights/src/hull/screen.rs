@@ -4,6 +4,7 @@ use fearless_simd::prelude::*;
 
 use super::nearness::Nearness;
 use super::{BoxHull, EVALUATION, Facet};
+use trochoid_memory::Scratch;
 
 /// Number of pixels judged together.
 pub(super) const BLOCK: usize = 128;
@@ -21,7 +22,7 @@ pub(super) const TOGETHER: usize = 4;
 const U: f64 = 0.5 * f32::EPSILON as f64;
 
 /// Planes by component; the last group is padded with planes that no pixel violates.
-pub(super) type Groups = Vec<[[f32; LANES]; 4]>;
+pub(super) type Groups = Scratch<[[f32; LANES]; 4]>;
 
 /// A polytope inside a hull, or the hull itself, as a conservative test in f32.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,7 +72,7 @@ impl Screen {
     /// before and after rounding. n̂·p exceeds n·p by at least D, the minimum of (n̂ − n)·p over the box. So with −n₃
     /// ≤ d + D − E + t(1 − 2u), a pixel that passes has n·p − d ≤ t. ∎
     pub(super) fn groups(&self, margin: f64) -> Groups {
-        let mut groups = Vec::with_capacity(self.planes.len().div_ceil(LANES));
+        let mut groups = Scratch::new();
         for (planes, nearness) in self.planes.chunks(LANES).zip(self.nearness.chunks(LANES)) {
             let mut group = [[0.0; LANES], [0.0; LANES], [0.0; LANES], [f32::NEG_INFINITY; LANES]];
             for (lane, ((normal, offset), nearness)) in planes.iter().zip(nearness).enumerate() {

@@ -10,7 +10,7 @@ mod tally;
 mod trace;
 
 pub use scattered::CertifiedPixels;
-pub(crate) use stage::{Found, fill_with_bounds};
+pub(crate) use stage::{Found, Ports, fill_with_bounds};
 use tally::CertifiedTile;
 pub use tally::{Certified, Distribution};
 pub(crate) use trace::Trace;

@@ -3,6 +3,7 @@
 use super::extent::clamped;
 use super::runner::Runner;
 use super::shared::UnsharedPixels;
+use super::state::Image;
 use super::{Chunk, FillState, Fills};
 use crate::planning::gates::{Condition, GateSet, Gates};
 use crate::planning::plan::{Feed, Fill, Pass, Sample};
@@ -12,6 +13,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use trochoid_graph::{Kind, NodeError, Rate};
 use trochoid_image::{Channel, Format, Window};
 use trochoid_kernel::Plane;
+use trochoid_memory::Scratch;
 
 /// Share of a tile from which on a stage is filled everywhere: pixels by themselves cost more.
 const MOST: f64 = 0.6;
@@ -192,8 +194,8 @@ impl<'p> Fills<'p> {
         if !open.indices.is_empty() {
             filled = self.fill_pixels(index, open, offset, machine.as_mut()).map(|found| {
                 let planes = planes.iter_mut().flatten().filter(|plane| !plane.is_empty());
-                for (plane, values) in planes.zip(found) {
-                    open.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = value);
+                for (plane, values) in planes.zip(&found) {
+                    open.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = *value);
                 }
             });
         }
@@ -224,9 +226,9 @@ impl<'p> Fills<'p> {
         self.clear(index);
         let state = &mut self.fills[index];
         let (mut planes, mut machine) = (std::mem::take(&mut state.planes), state.taps.take());
-        let mut part: Vec<Vec<Vec<f32>>> =
-            state.fill.wanted.iter().map(|channels| vec![Vec::new(); channels.len()]).collect();
-        let (images, tap_window) = (state.images.clone(), state.tap_window);
+        let mut part = std::mem::take(&mut state.part);
+        let images: Scratch<Image> = state.images.iter().flatten().copied().collect();
+        let tap_window = state.tap_window;
         state.narrow(within, self.plan.graph.format());
         let mut tapped = std::mem::take(&mut self.tapped);
         let filled = self.fill_into(index, sample, &mut part, machine.as_mut(), &mut tapped).map(|_| ());
@@ -242,7 +244,8 @@ impl<'p> Fills<'p> {
         }
         let state = &mut self.fills[index];
         (state.planes, state.taps, state.columns, state.found) = (planes, machine, None, None);
-        (state.window, state.images, state.tap_window) = (tile, images, tap_window);
+        (state.part, state.window, state.tap_window) = (part, tile, tap_window);
+        state.images.iter_mut().flatten().zip(&images).for_each(|(image, whole)| *image = *whole);
         state.replaced.indices.clear();
         filled
     }

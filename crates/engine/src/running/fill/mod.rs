@@ -8,6 +8,7 @@ mod extent;
 mod gated;
 mod parts;
 mod runner;
+mod samples;
 mod shared;
 mod state;
 mod tapped;
@@ -15,7 +16,7 @@ mod tapped;
 use crate::planning::plan::{Feed, Fill, Pass, Sample};
 use crate::planning::schedule::read_before;
 use crate::planning::shading::{SHARING_CHANNELS, sharing_slot};
-use crate::running::certify::{Found, fill_with_bounds};
+use crate::running::certify::{Found, Ports, fill_with_bounds};
 use crate::running::keep::PlaneKeeper;
 use crate::running::prepare::{PreparedStage, node_error};
 use crate::running::steps::Whole;
@@ -24,16 +25,17 @@ use extent::clamped;
 pub(crate) use extent::extents;
 use gated::Gated;
 use runner::Runner;
+use samples::{PortSamples, Samples};
 use shared::{ReplacedValues, SharingView, UnsharedPixels};
 use state::{FillState, Image};
-use std::borrow::Cow;
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::time::Instant;
 use tapped::{Tapped, Taps};
 use trochoid_graph::{Block, Connection, Inputs, NoBound, NodeError, NodeId, Outputs, SharedResult, Slot, Variance};
 use trochoid_image::Window;
 use trochoid_kernel::{Chunk, CompiledProgram, Plane, WeightAudit};
+use trochoid_memory::Scratch;
 
 /// All stages of a pass, with their planes over the current tile.
 pub(crate) struct Fills<'p> {
@@ -59,8 +61,6 @@ pub(crate) struct Fills<'p> {
     keeper: Option<&'p PlaneKeeper>,
     /// Planes of the programs before stages, whose memory is used again and again.
     tapped: Tapped,
-    /// Copies of regions, whose memory is used again and again.
-    spare: RefCell<Vec<Vec<f32>>>,
     /// Where stages show.
     gated: Option<Gated<'p>>,
     /// By fill, the number of samples that it left out since they do not show.
@@ -101,6 +101,7 @@ impl<'p> Fills<'p> {
                 planes: fill.wanted.iter().map(|channels| vec![Vec::new(); channels.len()]).collect(),
                 one_row: fill.variance <= Variance::Column,
                 columns: None,
+                part: fill.wanted.iter().map(|channels| vec![Vec::new(); channels.len()]).collect(),
                 images: fill
                     .inputs
                     .iter()
@@ -131,7 +132,6 @@ impl<'p> Fills<'p> {
             exact: if bounding { vec![0.0; picture.width()] } else { Vec::new() },
             keeper: None,
             tapped: Tapped::default(),
-            spare: RefCell::default(),
             gated,
         }
     }
@@ -196,7 +196,14 @@ impl<'p> Fills<'p> {
             if let Some(keeper) = self.keeper.filter(|keeper| keeper.wants(whole)) {
                 let state = &self.fills[index];
                 let picture = self.plan.graph.format().window();
-                keeper.take(whole, sample.index, self.tile, state.window, picture, state.planes.iter().flatten());
+                keeper.take(
+                    whole,
+                    sample.index,
+                    self.tile,
+                    state.window,
+                    picture,
+                    state.planes.iter().flatten().map(|plane| &plane[..]),
+                );
             }
             seconds[id.0] += started.elapsed().as_secs_f64();
         }
@@ -204,7 +211,7 @@ impl<'p> Fills<'p> {
     }
 
     /// Returns the planes that a program reads over the current tile, in its order.
-    pub(crate) fn planes(&self, program: &CompiledProgram) -> Vec<Plane<'_>> {
+    pub(crate) fn planes(&self, program: &CompiledProgram) -> Scratch<Plane<'_>> {
         program.planes.iter().map(|slot| self.plane(slot, self.tile, &self.fills)).collect()
     }
 
@@ -374,15 +381,18 @@ impl<'p> Fills<'p> {
         let window = state.own_window(state.window);
         for (plane, wanted) in planes.iter_mut().flatten().zip(state.fill.wanted.iter().flatten()) {
             let samples = if *wanted { window.area() } else { 0 };
-            // Tiles differ a little in size; room for twice as much would stay unused.
-            plane.reserve_exact(samples.saturating_sub(plane.len()));
+            if plane.capacity() < samples {
+                // Tiles differ a little in size; room for twice as much would stay unused.
+                plane.clear();
+                plane.reserve_exact(samples + samples / 8);
+            }
             plane.resize(samples, 0.0);
         }
         if self.known_taps(index).is_none() {
             self.run_taps(state, before, sample.index, machine, tapped);
         }
         let taps = &tapped.planes;
-        let held: Vec<Vec<ConnectionPlanes<'_>>> = state
+        let held: PortSamples<'_> = state
             .fill
             .inputs
             .iter()
@@ -396,7 +406,7 @@ impl<'p> Fills<'p> {
                     .collect()
             })
             .collect();
-        let ports: Vec<Vec<Connection<'_>>> = state
+        let ports: Ports<'_> = state
             .images
             .iter()
             .zip(&held)
@@ -409,13 +419,9 @@ impl<'p> Fills<'p> {
                 connections.collect()
             })
             .collect();
-        let outputs = planes
-            .iter_mut()
-            .zip(&state.fill.wanted)
-            .map(|(planes, wanted)| {
-                planes.iter_mut().zip(wanted).map(|(plane, wanted)| wanted.then_some(plane.as_mut_slice())).collect()
-            })
-            .collect();
+        let outputs = planes.iter_mut().zip(&state.fill.wanted).map(|(planes, wanted)| {
+            planes.iter_mut().zip(wanted).map(|(plane, wanted)| wanted.then_some(plane.as_mut_slice()))
+        });
         let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(None) };
         let cancelled = || self.monitor.cancelled();
         let block = Block::of(window, sample.offset);
@@ -436,44 +442,30 @@ impl<'p> Fills<'p> {
         };
         let inputs = inputs.with_found(found.as_ref());
         ready.prepared.fill(&block, &inputs, &mut Outputs::new(outputs))?;
-        drop(ports);
-        self.spare.borrow_mut().extend(held.into_iter().flatten().flatten().flatten().filter_map(
-            |samples| match samples {
-                Cow::Owned(samples) => Some(samples),
-                Cow::Borrowed(_) => None,
-            },
-        ));
         if state.fill.variance == Variance::Row {
             let width = state.window.width();
             for plane in planes.iter_mut().flatten().filter(|plane| !plane.is_empty()) {
-                *plane = plane.iter().flat_map(|value| std::iter::repeat_n(*value, width)).collect();
+                let rows = plane.len();
+                plane.resize(rows * width, 0.0);
+                // From the last row on, so that no value is overwritten before it is read.
+                for row in (0..rows).rev() {
+                    let value = plane[row];
+                    plane[row * width..][..width].fill(value);
+                }
             }
         }
         Ok(found)
     }
 
-    /// Returns an empty vector with room for some samples.
-    fn spare(&self, room: usize) -> Vec<f32> {
-        let mut spare = self.spare.borrow_mut();
-        let large = spare.iter().position(|samples| samples.capacity() >= room);
-        let mut samples = match large {
-            Some(index) => spare.swap_remove(index),
-            None => spare.pop().unwrap_or_default(),
-        };
-        samples.clear();
-        samples.reserve_exact(room);
-        samples
-    }
-
     /// Returns the samples of one channel over a region, row by row; borrowed if they are already contiguous.
-    fn samples<'a>(&'a self, feed: &Feed, region: Window, index: usize, taps: &'a Taps) -> Option<Cow<'a, [f32]>> {
+    fn samples<'a>(&'a self, feed: &Feed, region: Window, index: usize, taps: &'a Taps) -> Option<Samples<'a>> {
         let plane = match feed {
             Feed::Nothing => return None,
-            Feed::Constant(value) => return Some(vec![*value; region.area()].into()),
+            Feed::Constant(value) => return Some(Samples::Copied(Scratch::of(*value, region.area()))),
             Feed::Tap(root, channel) => {
                 let (samples, within) = match self.known_taps(index) {
-                    Some(known) => (&known[*root][*channel], self.plan.graph.format().window()),
-                    None => (taps.get(&(*root, *channel))?, self.fills[index].tap_window),
+                    Some(known) => (&known[*root][*channel][..], self.plan.graph.format().window()),
+                    None => (taps.get(*root, *channel)?, self.fills[index].tap_window),
                 };
                 let stride = within.width();
                 let start = (region.y0 - within.y0) as usize * stride + (region.x0 - within.x0) as usize;
@@ -483,19 +475,16 @@ impl<'p> Fills<'p> {
         };
         let (width, height) = (region.width(), region.height());
         Some(if plane.stride == width || height == 1 {
-            plane.samples[plane.start..plane.start + region.area()].into()
+            Samples::InPlace(&plane.samples[plane.start..plane.start + region.area()])
         } else {
-            let mut samples = self.spare(region.area());
+            let mut samples = Scratch::with_room(region.area());
             for y in 0..height {
                 samples.extend_from_slice(plane.row(y, width));
             }
-            samples.into()
+            Samples::Copied(samples)
         })
     }
 }
-
-/// Channels of one connection; `None` where not requested.
-type ConnectionPlanes<'a> = Vec<Option<Cow<'a, [f32]>>>;
 
 /// Returns the index of the fill that holds each plane.
 pub(super) fn by_slot(fills: &[Fill]) -> HashMap<Slot, usize> {

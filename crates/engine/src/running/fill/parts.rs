@@ -2,6 +2,7 @@
 
 use super::Fills;
 use trochoid_graph::{Bound, Kind, NodeId, REFERENCE};
+use trochoid_memory::Scratch;
 use trochoid_weights::sums;
 
 impl Fills<'_> {
@@ -22,7 +23,7 @@ impl Fills<'_> {
         }
         for (row, y) in (window.y0..window.y1).enumerate() {
             let start = (y - picture.y0) as usize * picture.width() + (window.x0 - picture.x0) as usize;
-            let rows: Vec<&[f32]> = weights.iter().map(|plane| &plane[start..start + width]).collect();
+            let rows: Scratch<&[f32]> = weights.iter().map(|plane| &plane[start..start + width]).collect();
             let sums = sums::sums(&rows);
             for (channel, plane) in state.planes[0].iter_mut().enumerate().filter(|(_, plane)| !plane.is_empty()) {
                 let parts =

@@ -1,16 +1,17 @@
 //! Stages whose results the samples of a pixel share: after the first sample, only the pixels that differ are filled.
 
 use super::runner::Runner;
+use super::samples::{PortSamples, Samples};
 use super::tapped::Taps;
-use super::{ConnectionPlanes, FillState, Fills};
+use super::{FillState, Fills};
 use crate::planning::plan::{Feed, Fill};
 use crate::planning::shading::{SHARING_CHANNELS, sharing_slot};
-use crate::running::certify::{Found, fill_with_bounds};
-use std::borrow::Cow;
+use crate::running::certify::{Found, Ports, fill_with_bounds};
 use std::collections::HashMap;
 use trochoid_graph::{Block, Bound, Connection, Inputs, NodeError, NodeId, Outputs, Slot};
 use trochoid_image::{Shading, Window};
 use trochoid_kernel::Plane;
+use trochoid_memory::Scratch;
 
 /// What a view sees at the samples of the current tile.
 pub(super) struct SharingView {
@@ -32,13 +33,13 @@ pub(super) struct SharingView {
 /// Pixels of a window at which the current sample does not share, according to some views.
 #[derive(Default)]
 pub(super) struct UnsharedPixels {
-    views: Vec<NodeId>,
+    views: Scratch<NodeId>,
     window: Window,
     /// Indices into planes over the window.
-    pub(super) indices: Vec<usize>,
-    pixels: Vec<[i64; 2]>,
+    pub(super) indices: Scratch<usize>,
+    pixels: Scratch<[i64; 2]>,
     /// Pixels at which the reference may decide differently.
-    doubtful: Vec<[i64; 2]>,
+    doubtful: Scratch<[i64; 2]>,
 }
 
 /// Results of the first sample, by plane, at the pixels where the results of another sample replace them.
@@ -90,7 +91,10 @@ impl SharingView {
     fn compare(&mut self, sample: usize, window: Window, [surfaces, depths]: [&[f32]; 2]) {
         if sample == 0 {
             self.all = window;
-            self.first = [surfaces.to_vec(), depths.to_vec()];
+            for (first, now) in self.first.iter_mut().zip([surfaces, depths]) {
+                first.clear();
+                first.extend_from_slice(now);
+            }
             return;
         }
         self.window = window;
@@ -160,11 +164,11 @@ impl UnsharedPixels {
     }
 
     /// Makes those of a window with these indices.
-    pub(super) fn at(window: Window, indices: Vec<usize>) -> Self {
+    pub(super) fn at(window: Window, indices: Scratch<usize>) -> Self {
         let width = window.width();
         let pixel = |index: &usize| [window.x0 + (index % width) as i64, window.y0 + (index / width) as i64];
         let pixels = indices.iter().map(pixel).collect();
-        Self { views: Vec::new(), window, indices, pixels, doubtful: Vec::new() }
+        Self { window, indices, pixels, ..Self::default() }
     }
 }
 
@@ -174,7 +178,7 @@ impl<'p> Fills<'p> {
         if !self.views.iter().any(|view| view.fill == index) {
             return;
         }
-        let known: Option<[Vec<f32>; 2]> = self.known(index).map(|_| {
+        let known: Option<[Scratch<f32>; 2]> = self.known(index).map(|_| {
             let state = &self.fills[index];
             SHARING_CHANNELS.map(|channel| {
                 let plane = self.plane(&sharing_slot(state.fill.node, channel), state.window, &self.fills);
@@ -201,7 +205,7 @@ impl<'p> Fills<'p> {
     /// elsewhere.
     pub(super) fn fill_unshared(&mut self, index: usize, views: &[NodeId], offset: [f64; 2]) -> Result<(), NodeError> {
         let (window, held) = (self.fills[index].need, self.fills[index].window);
-        let known = self.unshared.iter().position(|unshared| unshared.window == window && unshared.views == views);
+        let known = self.unshared.iter().position(|unshared| unshared.window == window && unshared.views[..] == *views);
         let unshared = match known {
             Some(known) => self.unshared.swap_remove(known),
             None => self.unshared_pixels(views, window),
@@ -210,7 +214,7 @@ impl<'p> Fills<'p> {
         let mut replaced = std::mem::take(&mut state.replaced);
         let mut own = std::mem::take(&mut state.planes);
         let mut machine = state.taps.take();
-        let mut planes: Vec<&mut Vec<f32>> = own.iter_mut().flatten().filter(|plane| !plane.is_empty()).collect();
+        let mut planes: Scratch<&mut Vec<f32>> = own.iter_mut().flatten().filter(|plane| !plane.is_empty()).collect();
         for (plane, values) in planes.iter_mut().zip(&replaced.values) {
             replaced.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = *value);
         }
@@ -222,7 +226,7 @@ impl<'p> Fills<'p> {
             replaced.indices.extend(unshared.pixels.iter().map(place));
         }
         // After the pixels that will get new results.
-        let doubtful: Vec<usize> = unshared.doubtful.iter().map(place).collect();
+        let doubtful: Scratch<usize> = unshared.doubtful.iter().map(place).collect();
         replaced.indices.extend_from_slice(&doubtful);
         replaced.values.resize_with(planes.len(), Vec::new);
         for (plane, values) in planes.iter().zip(&mut replaced.values) {
@@ -232,11 +236,12 @@ impl<'p> Fills<'p> {
         let mut filled = Ok(());
         if !unshared.indices.is_empty() {
             filled = self.fill_pixels(index, &unshared, offset, machine.as_mut()).map(|found| {
-                for (plane, values) in planes.iter_mut().zip(found) {
-                    replaced.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = value);
+                for (plane, values) in planes.iter_mut().zip(&found) {
+                    replaced.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = *value);
                 }
             });
         }
+        drop(planes);
         for planes in own.iter_mut().filter(|_| !doubtful.is_empty()) {
             let bounds = planes.len() / 2;
             for plane in planes[bounds..].iter_mut().filter(|plane| !plane.is_empty()) {
@@ -251,10 +256,10 @@ impl<'p> Fills<'p> {
 
     /// Finds the pixels of a window at which some view sees something else than at the first sample.
     fn unshared_pixels(&self, views: &[NodeId], window: Window) -> UnsharedPixels {
-        let asked: Vec<&SharingView> = self.views.iter().filter(|view| views.contains(&view.node)).collect();
-        let (mut indices, mut pixels, mut doubtful) = (Vec::new(), Vec::new(), Vec::new());
+        let asked: Scratch<&SharingView> = self.views.iter().filter(|view| views.contains(&view.node)).collect();
+        let (mut indices, mut pixels, mut doubtful) = (Scratch::new(), Scratch::new(), Scratch::new());
         for (y, first) in (window.y0..window.y1).zip((0..).step_by(window.width())) {
-            let rows: Vec<&[bool]> = asked.iter().map(|view| view.row(window, y)).collect();
+            let rows: Scratch<&[bool]> = asked.iter().map(|view| view.row(window, y)).collect();
             for x in (0..window.width()).filter(|x| rows.iter().any(|row| row[*x])) {
                 indices.push(first + x);
                 pixels.push([window.x0 + x as i64, y]);
@@ -264,7 +269,7 @@ impl<'p> Fills<'p> {
                 doubtful.extend(pixels.filter(|pixel| asked.iter().any(|view| view.is_doubtful(*pixel))));
             }
         }
-        UnsharedPixels { views: views.to_vec(), window, indices, pixels, doubtful }
+        UnsharedPixels { views: views.iter().copied().collect(), window, indices, pixels, doubtful }
     }
 
     /// Computes the stage's planes at single pixels of its window.
@@ -274,27 +279,41 @@ impl<'p> Fills<'p> {
         unshared: &UnsharedPixels,
         offset: [f64; 2],
         machine: Option<&mut Runner<'p>>,
-    ) -> Result<Vec<Vec<f32>>, NodeError> {
+    ) -> Result<Scratch<Scratch<f32>>, NodeError> {
+        let wanted = self.fills[index].fill.wanted.iter().flatten().filter(|wanted| **wanted);
+        let mut found = wanted.map(|_| Scratch::of(0.0, unshared.indices.len())).collect();
+        self.fill_pixels_into(index, unshared, offset, machine, &mut found)?;
+        Ok(found)
+    }
+
+    fn fill_pixels_into(
+        &self,
+        index: usize,
+        unshared: &UnsharedPixels,
+        offset: [f64; 2],
+        machine: Option<&mut Runner<'p>>,
+        found: &mut Scratch<Scratch<f32>>,
+    ) -> Result<(), NodeError> {
         let (state, before) = (&self.fills[index], &self.fills[..index]);
-        let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(Vec::new()) };
+        let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(()) };
         let taps = self.tap_pixels(state, unshared, before, machine);
         let count = unshared.indices.len();
-        let gather = |feed: &Feed| -> Option<Cow<'_, [f32]>> {
+        let gather = |feed: &Feed| -> Option<Samples<'_>> {
             Some(match feed {
                 Feed::Nothing => return None,
-                Feed::Constant(value) => vec![*value; count].into(),
-                Feed::Tap(root, channel) => taps.get(&(*root, *channel))?.into(),
-                Feed::Slot(slot) => self.gather(slot, unshared, before).into(),
+                Feed::Constant(value) => Samples::Copied(Scratch::of(*value, count)),
+                Feed::Tap(root, channel) => Samples::InPlace(taps.get(*root, *channel)?),
+                Feed::Slot(slot) => Samples::Copied(self.gather(slot, unshared, before)),
             })
         };
         let block = Block::scattered(&unshared.pixels, offset);
-        let held: Vec<Vec<ConnectionPlanes<'_>>> = state
+        let held: PortSamples<'_> = state
             .fill
             .inputs
             .iter()
             .map(|(_, connections)| connections.iter().map(|feeds| feeds.iter().map(gather).collect()).collect())
             .collect();
-        let ports: Vec<Vec<Connection<'_>>> = held
+        let ports: Ports<'_> = held
             .iter()
             .map(|connections| {
                 let connections = connections.iter().map(|held| Connection {
@@ -305,33 +324,25 @@ impl<'p> Fills<'p> {
                 connections.collect()
             })
             .collect();
-        let wanted = state.fill.wanted.iter().flatten().filter(|wanted| **wanted);
-        let mut found = vec![vec![0.0; count]; wanted.count()];
-        let mut targets = found.iter_mut();
-        let outputs = state
-            .fill
-            .wanted
-            .iter()
-            .map(|channels| {
-                let target = |wanted: &bool| wanted.then(|| targets.next().map(Vec::as_mut_slice)).flatten();
-                channels.iter().map(target).collect()
-            })
-            .collect();
+        let mut targets = found.iter_mut().map(|values| values.as_mut_slice());
+        let mut target = |wanted: &bool| wanted.then(|| targets.next()).flatten();
+        let mut outputs: Scratch<Scratch<Option<&mut [f32]>>> =
+            state.fill.wanted.iter().map(|channels| channels.iter().map(&mut target).collect()).collect();
+        let outputs = outputs.iter_mut().map(|channels| channels.drain(..));
         let cancelled = || self.monitor.cancelled();
         if self.plan.settings.bounds() {
             let exact = self.plan.settings.exact == Some(state.fill.node);
             let before = Found::Before(None);
             let (none, _) = fill_with_bounds(&*ready.prepared, exact, &block, &ports, &cancelled, before, outputs)?;
             state.unbounded.set(none);
-            return Ok(found);
+            return Ok(());
         }
         let inputs = Inputs::new(&ports).with_cancellation(&cancelled);
-        ready.prepared.fill(&block, &inputs, &mut Outputs::new(outputs))?;
-        Ok(found)
+        ready.prepared.fill(&block, &inputs, &mut Outputs::new(outputs))
     }
 
     /// Reads a plane at single pixels.
-    fn gather(&self, slot: &Slot, unshared: &UnsharedPixels, before: &[FillState<'_>]) -> Vec<f32> {
+    fn gather(&self, slot: &Slot, unshared: &UnsharedPixels, before: &[FillState<'_>]) -> Scratch<f32> {
         let (plane, window) = (self.plane(slot, unshared.window, before), unshared.window);
         if plane.stride == window.width() {
             let samples = &plane.samples[plane.start..];
@@ -349,14 +360,14 @@ impl<'p> Fills<'p> {
         before: &[FillState<'_>],
         machine: Option<&mut Runner<'p>>,
     ) -> Taps {
-        let mut taps = Taps::new();
+        let mut taps = Taps::default();
         if let (Some(machine), Some(compiled)) = (machine, &state.fill.taps) {
-            let planes: Vec<Vec<f32>> =
+            let planes: Scratch<Scratch<f32>> =
                 compiled.planes.iter().map(|slot| self.gather(slot, unshared, before)).collect();
             let stride = unshared.indices.len();
-            let planes: Vec<Plane<'_>> = planes.iter().map(|samples| Plane { samples, start: 0, stride }).collect();
+            let planes: Scratch<Plane<'_>> = planes.iter().map(|samples| Plane { samples, start: 0, stride }).collect();
             machine.tile(&planes, stride, 1, &mut |root, channel, _, row| {
-                taps.entry((root, channel)).or_default().extend_from_slice(row);
+                taps.of(root, channel).extend_from_slice(row);
             });
         }
         taps

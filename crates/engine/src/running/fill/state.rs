@@ -16,6 +16,8 @@ pub(super) struct FillState<'p> {
     pub(super) taps: Option<Runner<'p>>,
     /// Planes by output and channel; empty where not wanted.
     pub(super) planes: Vec<Vec<Vec<f32>>>,
+    /// The same over a part of the tile, where only that is filled.
+    pub(super) part: Vec<Vec<Vec<f32>>>,
     pub(super) one_row: bool,
     /// Columns and offset for which a single row was filled last.
     pub(super) columns: Option<(i64, i64, [f64; 2])>,

@@ -4,13 +4,35 @@ use super::runner::Runner;
 use super::shared::UnsharedPixels;
 use super::{FillState, Fills};
 use crate::running::steps::Whole;
-use std::collections::HashMap;
 use trochoid_graph::Slot;
 use trochoid_image::Window;
 use trochoid_kernel::{CompiledProgram, Plane};
+use trochoid_memory::Scratch;
 
-/// Planes of a program's roots, by root and channel.
-pub(super) type Taps = HashMap<(usize, usize), Vec<f32>>;
+/// Planes of a program's roots, of which there are few.
+#[derive(Default)]
+pub(super) struct Taps(Scratch<((usize, usize), Scratch<f32>)>);
+
+impl Taps {
+    /// Returns the plane of a channel of a root.
+    pub(super) fn get(&self, root: usize, channel: usize) -> Option<&[f32]> {
+        self.0.iter().find(|(of, _)| *of == (root, channel)).map(|(_, plane)| &plane[..])
+    }
+
+    /// Returns the same, to change it; empty at first.
+    pub(super) fn of(&mut self, root: usize, channel: usize) -> &mut Vec<f32> {
+        let index = self.0.iter().position(|(of, _)| *of == (root, channel)).unwrap_or_else(|| {
+            self.0.push(((root, channel), Scratch::new()));
+            self.0.len() - 1
+        });
+        &mut self.0[index].1
+    }
+
+    /// Returns all of them.
+    fn planes(&mut self) -> impl Iterator<Item = &mut Vec<f32>> {
+        self.0.iter_mut().map(|(_, plane)| &mut **plane)
+    }
+}
 
 /// Results of a program over a window, and what is needed to update them for another sample.
 #[derive(Default)]
@@ -18,9 +40,9 @@ pub(super) struct Tapped {
     pub(super) planes: Taps,
     window: Window,
     /// What the first sample read from stages that do not tell where samples differ.
-    first: Vec<(Slot, Vec<f32>)>,
+    first: Scratch<(Slot, Scratch<f32>)>,
     /// Pixels of the window that do not hold the first sample's results.
-    changed: Vec<usize>,
+    changed: Scratch<usize>,
 }
 
 impl Tapped {
@@ -31,7 +53,7 @@ impl Tapped {
             return;
         }
         let start = (to.y0 - from.y0) as usize * from.width() + (to.x0 - from.x0) as usize;
-        for plane in self.planes.values_mut().chain(self.first.iter_mut().map(|(_, plane)| plane)) {
+        for plane in self.planes.planes().chain(self.first.iter_mut().map(|(_, plane)| &mut **plane)) {
             for y in 0..to.height() {
                 let at = start + y * from.width();
                 plane.copy_within(at..at + width, y * width);
@@ -53,7 +75,7 @@ impl<'p> Fills<'p> {
         self.run_taps(&self.fills[index], &self.fills[..index], sample, machine.as_mut(), &mut tapped);
         let roots = compiled.roots.iter().enumerate();
         let planes = roots.flat_map(|(root, channels)| (0..*channels).map(move |channel| (root, channel)));
-        let planes = planes.filter_map(|root| tapped.planes.get(&root));
+        let planes = planes.filter_map(|(root, channel)| tapped.planes.get(root, channel));
         let picture = self.plan.graph.format().window();
         keeper.take(Whole::Taps(index), sample, self.tile, self.fills[index].tap_window, picture, planes);
         let state = &mut self.fills[index];
@@ -78,10 +100,10 @@ impl<'p> Fills<'p> {
             self.update_taps(state, before, compiled, machine, tapped);
             return;
         }
-        let planes: Vec<Plane<'_>> = compiled.planes.iter().map(|slot| self.plane(slot, window, before)).collect();
-        tapped.planes.values_mut().for_each(Vec::clear);
+        let planes: Scratch<Plane<'_>> = compiled.planes.iter().map(|slot| self.plane(slot, window, before)).collect();
+        tapped.planes.planes().for_each(Vec::clear);
         machine.tile(&planes, window.width(), window.height(), &mut |root, channel, _, row| {
-            let plane = tapped.planes.entry((root, channel)).or_default();
+            let plane = tapped.planes.of(root, channel);
             plane.reserve_exact(if plane.is_empty() { window.area() } else { 0 });
             plane.extend_from_slice(row);
         });
@@ -114,7 +136,7 @@ impl<'p> Fills<'p> {
     ) {
         let window = tapped.window;
         let width = window.width();
-        let mut differs = vec![false; window.area()];
+        let mut differs = Scratch::of(false, window.area());
         for state in compiled.planes.iter().filter_map(|slot| before.get(*self.by_slot.get(slot)?)) {
             let held = state.window;
             for index in &state.replaced.indices {
@@ -131,19 +153,18 @@ impl<'p> Fills<'p> {
                 row.for_each(|((first, now), differs)| *differs |= first.to_bits() != now.to_bits());
             }
         }
-        let changed: Vec<usize> = (0..differs.len()).filter(|index| differs[*index]).collect();
+        let changed: Scratch<usize> = (0..differs.len()).filter(|index| differs[*index]).collect();
         // Where only the sample before differed, the first sample's results come back.
         tapped.changed.iter().for_each(|index| differs[*index] = true);
         tapped.changed = changed;
-        let indices: Vec<usize> = (0..differs.len()).filter(|index| differs[*index]).collect();
+        let indices: Scratch<usize> = (0..differs.len()).filter(|index| differs[*index]).collect();
         if indices.is_empty() {
             return;
         }
         let pixels = UnsharedPixels::at(window, indices);
-        for (root, values) in self.tap_pixels(state, &pixels, before, Some(machine)) {
-            if let Some(plane) = tapped.planes.get_mut(&root) {
-                pixels.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = value);
-            }
+        for ((root, channel), values) in &self.tap_pixels(state, &pixels, before, Some(machine)).0 {
+            let plane = tapped.planes.of(*root, *channel);
+            pixels.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = *value);
         }
     }
 }

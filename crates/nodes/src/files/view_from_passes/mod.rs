@@ -11,6 +11,7 @@ use crate::view::named;
 use reading::Reading;
 use std::path::PathBuf;
 use trochoid_graph::*;
+use trochoid_memory::Scratch;
 use trochoid_scene::{Camera, DVec3, Projection};
 
 /// A view made from another renderer's passes, or from a painted normal map.
@@ -321,7 +322,7 @@ impl Prepared for PreparedView {
 
     fn fill(&self, block: &Block<'_>, _inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         for pass in &self.passes {
-            let mut outs: Vec<_> =
+            let mut outs: Scratch<_> =
                 pass.channels.iter().map(|channel| outputs.take(Out::View, *channel as usize)).collect();
             let mut copy = None;
             if let Some(at) = pass.channels.iter().position(|channel| *channel == Channel::Coverage) {

@@ -11,6 +11,7 @@ use std::collections::HashMap;
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_io::{ExrChannel, ExrImage, Samples, write_exr};
+use trochoid_memory::Scratch;
 
 /// Results of testing a case.
 #[derive(Default)]
@@ -71,7 +72,7 @@ fn hold(frame: &Frame, how: How, seed: u64, tighter: f64) -> Found {
         ports: &[Vec<(NodeId, usize)>],
         planes: &'a HashMap<(NodeId, usize), Vec<Vec<f32>>>,
         window: Window,
-    ) -> Vec<Vec<Connection<'a>>> {
+    ) -> Vec<Scratch<Connection<'a>>> {
         let connection = |source: &(NodeId, usize)| Connection {
             planes: planes[source].iter().map(|plane| Some(&plane[..])).collect(),
             window,
@@ -86,9 +87,7 @@ fn hold(frame: &Frame, how: How, seed: u64, tighter: f64) -> Found {
         kinds.iter().map(|kind| vec![vec![f32::NAN; picture.area()]; kind.channels()]).collect()
     };
     fn lend(memory: &mut [Vec<Vec<f32>>]) -> Outputs<'_> {
-        Outputs::new(
-            memory.iter_mut().map(|planes| planes.iter_mut().map(|plane| Some(&mut plane[..])).collect()).collect(),
-        )
+        Outputs::new(memory.iter_mut().map(|planes| planes.iter_mut().map(|plane| Some(&mut plane[..]))))
     }
     let (mut filled, mut certain) = (memory(), memory());
     prepared.fill(&block, &inputs, &mut lend(&mut filled)).unwrap();

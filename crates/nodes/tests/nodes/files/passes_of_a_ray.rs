@@ -7,6 +7,7 @@ use trochoid_graph::{
 };
 use trochoid_image::Window;
 use trochoid_io::{ExrChannel, ExrImage, Samples, write_exr};
+use trochoid_memory::Scratch;
 
 const WIDTH: usize = 48;
 const HEIGHT: usize = 27;
@@ -124,12 +125,10 @@ fn expect_bounds(frame: &Frame) {
         kinds.iter().map(|kind| vec![vec![f32::NAN; WIDTH * HEIGHT]; kind.channels()]).collect()
     };
     fn lend(memory: &mut [Vec<Vec<f32>>]) -> Outputs<'_> {
-        Outputs::new(
-            memory.iter_mut().map(|planes| planes.iter_mut().map(|plane| Some(&mut plane[..])).collect()).collect(),
-        )
+        Outputs::new(memory.iter_mut().map(|planes| planes.iter_mut().map(|plane| Some(&mut plane[..]))))
     }
     let (mut filled, mut bounds) = (memory(), memory());
-    let ports = [Vec::new()];
+    let ports = [Scratch::new()];
     let (view, inputs) = (frame.node("view"), Inputs::new(&ports));
     view.fill(&block, &inputs, &mut lend(&mut filled)).unwrap();
     let lent: Vec<Vec<Option<&[f32]>>> =

@@ -1,0 +1,99 @@
+//! Memory is made once: after the first tiles of a frame, no tile takes memory of its own.
+//!
+//! Every case counts how often a frame asks the heap for memory, in a picture of some tiles and in one of three times as many.
+//! What a thread makes for itself is made once in either, so the more tiles may not ask more often, but for what is stated.
+
+use crate::support::{folder, graph_in, root, settings};
+use crate::trial;
+use allocation_counter::measure;
+use libtest_mimic::Trial;
+use std::sync::atomic::{AtomicU64, Ordering};
+use trochoid::{Buffers, Cache, CheckedGraph, Format, Monitor, Plan, Shading, registry};
+
+/// Width of the pictures, and heights of a picture and of one with more tiles.
+const WIDTH: u32 = 96;
+const HEIGHTS: [u32; 2] = [36, 180];
+
+/// Size of tiles.
+const TILE: (usize, usize) = (8, 6);
+
+/// Most vectors that still grow, as a share of the tiles: some tiles see more than any before.
+const GROW: f64 = 0.5;
+
+/// Nodes that need memory for each tile, and how often: what strokes of a block are found is shared by its samples.
+const STATED: [(&str, u64); 1] = [("Strokes", 1)];
+
+/// Scenes, as a whole.
+const SCENES: [&str; 9] = [
+    "bake_sea",
+    "cartoon_bay",
+    "from_passes",
+    "great_wave",
+    "open_sea",
+    "stormy_sea",
+    "stormy_sea_bare",
+    "toon_sea",
+    "toon_teapot",
+];
+
+/// Counts tiles.
+#[derive(Default)]
+struct Tiles(AtomicU64);
+
+impl Monitor for Tiles {
+    fn progress(&self, _done: usize, _total: usize) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// Returns how often a frame asks for memory, once everything is prepared, and the number of its tiles.
+fn counted(graph: &CheckedGraph) -> [u64; 2] {
+    let settings = settings(|settings| (settings.tile, settings.threads) = (Some(TILE), 0));
+    let plan = Plan::new(graph, &[], graph.frames().0, &[], &settings).unwrap();
+    let mut cache = Cache::new();
+    let mut frame = plan.evaluate(&Buffers::new(), &mut cache, &Tiles::default()).unwrap();
+    let tiles = Tiles::default();
+    let taken = measure(|| plan.evaluate_into(&mut frame, &Buffers::new(), &mut cache, &tiles).unwrap());
+    [taken.count_total, tiles.0.into_inner()]
+}
+
+/// Checks that more tiles take no more memory.
+fn tiles_take_nothing(graph: &CheckedGraph) -> Result<(), String> {
+    // One thread, on which everything is counted.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let stated: u64 = (graph.nodes().iter())
+        .flat_map(|node| STATED.iter().filter(|(ty, _)| node.ty.declaration().name == *ty).map(|(_, count)| count))
+        .sum();
+    let mut faults = Vec::new();
+    for (samples, shading) in [(1, Shading::Sample), (4, Shading::Sample), (4, Shading::Pixel)] {
+        let [few, many] = HEIGHTS.map(|height| {
+            let format = Format::new(WIDTH, height, samples).unwrap().with_shading(shading);
+            pool.install(|| counted(&graph.clone().with_scaled_format(format)))
+        });
+        let [taken, tiles] = [0, 1].map(|of| many[of].saturating_sub(few[of]));
+        assert!(tiles >= 100, "{tiles} tiles more");
+        let each = taken as f64 / tiles as f64;
+        if each > stated as f64 + GROW {
+            let shading = shading.name();
+            faults.push(format!("{samples} samples, shaded by the {shading}: {tiles} tiles more take memory {taken} times more: {each:.2} each"));
+        }
+    }
+    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
+}
+
+fn scene(name: &str) -> Result<(), String> {
+    let path = root().join(format!("graphs/{name}.json"));
+    tiles_take_nothing(&trochoid::load(&path, &[]).map_err(|error| error.to_string())?.graph)
+}
+
+fn node(name: &str) -> Result<(), String> {
+    let text = std::fs::read_to_string(root().join(format!("tests/nodes/{name}.json"))).unwrap();
+    let folder = folder();
+    tiles_take_nothing(&graph_in(folder.path(), &text))
+}
+
+pub(crate) fn trials() -> Vec<Trial> {
+    let scenes = SCENES.into_iter().map(|name| trial("memory", name, move || scene(name)));
+    let types = registry().iter().map(|ty| ty.declaration().name);
+    scenes.chain(types.map(|name| trial("memory/nodes", name, move || node(name)))).collect()
+}
