@@ -76,7 +76,7 @@ impl Samples {
 
     /// Returns the planes to be filled.
     pub(crate) fn targets(&mut self) -> Targets<'_> {
-        Targets { planes: self.planes.each_mut().map(Vec::as_mut_slice) }
+        Targets { planes: self.planes.each_mut().map(|plane| plane.as_mut_slice()) }
     }
 }
 

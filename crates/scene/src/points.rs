@@ -112,7 +112,7 @@ impl Visible {
             let wanted = ChannelSet::of(&[Channel::RestX, Channel::RestZ, Channel::Depth]);
             shown.shape(Window::new(0, 0, pixels.len() as i64, 1), wanted);
             self.look_around(around(pixels), offset, |seen| {
-                self.resolve(seen.at(pixels), offset, wanted, &mut shown.targets())
+                self.resolve(seen.at(pixels), offset, wanted, &mut shown.targets());
             });
         }
         shown
