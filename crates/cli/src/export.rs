@@ -40,7 +40,7 @@ pub(crate) struct Args {
     /// Frame at which keyed knobs are taken [default: the document's first]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     frame: Option<i64>,
-    /// File to write: .glsl, .osl or .mtlx; - means stdout
+    /// File to write: .glsl, .osl, .mtlx or .wgsl; - means stdout
     #[arg(short, long, value_name = "FILE", default_value = "-")]
     out: PathBuf,
     #[command(flatten)]
@@ -60,6 +60,8 @@ enum To {
     Osl,
     /// A node graph of MaterialX 1.39
     Materialx,
+    /// A function of WGSL
+    Wgsl,
 }
 
 impl To {
@@ -68,6 +70,7 @@ impl To {
             Self::Glsl => Language::Glsl,
             Self::Osl => Language::Osl,
             Self::Materialx => Language::MaterialX,
+            Self::Wgsl => Language::Wgsl,
         }
     }
 }

@@ -91,7 +91,7 @@ enum Command {
     Check(check::Args),
     /// Draw a document's graph, with its control colors, as SVG
     Graph(graph::Args),
-    /// Write what is computed point by point as a shader: GLSL, OSL or MaterialX
+    /// Write what is computed point by point as a shader: GLSL, OSL, MaterialX or WGSL
     Export(export::Args),
     /// Render an output small: as a movie (MP4), an animated WebP, one PNG or a sequence of them
     Preview(preview::Args),

@@ -1,4 +1,4 @@
-//! What GLSL and OSL have in common: statements and functions, of which only the names of types differ.
+//! What GLSL, OSL and WGSL have in common: statements and functions, which differ in how few things are written.
 
 use crate::Job;
 use crate::input::Parameter;
@@ -16,11 +16,50 @@ pub(crate) struct Code {
     pub(crate) results: Vec<String>,
 }
 
-/// Translates a program; `color` is the name of the type of colors.
-pub(crate) fn code(job: &Job<'_>, color: &'static str) -> Code {
-    let mut writer = Writer { name: job.name, color, called: BTreeSet::new(), statements: Vec::new() };
+/// What the languages write differently.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Syntax {
+    /// Type of numbers.
+    pub(crate) number: &'static str,
+    /// Type of colors.
+    pub(crate) color: &'static str,
+    /// Whether types stand after names, and a choice is a call: WGSL.
+    pub(crate) is_wgsl: bool,
+}
+
+impl Syntax {
+    /// Writes the definition of a value.
+    fn define(self, ty: &str, name: &str, value: &str) -> String {
+        if self.is_wgsl { format!("let {name} = {value};") } else { format!("{ty} {name} = {value};") }
+    }
+
+    /// Writes the choice between two values.
+    fn choose(self, condition: &str, then: &str, otherwise: &str) -> String {
+        match self.is_wgsl {
+            true => format!("select({otherwise}, {then}, {condition})"),
+            false => format!("{condition} ? {then} : {otherwise}"),
+        }
+    }
+
+    /// Writes the head of a function; `parameters` are types and names.
+    pub(crate) fn head(self, returned: &str, name: &str, parameters: &[(&str, &str)]) -> String {
+        let one = |(ty, name): &(&str, &str)| match self.is_wgsl {
+            true => format!("{name}: {ty}"),
+            false => format!("{ty} {name}"),
+        };
+        let parameters = parameters.iter().map(one).collect::<Vec<_>>().join(", ");
+        match self.is_wgsl {
+            true => format!("fn {name}({parameters}) -> {returned}"),
+            false => format!("{returned} {name}({parameters})"),
+        }
+    }
+}
+
+/// Translates a program.
+pub(crate) fn code(job: &Job<'_>, syntax: Syntax) -> Code {
+    let mut writer = Writer { name: job.name, syntax, called: BTreeSet::new(), statements: Vec::new() };
     let results = translate(job, &mut writer);
-    let functions = writer.called.iter().map(|function| function.text(job.name, color)).collect();
+    let functions = writer.called.iter().map(|function| function.text(job.name, syntax)).collect();
     Code { functions, statements: writer.statements, results }
 }
 
@@ -49,58 +88,65 @@ impl Function {
     }
 
     /// Returns its definition. Comparisons are written so that NaN gives 0.
-    fn text(self, name: &str, color: &str) -> String {
+    fn text(self, name: &str, syntax: Syntax) -> String {
         let name = format!("{name}_{}", self.ending());
-        match self {
-            Self::Mask => format!("float {name}(float t)\n{{\n    return t > 0.0 ? min(t, 1.0) : 0.0;\n}}\n\n"),
-            Self::Ramp => format!(
-                "float {name}(float x, float low, float high)\n{{\n    \
-                 return x >= high ? 1.0 : (x >= low ? min((x - low) / (high - low), 1.0) : 0.0);\n}}\n\n"
-            ),
-            Self::Smooth => {
-                format!("float {name}(float t)\n{{\n    return min(t * t * (3.0 - 2.0 * t), 1.0);\n}}\n\n")
+        let Syntax { number, color, .. } = syntax;
+        let of = |names: &[&'static str]| names.iter().map(|name| (number, *name)).collect::<Vec<_>>();
+        let (returned, parameters, body) = match self {
+            Self::Mask => (number, of(&["t"]), vec![syntax.choose("t > 0.0", "min(t, 1.0)", "0.0")]),
+            Self::Ramp => {
+                let rising = syntax.choose("x >= low", "min((x - low) / (high - low), 1.0)", "0.0");
+                let ramp = syntax.choose("x >= high", "1.0", &format!("({rising})"));
+                (number, of(&["x", "low", "high"]), vec![ramp])
             }
+            Self::Smooth => (number, of(&["t"]), vec!["min(t * t * (3.0 - 2.0 * t), 1.0)".into()]),
             Self::Share => {
-                let most = literal(f32::MAX);
-                format!(
-                    "float {name}(float v, float scale)\n{{\n    return v > 0.0 ? min(v, {most}) * scale : 0.0;\n}}\n\n"
-                )
+                let share = format!("min(v, {}) * scale", literal(f32::MAX));
+                (number, of(&["v", "scale"]), vec![syntax.choose("v > 0.0", &share, "0.0")])
             }
             // From the nearer end, which is exact at both ends and where both colors are the same.
-            Self::Mix => format!(
-                "{color} {name}({color} a, {color} b, float t)\n{{\n    \
-                 return t < 0.5 ? a + t * (b - a) : b + (t - 1.0) * (b - a);\n}}\n\n"
-            ),
+            Self::Mix => {
+                let mix = syntax.choose("t < 0.5", "a + t * (b - a)", "b + (t - 1.0) * (b - a)");
+                (color, vec![(color, "a"), (color, "b"), (number, "t")], vec![mix])
+            }
             // IEC 61966-2-1. The power of 2.4 is a square and the fifth root of one; a step of Newton's makes exact what `pow`
             // leaves inexact.
-            Self::Decode => format!(
-                "float {name}(float x)\n{{\n    \
-                 float q = (min(max(x, 0.04), 1e16) + 0.055) / 1.055;\n    \
-                 float s = q * q;\n    \
-                 float r = pow(s, 0.2);\n    \
-                 float d = r * r * r * r;\n    \
-                 return x <= 0.04045 ? x / 12.92 : s * (r - (r * d - s) / (5.0 * d));\n}}\n\n"
-            ),
-        }
+            Self::Decode => {
+                let power = "s * (r - (r * d - s) / (5.0 * d))";
+                let body = vec![
+                    syntax.define(number, "q", "(min(max(x, 0.04), 1e16) + 0.055) / 1.055"),
+                    syntax.define(number, "s", "q * q"),
+                    syntax.define(number, "r", "pow(s, 0.2)"),
+                    syntax.define(number, "d", "r * r * r * r"),
+                    syntax.choose("x <= 0.04045", "x / 12.92", power),
+                ];
+                (number, of(&["x"]), body)
+            }
+        };
+        let mut text = format!("{}\n{{\n", syntax.head(returned, &name, &parameters));
+        let (last, before) = body.split_last().map_or(("", &[][..]), |(last, before)| (last.as_str(), before));
+        before.iter().for_each(|line| _ = writeln!(text, "    {line}"));
+        let _ = write!(text, "    return {last};\n}}\n\n");
+        text
     }
 }
 
 struct Writer<'w> {
     name: &'w str,
-    color: &'static str,
+    syntax: Syntax,
     called: BTreeSet<Function>,
     statements: Vec<String>,
 }
 
 impl Writer<'_> {
     fn let_float(&mut self, name: String, value: &str) -> String {
-        self.statements.push(format!("float {name} = {value};"));
+        self.statements.push(self.syntax.define(self.syntax.number, &name, value));
         name
     }
 
     fn let_color(&mut self, at: usize, value: &str) -> String {
         let name = format!("c{at}");
-        self.statements.push(format!("{} {name} = {value};", self.color));
+        self.statements.push(self.syntax.define(self.syntax.color, &name, value));
         name
     }
 
@@ -118,7 +164,7 @@ impl Target for Writer<'_> {
     }
 
     fn color(&mut self, color: [f32; 3]) -> String {
-        format!("{}({})", self.color, color.map(literal).join(", "))
+        format!("{}({})", self.syntax.color, color.map(literal).join(", "))
     }
 
     fn input(&mut self, parameter: &Parameter) -> String {
@@ -137,7 +183,8 @@ impl Target for Writer<'_> {
     }
 
     fn step(&mut self, at: usize, x: &String, threshold: f32) -> String {
-        self.let_float(format!("t{at}"), &format!("{x} >= {} ? 1.0 : 0.0", literal(threshold)))
+        let step = self.syntax.choose(&format!("{x} >= {}", literal(threshold)), "1.0", "0.0");
+        self.let_float(format!("t{at}"), &step)
     }
 
     fn smooth(&mut self, at: usize, t: &String) -> String {
@@ -162,7 +209,8 @@ impl Target for Writer<'_> {
         }
         factors.extend(roots.iter().map(|depth| format!("r{at}_{depth}")));
         if left > 0.0 {
-            factors.push(format!("({t} > 0.0 ? pow({t}, {}) : 0.0)", literal(left)));
+            let power = format!("pow({t}, {})", literal(left));
+            factors.push(format!("({})", self.syntax.choose(&format!("{t} > 0.0"), &power, "0.0")));
         }
         self.let_float(format!("t{at}"), &format!("min({}, {t})", factors.join(" * ")))
     }
@@ -179,7 +227,8 @@ impl Target for Writer<'_> {
         let sum = self.let_float(format!("s{at}"), &sum(weights));
         let equal = literal((1.0 / weights.len() as f64) as f32);
         let part = |(i, weight): (usize, &String)| {
-            self.let_float(format!("w{at}_{i}"), &format!("{sum} > 0.0 ? {weight} / {sum} : {equal}"))
+            let part = self.syntax.choose(&format!("{sum} > 0.0"), &format!("{weight} / {sum}"), &equal);
+            self.let_float(format!("w{at}_{i}"), &part)
         };
         weights.iter().enumerate().map(part).collect()
     }
@@ -208,9 +257,9 @@ impl Target for Writer<'_> {
     }
 
     fn decode(&mut self, color: &String) -> String {
-        self.statements.push(format!("{} encoded = {color};", self.color));
+        self.statements.push(self.syntax.define(self.syntax.color, "encoded", color));
         let channels = [0, 1, 2].map(|channel| self.call(Function::Decode, &[&format!("encoded[{channel}]")]));
-        format!("{}({})", self.color, channels.join(", "))
+        format!("{}({})", self.syntax.color, channels.join(", "))
     }
 }
 
@@ -236,7 +285,7 @@ mod tests {
         let all = [Function::Mask, Function::Ramp, Function::Smooth, Function::Share, Function::Mix, Function::Decode];
         assert_eq!(all.map(Function::ending), crate::names::FUNCTIONS);
         for function in all {
-            let text = function.text("look", "vec3");
+            let text = function.text("look", crate::glsl::SYNTAX);
             assert!(text.contains(&format!(" look_{}(", function.ending())) && text.ends_with("}\n\n"), "{text}");
         }
     }

@@ -1,15 +1,15 @@
 //! GLSL: a function, with functions of its own before it.
 
 use crate::Job;
-use crate::code::{Code, code, comment};
+use crate::code::{Code, Syntax, code, comment};
 use std::fmt::Write as _;
 
-/// Name of the type of colors.
-const COLOR: &str = "vec3";
+/// How GLSL is written.
+pub(crate) const SYNTAX: Syntax = Syntax { number: "float", color: "vec3", is_wgsl: false };
 
 /// Writes the function.
 pub(crate) fn write(job: &Job<'_>) -> String {
-    let Code { functions, statements, results } = code(job, COLOR);
+    let Code { functions, statements, results } = code(job, SYNTAX);
     let is_color = job.made.roots.iter().any(|root| is_color(job, *root));
     let mut text = String::new();
     comment(&mut text, &[job.by.to_owned()]);
@@ -19,7 +19,7 @@ pub(crate) fn write(job: &Job<'_>) -> String {
         comment(&mut text, &[format!("{}: {}", parameter.identifier, parameter.help)]);
     }
     let _ = write!(text, "\n{functions}");
-    let ty = |is_color: bool| if is_color { COLOR } else { "float" };
+    let ty = |is_color: bool| if is_color { SYNTAX.color } else { SYNTAX.number };
     let taken = job.inputs.parameters().map(|parameter| format!("{} {}", ty(parameter.is_color), parameter.identifier));
     let mut taken: Vec<String> = taken.collect();
     let several = results.len() != 1;

@@ -1,5 +1,5 @@
-//! Writes the pointwise part of a graph as a shader for another program: a function of GLSL, a shader of OSL, or a
-//! node graph of MaterialX.
+//! Writes the pointwise part of a graph as a shader for another program: a function of GLSL or WGSL, a shader of
+//! OSL, or a node graph of MaterialX.
 //!
 //! What is written comes from the pointwise program of an output ([`PointwiseProgram`]), never from nodes, so that every
 //! pointwise node can be written, and a new one needs nothing here. `translate` is the one place that knows all operations;
@@ -16,6 +16,7 @@ mod materialx;
 mod names;
 mod osl;
 mod translate;
+mod wgsl;
 mod words;
 
 pub use input::{InputError, Unbound};
@@ -34,11 +35,13 @@ pub enum Language {
     Osl,
     /// A node graph of MaterialX 1.39, of nodes of its standard library.
     MaterialX,
+    /// A function of the WebGPU Shading Language.
+    Wgsl,
 }
 
 impl Language {
     /// Every language.
-    pub const ALL: [Self; 3] = [Self::Glsl, Self::Osl, Self::MaterialX];
+    pub const ALL: [Self; 4] = [Self::Glsl, Self::Osl, Self::MaterialX, Self::Wgsl];
 
     /// Returns the name as users write it.
     pub fn name(self) -> &'static str {
@@ -46,6 +49,7 @@ impl Language {
             Self::Glsl => "glsl",
             Self::Osl => "osl",
             Self::MaterialX => "materialx",
+            Self::Wgsl => "wgsl",
         }
     }
 
@@ -55,6 +59,7 @@ impl Language {
             Self::Glsl => "glsl",
             Self::Osl => "osl",
             Self::MaterialX => "mtlx",
+            Self::Wgsl => "wgsl",
         }
     }
 }
@@ -140,6 +145,7 @@ pub fn export(graph: &CheckedGraph, request: &Request<'_>) -> Result<Shader, Exp
         Language::Glsl => glsl::write(&job),
         Language::Osl => osl::write(&job),
         Language::MaterialX => materialx::write(&job, graph.space()),
+        Language::Wgsl => wgsl::write(&job),
     };
     let names = std::iter::once(name.clone()).chain(inputs.identifiers().map(String::from)).collect();
     Ok(Shader { text, names, unread: inputs.unread(&made.program) })

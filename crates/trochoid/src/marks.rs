@@ -69,7 +69,7 @@ pub enum Form {
     Page,
     /// Table of a report as CSV.
     Table,
-    /// Shader for another program: GLSL, OSL or MaterialX.
+    /// Shader for another program: GLSL, OSL, MaterialX or WGSL.
     Shader,
     /// Plan as JSON.
     Plan,
