@@ -2,7 +2,7 @@
 
 use crate::transform::{CubeFile, Takes, Transform};
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use trochoid::{Kind, Picture, Plane, WorkingSpace, srgb_decode, srgb_encode};
 
 /// Channels of a picture to show.
@@ -131,6 +131,30 @@ const PIECE: usize = 64;
 /// Luminance weights of linear sRGB.
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
+/// Smallest light whose encoding has each place of the table, or one beyond.
+static STEPS: LazyLock<Vec<f32>> = LazyLock::new(|| {
+    let first = |sought: usize| {
+        let near = srgb_decode((sought as f64 - 0.5) / (TABLE - 1) as f64) as f32;
+        let (mut low, mut high) = ((near * 0.999).to_bits(), (near * 1.001).to_bits());
+        while low < high {
+            let between = low + (high - low) / 2;
+            if place(encoded(f32::from_bits(between))) < sought { low = between + 1 } else { high = between }
+        }
+        f32::from_bits(low)
+    };
+    std::iter::once(0.0).chain((1..TABLE).map(first)).collect()
+});
+
+/// Returns the place of a value in a table over [0, 1].
+fn place(value: f32) -> usize {
+    (value.clamp(0.0, 1.0) * (TABLE - 1) as f32 + 0.5) as usize
+}
+
+/// Encodes light for the screen.
+fn encoded(light: f32) -> f32 {
+    srgb_encode(f64::from(light)) as f32
+}
+
 impl Encoder {
     pub(super) fn new(space: WorkingSpace, display: &Display) -> Self {
         let exposed = f64::from(display.exposure).exp2();
@@ -175,9 +199,18 @@ impl Encoder {
             Channel::All => return self.screen(color).map(|value| self.byte(value)),
             // Grays of the working space are grays of the screen.
             Channel::One(channel) => color[channel.min(2)],
-            Channel::Luminance => self.luminance(self.screen(color)),
+            // Places of encoded luminance are searched for: to encode the light of each pixel takes ten times as long.
+            Channel::Luminance if !self.light.is_empty() => {
+                let light = self.light_of(color);
+                return self.gray(self.table[STEPS.partition_point(|step| *step <= light).saturating_sub(1)]);
+            }
+            Channel::Luminance => self.light_of(self.screen(color)),
         };
-        let byte = self.byte(gray);
+        self.gray(self.byte(gray))
+    }
+
+    /// Returns the pixel of a gray.
+    fn gray(&self, byte: u8) -> [u8; 3] {
         if self.false_color { turbo(f32::from(byte) / 255.0) } else { [byte; 3] }
     }
 
@@ -241,11 +274,14 @@ impl Encoder {
 
     /// Returns the gray with the luminance of a color, encoded if the color is.
     fn luminance(&self, color: [f32; 3]) -> f32 {
-        let sum = |light: [f32; 3]| light.iter().zip(LUMINANCE).map(|(light, share)| light * share).sum::<f32>();
-        if self.light.is_empty() {
-            return sum(color);
-        }
-        srgb_encode(f64::from(sum(color.map(|value| self.decoded(value))))) as f32
+        let light = self.light_of(color);
+        if self.light.is_empty() { light } else { encoded(light) }
+    }
+
+    /// Returns the luminance of a color, as light.
+    fn light_of(&self, color: [f32; 3]) -> f32 {
+        let light = if self.light.is_empty() { color } else { color.map(|value| self.decoded(value)) };
+        light.iter().zip(LUMINANCE).map(|(light, share)| light * share).sum()
     }
 
     /// Interpolates between table entries, so that encoding the result restores the value.
@@ -257,7 +293,7 @@ impl Encoder {
     }
 
     fn byte(&self, value: f32) -> u8 {
-        self.table[((value * self.gain).clamp(0.0, 1.0) * (TABLE - 1) as f32 + 0.5) as usize]
+        self.table[place(value * self.gain)]
     }
 }
 
@@ -283,7 +319,7 @@ impl Shade {
         if value.is_nan() {
             return NAN;
         }
-        self.table[(value.clamp(0.0, 1.0) * (TABLE - 1) as f32 + 0.5) as usize]
+        self.table[place(value)]
     }
 }
 
@@ -296,4 +332,23 @@ pub fn turbo(t: f32) -> [u8; 3] {
     let g = polynomial([0.091_402_61, 2.194_188_4, 4.842_966_6, -14.185_033, 4.277_298_6, 2.829_566]);
     let b = polynomial([0.106_673_3, 12.641_946, -60.582_05, 110.362_77, -89.903_11, 27.348_25]);
     [r, g, b].map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_of_encoded_light_are_found_without_encoding_it() {
+        let found = |light: f32| STEPS.partition_point(|step| *step <= light).saturating_sub(1);
+        assert!(STEPS.len() == TABLE && STEPS.is_sorted());
+        let near = |step: &f32| [step.next_down(), *step, step.next_up(), step * 1.000_1];
+        let others = (0..20_000).map(|at| at as f32 / 19_000.0);
+        let mut count = 0;
+        for light in STEPS.iter().flat_map(near).chain(others).filter(|light| *light >= 0.0) {
+            assert_eq!(found(light), place(encoded(light)), "{light}");
+            count += 1;
+        }
+        assert!(count > 36_000);
+    }
 }
