@@ -247,6 +247,22 @@ impl PackedRecipe {
         }
     }
 
+    /// Hands what each tile of a strip holds to `put`: which of the [shares](Self::shares) have weights in it, and these,
+    /// share by share and pixel by pixel. If images contribute to it, their red, green and blue follow.
+    ///
+    /// # Panics
+    /// There is no such strip.
+    pub fn weights(&self, strip: usize, mut put: impl FnMut(Window, &[u32], &[f32])) {
+        let mut samples = Vec::new();
+        for (index, window) in self.strip(strip).tiles(SIDES[0], SIDES[1]).enumerate() {
+            let places = match &self.strips {
+                Strips::Half(strips) => strips[strip][index].widened(&mut samples),
+                Strips::Float(strips) => strips[strip][index].widened(&mut samples),
+            };
+            put(window, places, &samples);
+        }
+    }
+
     /// Returns the weights of a pixel that are not 0, each with its place among the [shares](Self::shares); none outside of
     /// the picture.
     pub fn at(&self, x: i64, y: i64) -> Vec<(usize, f32)> {
@@ -431,6 +447,22 @@ mod tests {
             }
             assert!((total / recipe.window().area() as f64 - recipe.shares()[color]).abs() < 1e-9);
         }
+        let mut count = 0;
+        for strip in 0..recipe.strips() {
+            recipe.weights(strip, |window, places, samples| {
+                assert_eq!(samples.len(), places.len() * window.area());
+                for pixel in 0..window.area() {
+                    let x = window.x0 + (pixel % window.width()) as i64;
+                    let y = window.y0 + (pixel / window.width()) as i64;
+                    let rows = samples.chunks_exact(window.area()).map(|row| row[pixel]);
+                    let own: Vec<_> = places.iter().map(|place| *place as usize).zip(rows).collect();
+                    let own: Vec<_> = own.into_iter().filter(|(_, weight)| *weight > 0.0).collect();
+                    assert_eq!(own, recipe.at(x, y), "({x}, {y})");
+                    count += 1;
+                }
+            });
+        }
+        assert_eq!(count, recipe.window().area());
         assert!(recipe.at(-1, 0).is_empty() && recipe.at(0, 21).is_empty());
     }
 

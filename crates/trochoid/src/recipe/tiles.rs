@@ -78,6 +78,13 @@ impl<S: StoredSample> Tile<S> {
         }
     }
 
+    /// Widens all samples, and returns the places of the weights.
+    pub(super) fn widened(&self, samples: &mut Vec<f32>) -> &[u32] {
+        samples.resize(self.samples.len(), 0.0);
+        S::widen(&self.samples, samples);
+        &self.places
+    }
+
     /// Returns the weights of a pixel, each with its place.
     pub(super) fn at(&self, pixel: usize, count: usize) -> Vec<(usize, f32)> {
         let rows = self.samples.chunks_exact(count).zip(&self.places);
