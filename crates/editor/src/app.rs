@@ -110,6 +110,7 @@ pub fn open(document: Option<&Path>, allow: &[PathBuf]) -> Result<(), OpenError>
     let create = move |creation: &eframe::CreationContext<'_>| {
         let mut editor = Editor::new(&creation.egui_ctx, session, data.as_deref())?;
         editor.allow_all(&allow);
+        editor.state.graphics.start();
         if is_new {
             editor.welcome();
         }

@@ -55,6 +55,9 @@ pub(crate) fn report_ui(report: &mut Report, ui: &mut Ui, state: &State, actions
 }
 
 fn times_ui(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
+    if let Some(told) = state.graphics.told() {
+        ui.weak(told);
+    }
     let past = &state.evaluated.past;
     if past.is_empty() {
         ui.weak("Nothing has been evaluated yet.");

@@ -6,7 +6,7 @@ use crate::document::json::Misplaced;
 use crate::document::meaning::Meaning;
 use crate::document::swatches::{Swatch, SwatchKey, add_elsewhere, swatches};
 use crate::document::{Edit, Node, Path, Session, Sheet, decor, group, keyed};
-use crate::evaluate::{Blamed, Display, Mixture, Result, Screen};
+use crate::evaluate::{Blamed, Display, Graphics, Mixture, Result, Screen};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use std::time::Instant;
@@ -56,6 +56,8 @@ pub struct State {
     pub dropper: Option<Path>,
     /// What the palette panel looks at.
     pub colors: Colors,
+    /// The graphics card, if there is one.
+    pub graphics: Graphics,
 }
 
 /// What the second viewer shows, in the place of the first one's.
@@ -185,7 +187,7 @@ impl Evaluated {
 
 impl State {
     /// Creates the state for a newly opened document, with its first output in the viewer.
-    pub fn new(session: Session) -> Self {
+    pub fn new(session: Session, graphics: Graphics) -> Self {
         let mut state = Self {
             session,
             scope: Vec::new(),
@@ -202,6 +204,7 @@ impl State {
             render: None,
             dropper: None,
             colors: Colors::default(),
+            graphics,
         };
         state.begin();
         state

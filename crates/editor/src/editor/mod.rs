@@ -25,7 +25,7 @@ use crate::commands::Space;
 use crate::curves::Curves;
 use crate::document::keep::{Keeper, UnsavedCopy, discard, kept};
 use crate::document::{Session, Sheet};
-use crate::evaluate::{Lane, Painter, Worker};
+use crate::evaluate::{Graphics, Lane, Painter, Worker};
 use crate::help::Help;
 use crate::layout;
 use crate::layouts::Layouts;
@@ -131,10 +131,11 @@ impl Editor {
         crate::theme::install(context);
         crate::fonts::install(context);
         crate::turns::install(context);
+        let graphics = Graphics::default();
         let wake = context.clone();
-        let worker = Worker::new(move || wake.request_repaint())?;
+        let worker = Worker::new(&graphics, move || wake.request_repaint())?;
         let wake = context.clone();
-        let painter = Painter::new(move || wake.request_repaint())?;
+        let painter = Painter::new(&graphics, move || wake.request_repaint())?;
         let folder = data.map(|data| data.join("unsaved"));
         let keeper = folder.as_deref().and_then(|folder| Keeper::new(folder).ok());
         let recent = data.map(crate::recent::read).unwrap_or_default();
@@ -167,7 +168,7 @@ impl Editor {
             later: Vec::new(),
             space: Space::default(),
             closing: false,
-            state: State::new(session),
+            state: State::new(session, graphics),
         };
         editor.opened(context);
         editor.offer();
@@ -390,7 +391,7 @@ impl Editor {
         self.notices.leave();
         self.known = session.sheet().clone();
         let transform = self.state.look.display.transform.clone();
-        self.state = State::new(session);
+        self.state = State::new(session, self.state.graphics.clone());
         self.show_through(&transform);
         self.forget_frames();
         (self.lost, self.playback) = (None, Playback::default());

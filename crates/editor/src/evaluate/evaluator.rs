@@ -2,6 +2,7 @@
 
 use super::blame::{self, Question};
 use super::error::PictureError;
+use super::graphics::Graphics;
 use super::known::Known;
 use super::lane::Lane;
 use super::lens::{Lens, LensError, of_every_node};
@@ -50,6 +51,7 @@ pub(super) struct Evaluator<'o> {
     /// What each viewer looked at last.
     last: [Last; 2],
     known: &'o Known,
+    graphics: Graphics,
 }
 
 impl<'o> Evaluator<'o> {
@@ -58,8 +60,9 @@ impl<'o> Evaluator<'o> {
         known: &'o Known,
         news: &'o Sender<News>,
         wake: &'o (dyn Fn() + Send + Sync),
+        graphics: Graphics,
     ) -> Self {
-        Self { queue, news, wake, cache: Cache::with_limit(KEPT), last: Default::default(), known }
+        Self { queue, news, wake, cache: Cache::with_limit(KEPT), last: Default::default(), known, graphics }
     }
 
     fn tell(&self, news: News) {
@@ -93,12 +96,13 @@ impl<'o> Evaluator<'o> {
 
     fn perform(&mut self, task: Task, stamp: u64) {
         match task {
+            // What is shown anew may already be on the graphics card; what was just evaluated is not.
             Task::Show(generation, picture, space, display) => {
-                let screen = Arc::new(shown::screen(&picture, space, &display));
+                let screen = Arc::new(self.graphics.screen(&picture, space, &display));
                 self.tell(News::Shown { generation, display, screen });
             }
             Task::Held(number, picture, space, display) => {
-                let screen = Arc::new(shown::screen(&picture, space, &display));
+                let screen = Arc::new(self.graphics.screen(&picture, space, &display));
                 self.tell(News::Held { number, display, screen });
             }
             Task::Picture(job) => self.picture(job, stamp),

@@ -3,6 +3,7 @@
 pub mod blame;
 mod error;
 mod evaluator;
+mod graphics;
 mod known;
 mod lane;
 pub mod lens;
@@ -18,6 +19,9 @@ mod tests;
 mod worker;
 
 pub use blame::{Blamed, Origin, Question, Share};
+#[cfg(feature = "gpu")]
+pub use graphics::Cards;
+pub use graphics::Graphics;
 pub use lane::Lane;
 pub use lens::{Lens, lens};
 pub use mixture::Mixture;

@@ -1,6 +1,7 @@
 //! Painting of pictures from their recipes on a thread of its own, so that a color that is dragged never waits for an
 //! evaluation. Newest request first.
 
+use super::graphics::Graphics;
 use super::shown::{Display, Encoder, Screen};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -98,11 +99,11 @@ impl Painter {
     ///
     /// # Errors
     /// Fails if the system cannot start a thread.
-    pub fn new(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+    pub fn new(graphics: &Graphics, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         let queue = Arc::new(Queue::default());
         let (sender, news) = channel();
-        let theirs = queue.clone();
-        let work = move || paint_all(&theirs, &sender, &wake);
+        let (theirs, graphics) = (queue.clone(), graphics.clone());
+        let work = move || paint_all(&theirs, &graphics, &sender, &wake);
         let thread = std::thread::Builder::new().name("paint".into()).spawn(work)?;
         Ok(Self { queue, news, thread: Some(thread) })
     }
@@ -127,17 +128,17 @@ impl Drop for Painter {
     }
 }
 
-fn paint_all(queue: &Queue, news: &Sender<Painted>, wake: &dyn Fn()) {
+fn paint_all(queue: &Queue, graphics: &Graphics, news: &Sender<Painted>, wake: &dyn Fn()) {
     let mut canvas: Option<Canvas> = None;
     while let Some(painting) = queue.next() {
-        let canvas = match canvas.as_mut().filter(|canvas| canvas.takes(&painting)) {
-            Some(canvas) => {
+        let screen = match (graphics.paint(&painting), canvas.as_mut().filter(|canvas| canvas.takes(&painting))) {
+            (Some(screen), _) => Arc::new(screen),
+            (None, Some(canvas)) => {
                 canvas.repaint(painting.clone());
-                canvas
+                canvas.screen.clone()
             }
-            None => canvas.insert(Canvas::new(painting.clone())),
+            (None, None) => canvas.insert(Canvas::new(painting.clone())).screen.clone(),
         };
-        let screen = canvas.screen.clone();
         // Sending fails only while the window closes.
         let _ = news.send(Painted { painting, screen, ready: Instant::now() });
         wake();
@@ -148,9 +149,9 @@ fn paint_all(queue: &Queue, news: &Sender<Painted>, wake: &dyn Fn()) {
 const FEW: usize = 4;
 
 /// A painted picture, in which single colors are changed.
-struct Canvas {
+pub(super) struct Canvas {
     painting: Painting,
-    screen: Arc<Screen>,
+    pub(super) screen: Arc<Screen>,
     /// The picture of some colors in the working space: red, green and blue.
     kept: [Vec<f32>; 3],
     of: Vec<[f64; 3]>,
@@ -158,7 +159,7 @@ struct Canvas {
 
 impl Canvas {
     /// Paints the whole picture.
-    fn new(painting: Painting) -> Self {
+    pub(super) fn new(painting: Painting) -> Self {
         let recipe = painting.recipe.0.clone();
         let (window, of) = (recipe.window(), painting.colors.clone());
         let screen = Screen { size: [window.width(), window.height()], pixels: vec![255; 4 * window.area()] };

@@ -125,14 +125,14 @@ pub(super) struct Encoder {
 }
 
 /// Number of entries of tables over [0, 1], a power of two.
-const TABLE: usize = 1 << 12;
+pub(super) const TABLE: usize = 1 << 12;
 /// Pixels that are converted at once.
 const PIECE: usize = 64;
 /// Luminance weights of linear sRGB.
-const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+pub(super) const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Smallest light whose encoding has each place of the table, or one beyond.
-static STEPS: LazyLock<Vec<f32>> = LazyLock::new(|| {
+pub(super) static STEPS: LazyLock<Vec<f32>> = LazyLock::new(|| {
     let first = |sought: usize| {
         let near = srgb_decode((sought as f64 - 0.5) / (TABLE - 1) as f64) as f32;
         let (mut low, mut high) = ((near * 0.999).to_bits(), (near * 1.001).to_bits());
@@ -297,16 +297,41 @@ impl Encoder {
     }
 }
 
+/// What a graphics card needs, to do the same.
+#[cfg(feature = "gpu")]
+impl Encoder {
+    /// Whether light goes through a table of colors.
+    pub(super) fn has_cube(&self) -> bool {
+        self.cube.is_some()
+    }
+
+    /// Returns the factor before the table.
+    pub(super) fn gain(&self) -> f32 {
+        self.gain
+    }
+
+    /// Returns the light of encoded values, if colors are encoded.
+    pub(super) fn light(&self) -> &[f32] {
+        &self.light
+    }
+
+    /// Returns the pixels by place: of a channel as an equal gray, if colors are shown as colors.
+    pub(super) fn shades(&self) -> Vec<[u8; 3]> {
+        let shade = |byte: &u8| if self.channel == Channel::All { [*byte; 3] } else { self.gray(*byte) };
+        self.table.iter().map(shade).collect()
+    }
+}
+
 /// Conspicuous color for values that are not numbers.
 const NAN: [u8; 3] = [255, 0, 255];
 
 /// Maps numbers to gray or false colors, with a look-up table.
-struct Shade {
-    table: Vec<[u8; 3]>,
+pub(super) struct Shade {
+    pub(super) table: Vec<[u8; 3]>,
 }
 
 impl Shade {
-    fn new(display: &Display) -> Self {
+    pub(super) fn new(display: &Display) -> Self {
         let gain = display.exposure.exp2();
         let table = (0..TABLE).map(|index| {
             let value = (index as f32 / (TABLE - 1) as f32 * gain).clamp(0.0, 1.0).powf(1.0 / display.gamma.max(1e-3));

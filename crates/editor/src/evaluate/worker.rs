@@ -2,6 +2,7 @@
 
 use super::blame::Question;
 use super::evaluator::Evaluator;
+use super::graphics::Graphics;
 use super::known::Known;
 use super::lane::Lane;
 use super::queue::{Queue, Requests, Wanted};
@@ -25,15 +26,15 @@ impl Worker {
     ///
     /// # Errors
     /// Fails if the system cannot start a thread.
-    pub fn new(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
+    pub fn new(graphics: &Graphics, wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let (sender, news) = channel();
         let (known, wake) = (Arc::new(Known::default()), Arc::new(wake));
         let mut worker = Self { queue: Arc::default(), news, threads: Vec::new() };
         let thread = |name: &str| std::thread::Builder::new().name(name.into());
-        let theirs = (worker.queue.clone(), known.clone(), sender.clone(), wake.clone());
+        let theirs = (worker.queue.clone(), known.clone(), sender.clone(), wake.clone(), graphics.clone());
         worker.threads.push(thread("evaluate").spawn(move || {
-            let (queue, known, sender, wake) = theirs;
-            Evaluator::new(&queue, &known, &sender, &*wake).work();
+            let (queue, known, sender, wake, graphics) = theirs;
+            Evaluator::new(&queue, &known, &sender, &*wake, graphics).work();
         })?);
         let theirs = worker.queue.clone();
         worker.threads.push(thread("recipes").spawn(move || known.answer(&theirs, &sender, &*wake))?);

@@ -87,7 +87,7 @@ mod tests {
         let text = r#"{ "trochoid": 1, "format": { "width": 4, "height": 4 }, "nodes": { "plate": { "type": "Read", "file": "" } } }"#;
         let file = folder.path().join("shot.json");
         trochoid::write_whole(&file, text.as_bytes()).unwrap();
-        let state = State::new(Session::open(&file).unwrap());
+        let state = State::new(Session::open(&file).unwrap(), crate::evaluate::Graphics::default());
         let places = [Path::node("plate").to("file")];
         let (edit, told) = chosen(&state, &places, &folder.path().join("plates/a.0001.png")).unwrap();
         assert_eq!(told, None);

@@ -22,7 +22,7 @@ struct Driver {
 
 impl Driver {
     fn new(text: &str) -> Self {
-        let state = State::new(Session::new(text.into(), None));
+        let state = State::new(Session::new(text.into(), None), crate::evaluate::Graphics::default());
         Self { state, canvas: Canvas::default(), done: Vec::new() }
     }
 

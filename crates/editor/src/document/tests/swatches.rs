@@ -89,7 +89,7 @@ const GROUPED: &str = r##"{
 #[test]
 fn uses_in_groups_follow_their_color() {
     for scope in [vec![], vec!["one"], vec!["one", "inner"], vec!["two"]] {
-        let mut state = State::new(Session::new(GROUPED.into(), None));
+        let mut state = State::new(Session::new(GROUPED.into(), None), crate::evaluate::Graphics::default());
         assert_eq!(errors(&state.session), Vec::<String>::new());
         state.scope = scope.iter().map(ToString::to_string).collect();
         state.read_insides();
@@ -121,7 +121,8 @@ fn a_color_that_included_groups_use_keeps_its_name() {
       "outputs": { "beauty": { "color": "one" } }
     }"##;
     std::fs::write(folder.path().join("scene.json"), text).unwrap();
-    let state = State::new(Session::open(&folder.path().join("scene.json")).unwrap());
+    let state =
+        State::new(Session::open(&folder.path().join("scene.json")).unwrap(), crate::evaluate::Graphics::default());
     assert_eq!(errors(&state.session), Vec::<String>::new());
     let all = state.swatches();
     assert_eq!(all.iter().map(Swatch::count).collect::<Vec<_>>(), [2, 0]);

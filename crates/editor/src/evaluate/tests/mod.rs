@@ -1,6 +1,6 @@
 use super::lens::lens;
 use super::shown::{range, screen, turbo};
-use super::{Channel, Display, Job, Lane, News, Subject, Worker};
+use super::{Channel, Display, Graphics, Job, Lane, News, Subject, Worker};
 use crate::document::{Session, Sheet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -76,7 +76,7 @@ fn every_kind_of_node_is_seen_and_faults_elsewhere_do_not_matter() {
 
 #[test]
 fn a_coarse_picture_comes_first_and_the_last_is_whole() {
-    let worker = Worker::new(|| ()).unwrap();
+    let worker = Worker::new(&Graphics::default(), || ()).unwrap();
     worker.evaluate(job(&sheet(), "sea", 5), false);
     let mut sizes = Vec::new();
     loop {
@@ -97,7 +97,7 @@ fn a_coarse_picture_comes_first_and_the_last_is_whole() {
 #[test]
 fn the_newest_request_is_answered_in_the_end() {
     let sheet = sheet();
-    let worker = Worker::new(|| ()).unwrap();
+    let worker = Worker::new(&Graphics::default(), || ()).unwrap();
     for generation in 1..=30 {
         let name = if generation % 2 == 0 { "sea" } else { "depth" };
         worker.evaluate(job(&sheet, name, generation), false);
@@ -115,7 +115,7 @@ fn the_newest_request_is_answered_in_the_end() {
 #[test]
 fn a_part_of_the_picture_is_that_part() {
     let sheet = sheet();
-    let worker = Worker::new(|| ()).unwrap();
+    let worker = Worker::new(&Graphics::default(), || ()).unwrap();
     let picture = |region: Option<[f32; 4]>, generation: u64| {
         worker.evaluate(Job { region, progressive: false, ..job(&sheet, "sea", generation) }, false);
         loop {
@@ -139,7 +139,7 @@ fn a_part_of_the_picture_is_that_part() {
 fn thumbnails_of_all_nodes_come_at_once() {
     let valid = SCENE.replace("\"nothing\"", "\"#ffffff\"");
     let sheet = Session::new(valid, None).sheet().clone();
-    let worker = Worker::new(|| ()).unwrap();
+    let worker = Worker::new(&Graphics::default(), || ()).unwrap();
     worker.thumbnails(subject(&sheet, "sea", 0), 1);
     let News::Thumbnails(all) = next(&worker) else { panic!("something else") };
     let names: Vec<&str> = all.iter().map(|one| one.node.as_str()).collect();
@@ -149,7 +149,7 @@ fn thumbnails_of_all_nodes_come_at_once() {
 
 #[test]
 fn a_picture_is_shown_as_asked() {
-    let worker = Worker::new(|| ()).unwrap();
+    let worker = Worker::new(&Graphics::default(), || ()).unwrap();
     worker.evaluate(Job { progressive: false, ..job(&sheet(), "sea", 1) }, false);
     let result = loop {
         if let News::Picture(result) = next(&worker) {
@@ -181,7 +181,7 @@ fn every_channel_of_a_gray_is_as_bright_as_the_gray() {
         let text = SCENE.replace("\"srgb\"", &format!("\"{space}\"")).replace("#102030", "#808080");
         let text = text.replace("#8090a0", "#808080");
         let sheet = Session::new(text, None).sheet().clone();
-        let worker = Worker::new(|| ()).unwrap();
+        let worker = Worker::new(&Graphics::default(), || ()).unwrap();
         worker.evaluate(Job { progressive: false, ..job(&sheet, "sea", 1) }, false);
         let result = loop {
             match next(&worker) {
@@ -210,7 +210,7 @@ fn every_channel_of_a_gray_is_as_bright_as_the_gray() {
 #[test]
 fn the_first_viewer_goes_before_the_second_which_goes_on_afterwards() {
     let sheet = sheet();
-    let worker = Worker::new(|| ()).unwrap();
+    let worker = Worker::new(&Graphics::default(), || ()).unwrap();
     worker.slow_down(Duration::from_millis(300));
     let plain = |node: &str, generation| Job { progressive: false, ..job(&sheet, node, generation) };
     worker.evaluate(plain("far", Lane::SECOND), false);
