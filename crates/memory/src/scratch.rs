@@ -176,7 +176,7 @@ impl<T: Clone> Clone for Scratch<T> {
 
 impl<T: fmt::Debug> fmt::Debug for Scratch<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.items.fmt(f)
+        (**self).fmt(f)
     }
 }
 

@@ -17,7 +17,6 @@ const WRITERS: [(&[&str], &str); 13] = [
     (&["graph", "a.json", "-o", "g.svg"], "g.svg"),
     (&["export", "a.json", "--to", "glsl", "--bind", "across", "-o", "g.glsl"], "g.glsl"),
     (&["export", "a.json", "--to", "materialx", "--bind", "across", "-o", "g.mtlx"], "g.mtlx"),
-    (&["export", "a.json", "--to", "wgsl", "--bind", "across", "-o", "g.wgsl"], "g.wgsl"),
     (&["stability", "sea.json", "-o", "m.png"], "m.png"),
 ];
 

@@ -199,7 +199,7 @@ impl Encoder {
             Channel::All => return self.screen(color).map(|value| self.byte(value)),
             // Grays of the working space are grays of the screen.
             Channel::One(channel) => color[channel.min(2)],
-            // Places of encoded luminance are searched for: to encode the light of each pixel takes ten times as long.
+            // Places of encoded luminance are searched for: to encode the light of each pixel takes a power.
             Channel::Luminance if !self.light.is_empty() => {
                 let light = self.light_of(color);
                 return self.gray(self.table[STEPS.partition_point(|step| *step <= light).saturating_sub(1)]);

@@ -36,7 +36,7 @@ mod without {
 
     /// No graphics card.
     #[derive(Clone, Debug, Default)]
-    pub struct Graphics;
+    pub struct Graphics(());
 
     impl Graphics {
         /// Opens a card: there is none.
