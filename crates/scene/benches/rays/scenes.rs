@@ -89,7 +89,7 @@ pub(crate) fn storm() -> Scene {
     let inward: Vec<Segment> = inward.collect();
     let found = scene.obstacles.first(&inward);
     let sun = DVec3::new(0.5, 0.12, -1.0).normalize();
-    let outward = inward.iter().zip(found).map(|(inward, through)| {
+    let outward = inward.iter().zip(found.iter().copied()).map(|(inward, through)| {
         let origin = inward.ray.at(through.map_or(0.5, |through| 0.5 * through));
         Segment { ray: Ray { origin, direction: sun }, limit: 50.0 }
     });
@@ -131,7 +131,7 @@ impl Scene {
         });
         let down: Vec<Segment> = down.collect();
         let found = self.obstacles.first(&down);
-        let points = down.iter().zip(seen).zip(found);
+        let points = down.iter().zip(seen).zip(found.iter().copied());
         let points = points.map(|((down, seen), found)| found.map_or(seen.point, |distance| down.ray.at(distance)));
         let points = points.collect();
         self.questions.push(Question { name: "landed", any: false, segments: down });

@@ -4,6 +4,7 @@
 //! filter needs its region of interest, clamped to the extent of the image that it reads, so that no stage is ever
 //! asked for pixels outside of its image.
 
+mod crops;
 mod extent;
 mod gated;
 mod parts;
@@ -21,17 +22,18 @@ use crate::running::keep::PlaneKeeper;
 use crate::running::prepare::{PreparedStage, node_error};
 use crate::running::steps::Whole;
 use crate::{Buffers, EvalError, Monitor, Plan};
+use crops::Crops;
 use extent::clamped;
 pub(crate) use extent::extents;
 use gated::Gated;
 use runner::Runner;
-use samples::{PortSamples, Samples};
+use samples::PortSamples;
 use shared::{ReplacedValues, SharingView, UnsharedPixels};
 use state::{FillState, Image};
 use std::cell::Cell;
 use std::collections::HashMap;
 use std::time::Instant;
-use tapped::{Tapped, Taps};
+use tapped::Tapped;
 use trochoid_graph::{Block, Connection, Inputs, NoBound, NodeError, NodeId, Outputs, SharedResult, Slot, Variance};
 use trochoid_image::Window;
 use trochoid_kernel::{Chunk, CompiledProgram, Plane, WeightAudit};
@@ -61,6 +63,8 @@ pub(crate) struct Fills<'p> {
     keeper: Option<&'p PlaneKeeper>,
     /// Planes of the programs before stages, whose memory is used again and again.
     tapped: Tapped,
+    /// Parts of planes that several stages read at the current sample.
+    crops: Crops,
     /// Where stages show.
     gated: Option<Gated<'p>>,
     /// By fill, the number of samples that it left out since they do not show.
@@ -80,6 +84,7 @@ impl<'p> Fills<'p> {
         let by_slot = by_slot(fills);
         let views = SharingView::of(fills, &by_slot);
         let extents = extents(plan, ready, fills);
+        let crops = Crops::new(fills);
         let gated = Gated::of(pass, chunks);
         let picture = plan.graph.format().window();
         let bounding = plan.settings.bounds();
@@ -132,6 +137,7 @@ impl<'p> Fills<'p> {
             exact: if bounding { vec![0.0; picture.width()] } else { Vec::new() },
             keeper: None,
             tapped: Tapped::default(),
+            crops,
             gated,
         }
     }
@@ -167,6 +173,7 @@ impl<'p> Fills<'p> {
         self.sample = sample.index;
         self.unshared.clear();
         self.gated.iter_mut().for_each(Gated::begin);
+        self.crops.begin();
         for index in 0..self.fills.len() {
             let holds_taps = self.holds(Whole::Taps(index));
             if self.fills[index].need.is_empty() && !holds_taps {
@@ -351,6 +358,7 @@ impl<'p> Fills<'p> {
         if state.one_row && std::mem::replace(&mut state.columns, columns) == columns {
             return Ok(());
         }
+        self.crop(index);
         // Taken out, so that the stages before it can be read meanwhile.
         let state = &mut self.fills[index];
         let tapped_of = if state.fill.steady { &mut state.tapped } else { &mut self.tapped };
@@ -455,34 +463,6 @@ impl<'p> Fills<'p> {
             }
         }
         Ok(found)
-    }
-
-    /// Returns the samples of one channel over a region, row by row; borrowed if they are already contiguous.
-    fn samples<'a>(&'a self, feed: &Feed, region: Window, index: usize, taps: &'a Taps) -> Option<Samples<'a>> {
-        let plane = match feed {
-            Feed::Nothing => return None,
-            Feed::Constant(value) => return Some(Samples::Copied(Scratch::of(*value, region.area()))),
-            Feed::Tap(root, channel) => {
-                let (samples, within) = match self.known_taps(index) {
-                    Some(known) => (&known[*root][*channel][..], self.plan.graph.format().window()),
-                    None => (taps.get(*root, *channel)?, self.fills[index].tap_window),
-                };
-                let stride = within.width();
-                let start = (region.y0 - within.y0) as usize * stride + (region.x0 - within.x0) as usize;
-                Plane { samples, start, stride }
-            }
-            Feed::Slot(slot) => self.plane(slot, region, &self.fills[..index]),
-        };
-        let (width, height) = (region.width(), region.height());
-        Some(if plane.stride == width || height == 1 {
-            Samples::InPlace(&plane.samples[plane.start..plane.start + region.area()])
-        } else {
-            let mut samples = Scratch::with_room(region.area());
-            for y in 0..height {
-                samples.extend_from_slice(plane.row(y, width));
-            }
-            Samples::Copied(samples)
-        })
     }
 }
 
