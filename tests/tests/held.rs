@@ -71,5 +71,6 @@ fn nothing_is_held_that_does_not_pay_or_fit() {
     assert_eq!(held(&far, &settings(|s| s.tile = Some((90, 60)))), [], "a single tile");
     let mut limited = tiles();
     limited.memory_limit = Plan::new(&far, &[], 1, &[], &limited).unwrap().memory(Pictures::Rows).total();
-    assert_eq!(held(&far, &limited), [], "no memory");
+    let fewer = held(&far, &limited);
+    assert!(fewer.iter().all(|(_, held)| !held.before), "no memory for all: {fewer:?}");
 }

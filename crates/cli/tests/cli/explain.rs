@@ -72,10 +72,13 @@ fn planes_held_over_the_whole_picture_are_listed() {
     // Seen at this size, tiles would fill much of the noise again.
     let scene = Scene::new(
         r##"{ "trochoid": 1, "format": { "width": 900, "height": 600 }, "nodes": {
-        "lace": { "type": "Noise", "scale": 0.1 },
-        "foam": { "type": "Clamp", "field": "lace", "min": 0, "max": 0.3 },
+        "lace": { "type": "Noise", "scale": 0.1 }, "other": { "type": "Noise", "scale": 0.3 },
+        "veil": { "type": "Noise", "scale": 0.2 }, "grain": { "type": "Noise", "scale": 0.05 },
+        "sum": { "type": "FieldMath", "expression": "a + b + c + d", "a": "lace", "b": "other", "c": "veil", "d": "grain" },
+        "foam": { "type": "Clamp", "field": "sum", "min": 0, "max": 0.3 },
         "water": { "type": "Mix", "a": "#123", "b": "#fff", "weight": "foam" },
-        "far": { "type": "Warp", "image": "water", "dx": "lace", "reach": 60 } },
+        "shift": { "type": "ScreenX" },
+        "far": { "type": "Warp", "image": "water", "dx": "shift", "reach": 60 } },
       "outputs": { "beauty": { "color": "far" } } }"##,
     );
     scene.run(&["check", "a.json", "--explain"]).code(0).says(&[

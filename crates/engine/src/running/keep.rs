@@ -1,7 +1,7 @@
 //! Planes that stages filled, kept for the next evaluation: an edit refills only what depends on it.
 
 use super::prepare::{Cache, PreparedStage, key_of_planes};
-use super::steps::{Steps, Whole};
+use super::steps::{AGAIN, Steps, Whole};
 use crate::planning::plan::{Fill, Pass};
 use crate::planning::schedule::Reach;
 use crate::{Keep, Plan};
@@ -89,7 +89,7 @@ impl PlaneKeeper {
         }
         let known_before: HashSet<Whole> = keeper.known.keys().copied().collect();
         let is_known = |fill: usize| known_before.contains(&Whole::Fill(fill));
-        let mut steps = Steps::new(plan, pass, &is_known, &can_hold);
+        let mut steps = Steps::new(plan, pass, &is_known, &can_hold, AGAIN[0]);
         let is_spared = |node: NodeId| {
             let mut fills = pass.fills.iter().enumerate().filter(|(_, fill)| fill.node == node);
             fills.all(|(index, _)| steps.is_idle(index))
@@ -119,11 +119,12 @@ impl PlaneKeeper {
         if keeps {
             cache.make_way(taken);
         }
-        let fewer: [&dyn Fn(Whole) -> bool; 2] =
-            [&|planes| matches!(planes, Whole::Fill(_)) && can_hold(planes), &|_| false];
-        for can_hold in fewer {
+        let fills = |planes: Whole| matches!(planes, Whole::Fill(_)) && can_hold(planes);
+        let fewer: [(&dyn Fn(Whole) -> bool, f64); 3] =
+            [(&fills, AGAIN[0]), (&fills, AGAIN[1]), (&|_| false, f64::INFINITY)];
+        for (can_hold, least) in fewer {
             if steps.held(&|fill| keeper.keys.contains_key(&fill), &bytes) > spare {
-                steps = Steps::new(plan, pass, &is_known, can_hold);
+                steps = Steps::new(plan, pass, &is_known, can_hold, least);
             }
         }
         keeper.step = steps.count();

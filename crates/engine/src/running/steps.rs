@@ -11,12 +11,12 @@ use crate::planning::schedule::{Reach, Reads, larger, read_before};
 use std::collections::{BTreeSet, HashMap};
 use trochoid_graph::Slot;
 
-/// Time that a stage takes to fill a sample of a plane, in units of the time to write and read it: the least that was
-/// measured over stages of the hero scenes.
+/// Time that a stage takes to fill a sample of a plane, in units of the time to write and read it: about that of a short
+/// formula. Views and noise take several times as long.
 const STAGE: f64 = 4.0;
 
-/// Least share of a picture's pixels that tiles fill again for planes to be held.
-const AGAIN: f64 = 0.05;
+/// Least shares of a picture's pixels that tiles fill again for planes to be held, and if memory is too short for these.
+pub(crate) const AGAIN: [f64; 2] = [0.05, 0.5];
 
 /// Planes that are held over the whole picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -49,18 +49,20 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
-    /// Divides a pass. Fills that are `known` take no part; only planes that `can_wait` for all of their pixels begin a step.
+    /// Divides a pass. Fills that are `known` take no part; only planes that `can_wait` for all of their pixels begin a step,
+    /// and only where tiles would fill at least this share of the pixels again.
     pub(crate) fn new(
         plan: &Plan<'_>,
         pass: &Pass,
         known: &dyn Fn(usize) -> bool,
         can_wait: &dyn Fn(Whole) -> bool,
+        least: f64,
     ) -> Self {
         let fills = &pass.fills;
         let by_slot = by_slot(fills);
         let pays = |reach: Reach, planes: usize, upstream: &dyn Fn() -> usize| {
             let again = plan.filled_again(reach);
-            again > AGAIN && STAGE * again * upstream() as f64 > planes as f64
+            again > least && STAGE * again * upstream() as f64 > planes as f64
         };
         let mut steps = Self { of: vec![BTreeSet::new(); fills.len()], ..Self::default() };
         let mut beyond: Vec<Reach> = vec![(0, 0); fills.len()];

@@ -156,9 +156,9 @@ impl Frame {
     /// Fills the first channel of a stage at one sample in each pixel of a window.
     pub(crate) fn filled_window(&self, id: NodeId, window: Window, offset: [f64; 2]) -> Vec<f32> {
         let mut plane = vec![f32::NAN; window.area()];
-        let mut outputs = Outputs::new(vec![vec![Some(&mut plane[..])]]);
         let prepared = self.prepared[id.0].as_ref().unwrap();
-        prepared.fill(&Block::of(window, offset), &Inputs::new(&[]), &mut outputs).unwrap();
+        let outputs = Outputs::new([[Some(&mut plane[..])]]);
+        prepared.fill(&Block::of(window, offset), &Inputs::new(&[]), &mut { outputs }).unwrap();
         plane
     }
 

@@ -182,14 +182,14 @@ fn tried_in_turn((origin, triangles): &(DVec3, Vec<[[f32; 3]; 3]>), segment: &Se
 /// Checks that rays get the same answers, to the last bit, in packets, alone, in another order, with the slowest
 /// instructions, and by trying all triangles in turn. Returns how many met something.
 fn same_in_any_company(obstacles: &Obstacles, segments: &[Segment]) -> usize {
-    let bits = |answers: Vec<Option<f64>>| -> Vec<Option<u64>> {
-        answers.into_iter().map(|distance| distance.map(f64::to_bits)).collect()
+    let bits = |answers: &[Option<f64>]| -> Vec<Option<u64>> {
+        answers.iter().map(|distance| distance.map(f64::to_bits)).collect()
     };
     let triangles = trochoid_scene::inside::triangles(obstacles);
-    let found = bits(obstacles.first(segments));
+    let found = bits(&obstacles.first(segments));
     let blocked = obstacles.blocks(segments);
     let backward: Vec<Segment> = segments.iter().rev().copied().collect();
-    let mut turned = bits(obstacles.first(&backward));
+    let mut turned = bits(&obstacles.first(&backward));
     turned.reverse();
     assert_eq!(found, turned);
     let slowly = trochoid_scene::inside::slowly(obstacles, segments);
@@ -199,7 +199,7 @@ fn same_in_any_company(obstacles: &Obstacles, segments: &[Segment]) -> usize {
         assert_eq!(blocked[index], plain.is_some(), "ray {index}: {segment:?}");
         let (first_slowly, blocked_slowly) = slowly[index];
         assert_eq!((first_slowly.map(f64::to_bits), blocked_slowly), (plain, plain.is_some()), "ray {index}");
-        assert_eq!(bits(obstacles.first(&[*segment])), [plain], "ray {index}: {segment:?}");
+        assert_eq!(bits(&obstacles.first(&[*segment])), [plain], "ray {index}: {segment:?}");
     }
     found.iter().flatten().count()
 }

@@ -47,8 +47,8 @@ fn rows_of_polygons_agree_with_the_reference() {
         let frame = frame("weights", &shape);
         let block = Block::of(Window::new(-7, -5, 70, 45), [0.27, 0.81]);
         let mut plane = vec![f32::NAN; block.window.area()];
-        let mut outputs = Outputs::new(vec![vec![Some(&mut plane[..])]]);
-        frame.node("out").fill(&block, &Inputs::new(&[]), &mut outputs).unwrap();
+        let outputs = Outputs::new([[Some(&mut plane[..])]]);
+        frame.node("out").fill(&block, &Inputs::new(&[]), &mut { outputs }).unwrap();
         let places = (-5..45).flat_map(|y| (-7..70).map(move |x| [f64::from(x) + 0.27, f64::from(y) + 0.81]));
         for (found, at) in plane.iter().zip(places) {
             let truth = frame.truth(at)[1];

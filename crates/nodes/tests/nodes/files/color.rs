@@ -35,8 +35,8 @@ fn bytes_are_converted_by_the_formula() {
             assert_eq!(read.bytes() < 2 * WIDTH * 3 * size_of::<f32>(), whole == 0, "{}", read.bytes());
             let mut planes = [(); 3].map(|()| vec![f32::NAN; 256]);
             let block = Block::of(Window::sized(256, 1), [0.5; 2]);
-            let outs = planes.each_mut().map(|plane| Some(&mut plane[..])).into();
-            read.fill(&block, &Inputs::new(&[]), &mut Outputs::new(vec![outs])).unwrap();
+            let outs = planes.each_mut().map(|plane| Some(&mut plane[..]));
+            read.fill(&block, &Inputs::new(&[]), &mut Outputs::new([outs])).unwrap();
             for byte in 0..256 {
                 let found = planes.each_ref().map(|plane| plane[byte]);
                 let light = [formula(byte as f64 / 255.0); 3];

@@ -50,8 +50,8 @@ impl Layer {
     fn filled(&self, window: Window) -> Vec<f32> {
         let mut planes = [(); 3].map(|()| vec![f32::NAN; window.area()]);
         let block = Block::of(window, [0.5, 0.5]);
-        let outs = planes.each_mut().map(|plane| Some(&mut plane[..])).into();
-        self.prepared.fill(&block, &Inputs::new(&[]), &mut Outputs::new(vec![outs])).unwrap();
+        let outs = planes.each_mut().map(|plane| Some(&mut plane[..]));
+        self.prepared.fill(&block, &Inputs::new(&[]), &mut Outputs::new([outs])).unwrap();
         let [out, ..] = planes;
         for (value, at) in out.iter().zip(block.places()) {
             let truth = sole_reference(&*self.prepared, &self.context, at).unwrap()[0];

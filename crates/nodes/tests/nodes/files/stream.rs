@@ -65,12 +65,9 @@ impl Case {
         unwanted: Option<usize>,
     ) -> Result<Vec<Vec<f32>>, NodeError> {
         let mut planes = vec![vec![f32::NAN; block.window.area()]; self.kind.channels()];
-        let outs = planes
-            .iter_mut()
-            .enumerate()
-            .map(|(index, plane)| (unwanted != Some(index)).then_some(&mut plane[..]))
-            .collect();
-        picture.fill(block, &Inputs::new(&[]), &mut Outputs::new(vec![outs]))?;
+        let outs =
+            planes.iter_mut().enumerate().map(|(index, plane)| (unwanted != Some(index)).then_some(&mut plane[..]));
+        picture.fill(block, &Inputs::new(&[]), &mut Outputs::new([outs]))?;
         Ok(planes)
     }
 
