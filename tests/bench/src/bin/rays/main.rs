@@ -102,7 +102,7 @@ fn answers(obstacles: &Obstacles, any: bool, segments: &[Segment]) -> Vec<bool> 
     let mut answers = Vec::with_capacity(segments.len());
     for segments in segments.chunks(TOGETHER) {
         if any {
-            answers.extend(obstacles.blocks(segments));
+            answers.extend(obstacles.blocks(segments).iter().copied());
         } else {
             answers.extend(obstacles.first(segments).iter().map(Option::is_some));
         }
