@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod access;
+mod adaptive;
 mod architecture;
 mod bad_documents;
 mod book;

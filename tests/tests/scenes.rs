@@ -116,7 +116,7 @@ fn scenes_keep_their_bits_without_any_optimization() {
         let graph = load(&path, &[]).unwrap().graph;
         let whole = graph.format();
         // The same number of samples and the same shading, so that values that samples share are tested, too.
-        let format = Format::new(40, 23, whole.samples()).unwrap().with_shading(whole.shading());
+        let format = Format::new(40, 23, whole.samples()).unwrap().sampled_like(whole);
         // A scene that reads pictures without `fit` keeps its format.
         let fixed = small(&graph, 1, 1).format() == whole;
         let graph = if fixed { graph } else { graph.with_format(format) };

@@ -42,7 +42,7 @@ pub(crate) fn sized(graph: CheckedGraph, [width, height]: [u32; 2]) -> Result<Ch
         return Ok(graph);
     }
     let format = Format::new(width, height, whole.samples()).map_err(|error| Failure::new(FAILED, error))?;
-    Ok(graph.with_scaled_format(format.with_shading(whole.shading())))
+    Ok(graph.with_scaled_format(format.sampled_like(whole)))
 }
 
 /// Returns the graph scaled by a factor, if one is given.

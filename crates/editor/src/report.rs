@@ -252,7 +252,7 @@ fn ladder(result: &crate::evaluate::Result) -> Result<Vec<Step>, Unmeasured> {
     };
     let asked = LadderRequest {
         request,
-        format: Some(format.with_shading(whole.shading())),
+        format: Some(format.sampled_like(whole)),
         effort: Effort::Within(SECONDS),
         seed: 1,
         tolerances: &[],

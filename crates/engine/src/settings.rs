@@ -44,14 +44,25 @@ pub struct Switches {
     pub compile: bool,
     /// Fill what filters read far beyond a tile over the whole picture first, and not again for every tile.
     pub hold: bool,
+    /// Take the further samples of adaptive sampling at single pixels, not over whole tiles.
+    pub sparse: bool,
 }
 
-content_key!(Switches { demand, prune, fold, merge, hoist, fuse, compile, hold });
+content_key!(Switches { demand, prune, fold, merge, hoist, fuse, compile, hold, sparse });
 
 impl Switches {
     /// Every optimization.
-    pub const ALL: Self =
-        Self { demand: true, prune: true, fold: true, merge: true, hoist: true, fuse: true, compile: true, hold: true };
+    pub const ALL: Self = Self {
+        demand: true,
+        prune: true,
+        fold: true,
+        merge: true,
+        hoist: true,
+        fuse: true,
+        compile: true,
+        hold: true,
+        sparse: true,
+    };
     /// No optimization.
     pub const NONE: Self = Self {
         demand: false,
@@ -62,6 +73,7 @@ impl Switches {
         fuse: false,
         compile: false,
         hold: false,
+        sparse: false,
     };
 }
 

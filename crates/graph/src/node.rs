@@ -211,6 +211,12 @@ pub trait Stage {
         Rate::Sample
     }
 
+    /// Returns whether the stage may be called for single pixels: its result depends only on inputs at the same place, and it
+    /// takes positions from [`Block::pixels`].
+    fn is_pixelwise(&self) -> bool {
+        self.rate() != Rate::Sample
+    }
+
     /// Returns whether a pixel takes so long to fill that it pays to find out first where the stage shows.
     fn is_costly(&self) -> bool {
         false
@@ -418,7 +424,7 @@ pub type Handle = Arc<dyn Any + Send + Sync>;
 /// Samples of a pixel that may share a stage's result if the document shades per pixel
 /// ([`Shading`](trochoid_image::Shading)).
 ///
-/// Stages of any rate but [`Rate::Sample`] may be called for single pixels, and take positions from [`Block::pixels`].
+/// Stages of any rate but [`Rate::Sample`] may be called for single pixels ([`Stage::is_pixelwise`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rate {
     /// None: the result has edges of its own, or depends on neighboring pixels.

@@ -64,6 +64,12 @@ pub fn schema(registry: &Registry) -> Value {
                         "description": "Where passes that vary smoothly over a surface are evaluated: \"sample\" at every \
                                         sample; \"pixel\", about four times as fast, at the pixel's first sample for \
                                         all samples that see the same surface."
+                    },
+                    "adaptive": {
+                        "type": "number", "minimum": 0, "maximum": 1,
+                        "description": "Tolerance of adaptive sampling: a pixel keeps its first sample if those of the \
+                                        pixels around it differ by at most this, in square roots of values. Without it, \
+                                        every sample is taken."
                     }
                 }
             },

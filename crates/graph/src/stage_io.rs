@@ -3,6 +3,7 @@
 use crate::{BadData, Channel, Connected, FrameContext, Handle, Kind, NodeError, NodeId, SharedResult, Source, Store};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use trochoid_image::Window;
 use trochoid_key::{ContentKey, Key, content_key};
@@ -199,27 +200,66 @@ impl<'a> Prepare<'a> {
     }
 }
 
+/// Number of pixels that lie between separate parts of a row: fewer take less time than another part.
+const APART: usize = 8;
+
 /// A block of samples: one sample in each pixel of a window, or in each of several single pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block<'a> {
-    /// Window of the pixels. For single pixels, which only stages of another rate than [`Rate::Sample`](crate::Rate)
-    /// get, a row of the same number of pixels at an arbitrary position; [`Block::pixels`] has the real ones.
+    /// Window of the pixels. For single pixels, which only [pixelwise](crate::Stage::is_pixelwise) stages get, a row of the
+    /// same number of pixels at an arbitrary position; [`Block::pixels`] has the real ones.
     pub window: Window,
     /// Position of the sample in its pixel, from the upper left corner, in pixels.
     pub offset: [f64; 2],
     /// Positions of single pixels; `None` for a window.
     pub scattered: Option<&'a [[i64; 2]]>,
+    /// Whether each pixel of the window counts; all of them for `None`. The others may get any value, and so may the inputs
+    /// beyond the region of interest of those that count.
+    pub only: Option<&'a [bool]>,
 }
 
 impl<'a> Block<'a> {
     /// Makes a block of one sample in each pixel of a window.
     pub fn of(window: Window, offset: [f64; 2]) -> Self {
-        Self { window, offset, scattered: None }
+        Self { window, offset, scattered: None, only: None }
     }
 
     /// Makes a block of one sample in each of several single pixels.
     pub fn scattered(pixels: &'a [[i64; 2]], offset: [f64; 2]) -> Self {
-        Self { window: Window::new(0, 0, pixels.len() as i64, 1), offset, scattered: Some(pixels) }
+        Self { window: Window::new(0, 0, pixels.len() as i64, 1), offset, scattered: Some(pixels), only: None }
+    }
+
+    /// Says which pixels of a window count.
+    #[must_use]
+    pub fn with_only(self, only: Option<&'a [bool]>) -> Self {
+        Self { only, ..self }
+    }
+
+    /// Returns whether the pixel at an index in the planes counts.
+    #[inline]
+    pub fn counts(&self, index: usize) -> bool {
+        self.only.is_none_or(|only| only[index])
+    }
+
+    /// Lists parts of a row, counted from the first one, with all of its pixels that count, and few others: parts that are
+    /// close together are one.
+    pub fn runs(&self, row: usize) -> impl Iterator<Item = Range<usize>> + use<'a> {
+        let width = self.window.width();
+        let counts = self.only.map(|only| &only[row * width..(row + 1) * width]);
+        let mut next = 0;
+        std::iter::from_fn(move || {
+            let Some(counts) = counts else {
+                let from = std::mem::replace(&mut next, width);
+                return (from < width).then_some(from..width);
+            };
+            let from = next + counts[next..].iter().position(|counts| *counts)?;
+            let mut to = from + 1;
+            while let Some(more) = counts[to..width.min(to + APART)].iter().rposition(|counts| *counts) {
+                to += more + 1;
+            }
+            next = to;
+            Some(from..to)
+        })
     }
 
     /// Returns the pixels, in the order of the planes.

@@ -16,9 +16,11 @@ pub struct Format {
     height: u32,
     samples: u32,
     shading: Shading,
+    /// Bits of the tolerance of adaptive sampling.
+    adaptive: Option<u32>,
 }
 
-content_key!(Format { width, height, samples, shading });
+content_key!(Format { width, height, samples, shading, adaptive });
 
 /// Samples at which passes that vary smoothly over a surface are evaluated. Visibility and back-end operations are
 /// evaluated at every sample.
@@ -111,7 +113,7 @@ impl Format {
         if !matches!(samples, 1 | 4 | 16) {
             return Err(FormatError::Samples { samples });
         }
-        Ok(Self { width, height, samples, shading: Shading::Sample })
+        Ok(Self { width, height, samples, shading: Shading::Sample, adaptive: None })
     }
 
     /// Sets how often pixels are shaded.
@@ -123,6 +125,33 @@ impl Format {
     /// Returns how often pixels are shaded.
     pub fn shading(self) -> Shading {
         self.shading
+    }
+
+    /// Sets the tolerance of adaptive sampling, from 0 to 1; every sample of every pixel is taken if `None`.
+    ///
+    /// A pixel keeps its first sample if the first samples of the pixels around it, its own among them, differ by at most the
+    /// tolerance in every channel; else all of its samples are averaged. Differences are between square roots, since that is
+    /// about how eyes compare light: −√−v for negative values.
+    ///
+    /// ```
+    /// let format = trochoid_image::Format::new(1920, 1080, 4)?.with_adaptive(Some(1.0 / 64.0));
+    /// assert_eq!(format.adaptive(), Some(0.015625));
+    /// # Ok::<(), trochoid_image::FormatError>(())
+    /// ```
+    #[must_use]
+    pub fn with_adaptive(self, tolerance: Option<f32>) -> Self {
+        Self { adaptive: tolerance.map(|tolerance| tolerance.clamp(0.0, 1.0).to_bits()), ..self }
+    }
+
+    /// Returns the tolerance of adaptive sampling, in \[0, 1\]; `None` if every sample is taken.
+    pub fn adaptive(self) -> Option<f32> {
+        self.adaptive.map(f32::from_bits)
+    }
+
+    /// Samples and shades pixels like another format, but for the number of samples.
+    #[must_use]
+    pub fn sampled_like(self, other: Self) -> Self {
+        Self { shading: other.shading, adaptive: other.adaptive, ..self }
     }
 
     /// Returns the width in pixels.

@@ -108,6 +108,21 @@ impl Heap {
         }
     }
 
+    /// Keeps freed blocks of any size for later requests, instead of handing them back to the system: for programs that make
+    /// one picture after another, whose memory would cost its page faults anew for each. All threads take
+    /// turns in asking for memory. Does nothing on systems other than Linux with glibc.
+    pub fn keep_freed() {
+        #[cfg(all(target_os = "linux", target_env = "gnu"))]
+        #[allow(unsafe_code)]
+        // SAFETY: as in `return_large`: `mallopt` takes any parameter and value, and the allocator's lock.
+        unsafe {
+            libc::mallopt(libc::M_MMAP_THRESHOLD, i32::MAX);
+            libc::mallopt(libc::M_TRIM_THRESHOLD, i32::MAX);
+            // Otherwise threads ask for memory of their own, and get no large blocks from it.
+            libc::mallopt(libc::M_ARENA_MAX, 1);
+        }
+    }
+
     /// Sets the function that ends the program when memory is exhausted. Only the first call counts.
     ///
     /// The function may allocate: if even that fails, the process reports it on stderr and exits at once with code 1.

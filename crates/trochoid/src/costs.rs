@@ -105,7 +105,7 @@ pub fn measure(
     let whole = graph.format();
     let scale = whole.width().max(whole.height()).div_ceil(largest.max(1));
     let size = [whole.width(), whole.height()].map(|side| (side / scale).max(1));
-    let small = Format::new(size[0], size[1], whole.samples()).map(|format| format.with_shading(whole.shading()));
+    let small = Format::new(size[0], size[1], whole.samples()).map(|format| format.sampled_like(whole));
     match small {
         Ok(small) if scale > 1 => match at(&graph.clone().with_format(small), output, frame, monitor) {
             Err(MeasureError::Evaluate(EvalError::Node { .. })) => at(graph, output, frame, monitor),

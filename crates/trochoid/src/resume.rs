@@ -88,7 +88,7 @@ impl Fingerprints {
     fn shown(&self, region: Option<Window>, hasher: &mut KeyHasher) {
         let Settings { switches, judge, .. } = &self.settings;
         // The metadata list what is left out, but not how the rest is computed.
-        let switches = Switches { hoist: true, fuse: true, compile: true, hold: true, ..*switches };
+        let switches = Switches { hoist: true, fuse: true, compile: true, hold: true, sparse: true, ..*switches };
         (switches, judge, &region, self.by_reference).feed(hasher);
     }
 

@@ -10,6 +10,8 @@ pub(super) struct Document {
     pub(super) width: i64,
     pub(super) height: i64,
     pub(super) samples: usize,
+    /// Tolerance of adaptive sampling.
+    pub(super) adaptive: Option<f64>,
     pub(super) shades_pixels: bool,
     /// Whether colors mix as they are encoded for display.
     is_encoded: bool,
@@ -31,6 +33,7 @@ impl Document {
             width: format["width"].as_i64().unwrap(),
             height: format["height"].as_i64().unwrap(),
             samples: format["samples"].as_u64().unwrap_or(1) as usize,
+            adaptive: format["adaptive"].as_f64(),
             shades_pixels: format["shading"] == "pixel",
             is_encoded: json["working_space"] == "srgb",
             time: (frame - first) as f64 / fps,

@@ -98,11 +98,16 @@ pub(super) fn draw(family: Family, random: &mut Pcg64Mcg) -> Json {
         }
     }
     draw.key_some();
+    let adaptive = *[None, Some(0.05), Some(0.3)].choose(draw.random).unwrap();
+    let mut format = json!({ "width": width, "height": height, "samples": samples, "shading": shading });
+    if let Some(tolerance) = adaptive {
+        format["adaptive"] = tolerance.into();
+    }
     // The same as "literal" only at 60 frames per second.
     let is_resampled = draw.nodes.values().any(|node| node["mode"] == "resampled");
     json!({
         "trochoid": 1,
-        "format": { "width": width, "height": height, "samples": samples, "shading": shading },
+        "format": format,
         "working_space": space,
         "frames": { "first": 1, "last": 100, "fps": if is_resampled { 60 } else { 24 } },
         "nodes": draw.nodes,

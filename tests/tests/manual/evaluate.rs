@@ -95,6 +95,28 @@ impl<'d> Evaluator<'d> {
         (mean, self.is_near_jump.get())
     }
 
+    /// Returns the first sample of an output at a pixel, and whether the pixel keeps it; `None` without adaptive sampling, or
+    /// near a jump or its tolerance.
+    pub(super) fn adaptive(&self, output: &str, x: i64, y: i64) -> Option<(Vec<f64>, bool)> {
+        let source = self.document.output(output);
+        let tolerance = self.document.adaptive.filter(|_| self.document.samples > 1 && !self.is_field(&source))?;
+        self.is_near_jump.set(false);
+        let first = |x: i64, y: i64| self.value(&source, Place { x, y, sample: Some(0) });
+        let (own, mut farthest) = (first(x, y), 0.0_f64);
+        let around: Vec<Vec<f64>> = (y - 1..=y + 1)
+            .flat_map(|y| (x - 1..=x + 1).map(move |x| (x, y)))
+            .filter(|(x, y)| (0..self.document.width).contains(x) && (0..self.document.height).contains(y))
+            .map(|(x, y)| first(x, y).iter().map(|v| v.abs().sqrt().copysign(*v)).collect())
+            .collect();
+        for channel in 0..own.len() {
+            let roots = || around.iter().map(|roots| roots[channel]);
+            farthest = farthest.max(roots().fold(f64::MIN, f64::max) - roots().fold(f64::MAX, f64::min));
+        }
+        // Passes of surfaces are off by some thousandths, and thresholds enlarge that.
+        let is_clear = (farthest - tolerance).abs() > 0.03 && !self.is_near_jump.get();
+        is_clear.then_some((own, farthest <= tolerance))
+    }
+
     /// Returns whether a wire carries a Field, rather than a color, a mask or Weights.
     fn is_field(&self, source: &Json) -> bool {
         const FIELDS: [&str; 10] =

@@ -71,7 +71,14 @@ fn every_pixel_lies_within_its_bound_whatever_nodes_are_called() {
         let pixels = passes(&mut random);
         let file = format!("{seed}.exr");
         write_exr(&folder.path().join(&file), WIDTH as u32, HEIGHT as u32, &pixels.channels());
-        let samples = ["", r#", "samples": 4"#, r#", "samples": 16"#, r#", "samples": 4, "shading": "pixel""#];
+        let samples = [
+            "",
+            r#", "samples": 4"#,
+            r#", "samples": 16"#,
+            r#", "samples": 4, "shading": "pixel""#,
+            r#", "samples": 4, "adaptive": 0.1"#,
+            r#", "samples": 4, "shading": "pixel", "adaptive": 0.1"#,
+        ];
         let style = Style {
             inputs: &inputs,
             counts: &[4, 12, 30],

@@ -130,7 +130,7 @@ pub(crate) fn variants() -> Vec<(String, Settings)> {
         ("off, tiles of 3 × 2".into(), settings(|s| (s.switches, s.tile) = (Switches::NONE, Some((3, 2))))),
     ];
     type Field = fn(&mut Switches) -> &mut bool;
-    let switches: [(&str, Field); 8] = [
+    let switches: [(&str, Field); 9] = [
         ("demand", |s| &mut s.demand),
         ("prune", |s| &mut s.prune),
         ("fold", |s| &mut s.fold),
@@ -139,6 +139,7 @@ pub(crate) fn variants() -> Vec<(String, Settings)> {
         ("fuse", |s| &mut s.fuse),
         ("compile", |s| &mut s.compile),
         ("hold", |s| &mut s.hold),
+        ("sparse", |s| &mut s.sparse),
     ];
     for (name, field) in switches {
         variants.push((format!("{name} off"), settings(|s| *field(&mut s.switches) = false)));

@@ -147,6 +147,7 @@ pub(super) fn to_json(report: &Report<'_>) -> Value {
             "width": ladder.format.width(),
             "height": ladder.format.height(),
             "samples": ladder.format.samples(),
+            "adaptive": ladder.format.adaptive(),
             "shading": match ladder.format.shading() { Shading::Pixel => "pixel", Shading::Sample => "sample" },
         },
         "space": report.space.name(),

@@ -246,5 +246,5 @@ fn smaller(format: Format, longest: u32) -> Option<Format> {
         (scaled as u32).max(1)
     };
     let small = Format::new(side(format.width()), side(format.height()), format.samples());
-    small.ok().map(|small| small.with_shading(format.shading()))
+    small.ok().map(|small| small.sampled_like(format))
 }

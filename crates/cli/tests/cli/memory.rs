@@ -87,7 +87,7 @@ const WHOLE: &str = r##"{ "trochoid": 1, "format": { "width": 1500, "height": 15
 fn memory_that_the_system_refuses_is_an_error_and_leaves_no_partial_files() {
     let scene = Scene::new(WHOLE);
     let mut codes = Vec::new();
-    for megabytes in (200..=1400).step_by(100) {
+    for megabytes in (60..=1400).step_by(40) {
         let binary = env!("CARGO_BIN_EXE_trochoid");
         let script = format!("ulimit -v {} && exec {binary} render a.json --quiet --threads 2", megabytes * 1000);
         let mut command = Command::new("sh");

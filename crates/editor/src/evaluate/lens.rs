@@ -50,7 +50,7 @@ impl Lens {
         // Coarse previews are visible only briefly: one sample per pixel is enough.
         let samples = if finished { whole.samples() } else { 1 };
         let format = Format::new(side(whole.width()), side(whole.height()), samples)?;
-        Ok(Cow::Owned(self.graph.clone().with_scaled_format(format.with_shading(whole.shading()))))
+        Ok(Cow::Owned(self.graph.clone().with_scaled_format(format.sampled_like(whole))))
     }
 
     /// Translates the place in an error to the user's document; in the lens, everything is on one line.

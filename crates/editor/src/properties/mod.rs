@@ -224,7 +224,9 @@ fn document_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut
             for value in values {
                 let text = value.as_str().map_or_else(|| value.to_string(), String::from);
                 if let Some(gesture) = Gesture::click(&ui.selectable_label(text == shown, &text)) {
-                    gesture.edit(Edit::set(path.clone(), value), actions);
+                    // A document says nothing where something is off.
+                    let edit = if value == "off" { Edit::reset(path.clone()) } else { Edit::set(path.clone(), value) };
+                    gesture.edit(edit, actions);
                 }
             }
         });
@@ -241,6 +243,10 @@ fn document_ui(panel: &mut Properties, ui: &mut Ui, state: &State, actions: &mut
         let samples = sheet.get(&format.to("samples")).and_then(Value::as_u64).unwrap_or(1);
         let counts = [1, 4, 16].map(Value::from);
         choice(ui, "Samples per pixel", format.to("samples"), &samples.to_string(), &counts, actions);
+        let adaptive = sheet.get(&format.to("adaptive")).and_then(Value::as_f64);
+        let shown = adaptive.map_or_else(|| "off".into(), |tolerance| tolerance.to_string());
+        let tolerances = ["off".into(), 0.008.into(), 0.016.into(), 0.03.into()];
+        choice(ui, "Adaptive sampling", format.to("adaptive"), &shown, &tolerances, actions);
     });
     ui.separator();
     document_knobs::knobs_ui(panel, ui, state, actions);

@@ -122,6 +122,8 @@ pub(crate) struct Pass {
     /// Whether samples of a pixel share results.
     pub(crate) sharing: bool,
     pub(crate) program: CompiledProgram,
+    /// The program for single pixels, if further samples are taken at these.
+    pub(crate) scattered: Option<CompiledProgram>,
     /// Owners of the program's roots: index of the plan's output, and channel.
     pub(crate) roots: Vec<(usize, usize)>,
 }

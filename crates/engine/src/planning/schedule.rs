@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 use trochoid_graph::{
     Channel, ChannelSet, Kind, NodeId, Op, PortId, Program, Rate, Settled, Slot, Source, Stage, Variance, literal,
 };
-use trochoid_image::{Format, Shading};
+use trochoid_image::{Format, Shading, Window};
 use trochoid_kernel::{CompiledProgram, Options, Origin, ValueRule, compile};
 
 /// Channels that stages have to fill.
@@ -103,7 +103,8 @@ impl Scheduler<'_, '_, '_> {
                 owners.push((member, channel));
             }
         }
-        Pass { offsets, fills, gates, halo, sharing, program, roots: owners }
+        let scattered = (self.is_sparse() && offsets.len() > 1).then(|| self.compile(&roots, false, false));
+        Pass { offsets, fills, gates, halo, sharing, program, scattered, roots: owners }
     }
 
     /// Returns the slots that the `needed` operations load.
@@ -119,6 +120,13 @@ impl Scheduler<'_, '_, '_> {
     /// Marks the slots that the `needed` operations load.
     fn want_loads(&self, needed: &[bool], per_sample: bool, wanted: &mut Demand) {
         self.loads(needed).for_each(|slot| self.want(wanted, slot, per_sample));
+    }
+
+    /// Returns whether further samples of adaptive sampling are taken at single pixels.
+    fn is_sparse(&self) -> bool {
+        let format = self.planner.graph.format();
+        let is_sparse = self.switches().sparse && self.switches().demand && !self.planner.settings.bounds();
+        is_sparse && format.adaptive().is_some() && format.samples() > 1
     }
 
     /// Returns whether a stage's results are mostly the same for all samples of a pixel that share.
@@ -189,7 +197,7 @@ impl Scheduler<'_, '_, '_> {
         let steady = sharing && per_sample && self.loads(&needed).all(|slot| self.is_steady(slot.node));
         let taps = (!tap_roots.is_empty()).then(|| {
             self.want_loads(&needed, per_sample, wanted);
-            self.compile(&tap_roots, false, self.switches().hoist && per_sample && !steady)
+            self.compile(&tap_roots, false, self.switches().hoist && per_sample && !steady && !self.is_sparse())
         });
         let variance = if self.switches().hoist {
             (0..own.len()).map(|output| stage.variance(output)).max().unwrap_or(Variance::Pixel)
@@ -419,11 +427,28 @@ pub(crate) struct Reads {
 impl Reads {
     /// Lists what a fill reads that itself reaches `own` beyond a tile.
     pub(crate) fn of(fill: &Fill, stage: Option<&dyn Stage>, format: Format, own: Reach) -> Self {
+        let asked = |stage: &dyn Stage, port, window| stage.regions_of_interest(port, window, format);
+        Self::by(fill, stage, format, own, &asked)
+    }
+
+    /// Lists what a fill reads at samples after the first one, if what it found then is known.
+    pub(crate) fn after_find(fill: &Fill, stage: Option<&dyn Stage>, format: Format, own: Reach) -> Self {
+        let asked = |stage: &dyn Stage, port, window| stage.regions_after_find(port, window, format);
+        Self::by(fill, stage, format, own, &asked)
+    }
+
+    fn by(
+        fill: &Fill,
+        stage: Option<&dyn Stage>,
+        format: Format,
+        own: Reach,
+        region: &dyn Fn(&dyn Stage, PortId, Window) -> Window,
+    ) -> Self {
         let picture = format.window();
         let grown = |before: i64, after: i64, most: usize| before.max(after).clamp(0, most as i64) as usize;
         let (mut planes, mut taps) = (Vec::new(), own);
         for (port, connections) in &fill.inputs {
-            let asked = stage.map_or(picture, |stage| stage.regions_of_interest(*port, picture, format));
+            let asked = stage.map_or(picture, |stage| region(stage, *port, picture));
             let reach = (
                 own.0 + grown(picture.x0 - asked.x0, asked.x1 - picture.x1, picture.width()),
                 own.1 + grown(picture.y0 - asked.y0, asked.y1 - picture.y1, picture.height()),

@@ -7,7 +7,7 @@ use crate::planning::schedule::Reach;
 use crate::{Keep, Plan};
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
-use trochoid_graph::{FrameContext, Key, NodeId, Rate, Settled, Variance};
+use trochoid_graph::{FrameContext, Key, NodeId, Settled, Variance};
 use trochoid_image::Window;
 
 /// A stage's planes over the whole picture, by sample, output and channel; empty where not wanted.
@@ -75,7 +75,7 @@ impl PlaneKeeper {
             // Others run the program before them at single pixels.
             Whole::Taps(index) => {
                 let fill = &pass.fills[index];
-                fill.shared.is_none() && plan.stage(fill.node).is_some_and(|stage| stage.rate() == Rate::Sample)
+                fill.shared.is_none() && plan.stage(fill.node).is_some_and(|stage| !stage.is_pixelwise())
             }
         };
         let mut unknown = Vec::new();
@@ -205,6 +205,11 @@ impl PlaneKeeper {
     /// Returns whether the current step fills some whole planes.
     pub(crate) fn wants(&self, whole: Whole) -> bool {
         self.new.contains_key(&whole)
+    }
+
+    /// Returns whether the current step fills any whole planes.
+    pub(crate) fn wants_any(&self) -> bool {
+        !self.new.is_empty()
     }
 
     /// Returns whole planes that are known, for a sample, by output or root and channel.

@@ -6,7 +6,8 @@
 //! modules produce something other than a picture: `certify` bounds on its errors, `inspect` one pixel in detail, `held` a
 //! list of planes, `reference` the slow f64 result, `examine` faults of input files.
 
-pub(crate) mod bands;
+pub(crate) mod adaptive;
+mod bands;
 pub(crate) mod buffer_fault;
 pub(crate) mod buffers;
 pub(crate) mod certify;

@@ -468,5 +468,5 @@ impl Plan<'_> {
 /// Lists every program that a pass runs.
 pub(crate) fn programs(pass: &Pass) -> impl Iterator<Item = &CompiledProgram> {
     let gates = pass.gates.iter().flat_map(|gates| &gates.levels);
-    pass.fills.iter().filter_map(|fill| fill.taps.as_ref()).chain(gates).chain([&pass.program])
+    pass.fills.iter().filter_map(|fill| fill.taps.as_ref()).chain(gates).chain([&pass.program]).chain(&pass.scattered)
 }

@@ -1,5 +1,6 @@
 //! One thread's work on one tile: fills the stages, runs the program, averages the samples, and judges the result.
 
+use super::adaptive::Adaptive;
 use super::bands::Rows;
 use super::fill::Fills;
 use super::keep::PlaneKeeper;
@@ -35,12 +36,12 @@ pub(crate) struct Evaluation<'p> {
 
 /// State that a thread needs to evaluate tiles, reused from one tile to the next.
 pub(crate) struct Worker<'p> {
-    plan: &'p Plan<'p>,
-    buffers: &'p Buffers<'p>,
-    judges: &'p [Option<Arc<Judge>>],
+    pub(super) plan: &'p Plan<'p>,
+    pub(super) buffers: &'p Buffers<'p>,
+    pub(super) judges: &'p [Option<Arc<Judge>>],
     keeper: &'p PlaneKeeper,
-    level: Level,
-    passes: Vec<PassState<'p>>,
+    pub(super) level: Level,
+    pub(super) passes: Vec<PassState<'p>>,
     /// Seconds by node.
     pub(crate) fill_seconds: Vec<f64>,
     pub(crate) program_seconds: f64,
@@ -48,13 +49,16 @@ pub(crate) struct Worker<'p> {
     pub(crate) audits: Vec<Audit>,
 }
 
-struct PassState<'p> {
-    pass: &'p Pass,
-    machine: Machine<'p>,
-    fills: Fills<'p>,
+pub(super) struct PassState<'p> {
+    pub(super) pass: &'p Pass,
+    pub(super) machine: Machine<'p>,
+    /// The same for single pixels.
+    pub(super) scattered: Option<Machine<'p>>,
+    pub(super) fills: Fills<'p>,
     /// Sums of the samples by channel, and one row of each channel.
     sums: Vec<Vec<f64>>,
-    rows: Vec<Vec<f32>>,
+    pub(super) rows: Vec<Vec<f32>>,
+    pub(super) adaptive: Adaptive,
 }
 
 impl<'p> Worker<'p> {
@@ -67,9 +71,11 @@ impl<'p> Worker<'p> {
             .map(|pass| PassState {
                 pass,
                 machine: Machine::new(&pass.program, &mut chunks),
+                scattered: pass.scattered.as_ref().map(|program| Machine::new(program, &mut chunks)),
                 fills: Fills::new(plan, ready, buffers, pass, monitor, &mut chunks).with_keeper(keeper),
                 sums: vec![Vec::new(); channel_count(pass)],
                 rows: vec![Vec::new(); channel_count(pass)],
+                adaptive: Adaptive::default(),
             })
             .collect();
         let nodes = plan.graph.nodes().len();
@@ -95,10 +101,11 @@ impl<'p> Worker<'p> {
             return Ok(());
         }
         for index in 0..self.passes.len() {
-            let mut seen = if self.passes[index].pass.offsets.len() == 1 {
-                self.single(index, tile, rows)?
-            } else {
-                self.averaged(index, tile, rows)?
+            let is_single = self.passes[index].pass.offsets.len() == 1;
+            let mut seen = match self.plan.graph.format().adaptive() {
+                _ if is_single => self.single(index, tile, rows)?,
+                Some(tolerance) => self.adaptive(index, tile, rows, tolerance)?,
+                None => self.averaged(index, tile, rows)?,
             };
             for (output, seen) in seen.iter_mut().enumerate() {
                 if self.passes[index].pass.roots.iter().any(|(owner, _)| *owner == output) {
@@ -153,29 +160,26 @@ impl<'p> Worker<'p> {
             sums.clear();
             sums.resize(width * height, 0.0);
         }
-        state.rows.iter_mut().for_each(|row| row.resize(width, 0.0));
-        let mut normalized = None;
         for sample in pass.samples() {
             state.fills.fill(tile, sample, &mut self.fill_seconds)?;
             let started = Instant::now();
-            let planes = state.fills.planes(&pass.program);
-            // The caller's buffers are the same for every sample.
-            let normalized = match &mut normalized {
-                Some(known) => known,
-                none => none.insert(self.buffers.normalized(plan, &pass.program.planes, &planes, tile)?),
-            };
-            let planes = with_normalized(&planes, normalized, width);
-            let mut views = state.machine.begin(&planes, width);
-            for y in 0..height {
-                let mut out: Scratch<Target<'_>> = state.rows.iter_mut().map(|row| Target::new(row)).collect();
-                state.machine.row(&mut views, y, &mut out, 0, None);
-                drop(out);
-                dispatch!(self.level, simd => simd.vectorize(#[inline(always)] || {
-                    for (sums, row) in state.sums.iter_mut().zip(&state.rows) {
-                        add(&mut sums[y * width..(y + 1) * width], row);
-                    }
-                }));
-            }
+            let (level, sums) = (self.level, &mut state.sums);
+            run_samples(
+                plan,
+                self.buffers,
+                pass,
+                &mut state.machine,
+                &state.fills,
+                tile,
+                &mut state.rows,
+                |y, rows| {
+                    dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                        for (sums, row) in sums.iter_mut().zip(rows) {
+                            add(&mut sums[y * width..(y + 1) * width], row);
+                        }
+                    }));
+                },
+            )?;
             self.program_seconds += started.elapsed().as_secs_f64();
         }
         // The weights are equal and sum to 1. Partial sums of n values ≤ m are at most n·m, which f64 holds exactly
@@ -217,6 +221,33 @@ fn add(sums: &mut [f64], row: &[f32]) {
     for (sum, value) in sums.iter_mut().zip(row) {
         *sum += f64::from(*value);
     }
+}
+
+/// Runs a pass's program over a window of the current sample, and hands over each row of all channels.
+#[expect(clippy::too_many_arguments, reason = "state of a pass")]
+pub(super) fn run_samples(
+    plan: &Plan<'_>,
+    buffers: &Buffers<'_>,
+    pass: &Pass,
+    machine: &mut Machine<'_>,
+    fills: &Fills<'_>,
+    window: Window,
+    rows: &mut [Vec<f32>],
+    mut take: impl FnMut(usize, &[Vec<f32>]),
+) -> Result<(), EvalError> {
+    let width = window.width();
+    rows.iter_mut().for_each(|row| row.resize(width, 0.0));
+    let planes = fills.planes(&pass.program);
+    let normalized = buffers.normalized(plan, &pass.program.planes, &planes, window)?;
+    let planes = with_normalized(&planes, &normalized, width);
+    let mut views = machine.begin(&planes, width);
+    for y in 0..window.height() {
+        let mut out: Scratch<Target<'_>> = rows.iter_mut().map(|row| Target::new(row)).collect();
+        machine.row(&mut views, y, &mut out, 0, None);
+        drop(out);
+        take(y, rows);
+    }
+    Ok(())
 }
 
 /// Runs a pass's program over a tile, straight into its rows.
@@ -276,14 +307,14 @@ pub(crate) fn channel_count(pass: &Pass) -> usize {
 }
 
 /// Returns the rows of a tile that a pass writes, channel by channel in the order of its roots.
-fn slices<'r>(pass: &Pass, rows: &'r mut Rows<'_>) -> Scratch<&'r mut [f32]> {
+pub(super) fn slices<'r>(pass: &Pass, rows: &'r mut Rows<'_>) -> Scratch<&'r mut [f32]> {
     let made = |output: usize| pass.roots.iter().any(|(owner, _)| *owner == output);
     let mine = rows.iter_mut().enumerate().filter(|(output, _)| made(*output));
     mine.flat_map(|(_, channels)| channels.iter_mut().map(|channel| &mut **channel)).collect()
 }
 
 /// Audits every pixel of a finished tile.
-fn audit_tile(judge: Option<&Judge>, channels: &[&mut [f32]], tile: Window) -> Audit {
+pub(super) fn audit_tile(judge: Option<&Judge>, channels: &[&mut [f32]], tile: Window) -> Audit {
     let mut audit = Audit::default();
     for y in 0..tile.height() {
         let start = y * tile.width();

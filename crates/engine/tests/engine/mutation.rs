@@ -83,6 +83,7 @@ fn every_switch_gives_the_same_bits() {
         Switches { fuse: false, ..all },
         Switches { compile: false, ..all },
         Switches { hold: false, ..all },
+        Switches { sparse: false, ..all },
     ];
     for switches in off {
         for (threads, tile) in [(1, (256, 16)), (2, (7, 3)), (3, (1, 1))] {

@@ -103,6 +103,7 @@ impl<'a> Checker<'a> {
         let place = FaultLocation::top(value.offset, "format");
         let entries = self.object(value, place, "an object with \"width\" and \"height\"")?;
         let (mut width, mut height, mut samples, mut shading) = (None, None, Some(1), Shading::default());
+        let mut adaptive = None;
         for entry in entries {
             let slot = match entry.key.as_str() {
                 "width" => &mut width,
@@ -112,8 +113,12 @@ impl<'a> Checker<'a> {
                     shading = self.shading(entry)?;
                     continue;
                 }
+                "adaptive" => {
+                    adaptive = Some(self.adaptive(entry)?);
+                    continue;
+                }
                 key => {
-                    let keys = ["width", "height", "samples", "shading"];
+                    let keys = ["width", "height", "samples", "shading", "adaptive"];
                     self.unknown_key(FaultLocation::top(entry.offset, "format"), key, &keys);
                     continue;
                 }
@@ -138,7 +143,7 @@ impl<'a> Checker<'a> {
             return None;
         };
         Format::new(width, height, samples)
-            .map(|format| format.with_shading(shading))
+            .map(|format| format.with_shading(shading).with_adaptive(adaptive))
             .map_err(|error| {
                 let (found, expected, remedy) = match error {
                     FormatError::Side { .. } => (
@@ -171,6 +176,21 @@ impl<'a> Checker<'a> {
                           sample";
             let names = Shading::ALL.map(Shading::name);
             self.error(place, entry.value.brief(), format!("one of {}", names.join(", ")), remedy);
+        }
+        found
+    }
+
+    /// Returns the tolerance of adaptive sampling.
+    fn adaptive(&mut self, entry: &'a Entry) -> Option<f32> {
+        let found = match entry.value.json {
+            Json::Number(n) if (0.0..=1.0).contains(&n) => Some(n as f32),
+            _ => None,
+        };
+        if found.is_none() {
+            let place = FaultLocation::top(entry.value.offset, &entry.key);
+            let remedy =
+                "write the largest difference that counts as none, such as 0.01; leave it out to take every sample";
+            self.error(place, entry.value.brief(), "a number from 0 to 1", remedy);
         }
         found
     }

@@ -425,10 +425,15 @@ impl Prepared for PreparedHooks {
                 continue;
             }
             inputs.check_cancelled()?;
-            left.resize(window.area(), 1.0);
+            if left.is_empty() {
+                // What does not count is covered.
+                left.extend((0..window.area()).map(|index| if block.counts(index) { 1.0 } else { 0.0 }));
+            }
             let open = self.open(claw, within, window, &left, depths);
+            let asked = |x: i64, y: i64| block.counts(index(window, x, y));
+            let asked: Option<&dyn Fn(i64, i64) -> bool> = if block.only.is_some() { Some(&asked) } else { None };
             let pixels = (open.y0..open.y1).flat_map(|y| (open.x0..open.x1).map(move |x| (x, y)));
-            for ((x, y), found) in pixels.zip(places.find(claw, open, block.offset)) {
+            for ((x, y), found) in pixels.zip(places.find(claw, open, block.offset, asked)) {
                 let index = index(window, x, y);
                 let Some((within, random)) = *found else { continue };
                 if left[index] == 0.0 || self.is_hidden(claw, f64::from(depths[index])) {

@@ -282,7 +282,7 @@ impl Prepared for PreparedLineSet {
             let [above, here, below] = [y - 1, y, y + 1].map(row);
             for x in window.x0..window.x1 {
                 let wide = thickness.map_or(1.0, |plane| f64::from(plane[index]));
-                let masks = if wide > 0.0 {
+                let masks = if wide > 0.0 && block.counts(index) {
                     let at = |plane: &[f32], row: usize, x: i64| f64::from(plane[row + column(x)]);
                     let q = at(across, here, x);
                     let beside = [x - 1, x + 1].map(|x| at(across, here, x));

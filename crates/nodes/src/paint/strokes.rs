@@ -335,6 +335,15 @@ fn own_row<'r>(plane: &'r [f32], window: Window, [x0, x1]: [i64; 2], y: i64, own
     own
 }
 
+/// Returns the columns from the first to behind the last pixel that counts in a row of a part of a block.
+fn counted_in(block: &Block<'_>, part: Window, y: i64) -> [i64; 2] {
+    let start = place(block.window, part.x0, y);
+    let counts = |column: &usize| block.counts(start + column);
+    let first = (0..part.width()).find(counts).unwrap_or(part.width());
+    let last = (first..part.width()).rfind(counts).map_or(first, |last| last + 1);
+    [part.x0 + first as i64, part.x0 + last as i64]
+}
+
 impl PreparedStrokes {
     /// Finds the strokes of a block, for the sample that the inputs belong to.
     fn block_strokes(&self, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<BlockStrokes, NodeError> {
@@ -401,9 +410,15 @@ impl Prepared for PreparedStrokes {
             }
         }
         let (mut sums, mut own, black) = (Sums::default(), Scratch::new(), Scratch::of(0.0f32, width));
+        let mut counted = Scratch::new();
         fill_together(self.kind, area, outputs, |planes| {
             for (&part, on) in parts.iter().zip(&on) {
                 inputs.check_cancelled()?;
+                counted.clear();
+                counted.extend((part.y0..part.y1).map(|y| counted_in(block, part, y)));
+                if counted.iter().all(|[from, to]| from >= to) {
+                    continue;
+                }
                 let mut is_used = used(level, image, planes.len(), part);
                 for index in on {
                     block_strokes.values(*index as usize).iter().for_each(|(channel, _)| is_used[*channel] = true);
@@ -417,8 +432,9 @@ impl Prepared for PreparedStrokes {
                         let at = brush.seen_from(shift);
                         let bounds = brush.bounds(at);
                         for y in bounds.y0.max(part.y0)..bounds.y1.min(part.y1) {
+                            let [from, to] = counted[(y - part.y0) as usize];
                             let [begin, end] = brush.columns(at, y);
-                            let (x0, x1) = (begin.max(part.x0), (end + 1).min(part.x1));
+                            let (x0, x1) = (begin.max(from), (end + 1).min(to));
                             if x0 >= x1 {
                                 continue;
                             }

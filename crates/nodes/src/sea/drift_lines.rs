@@ -135,20 +135,28 @@ impl Prepared for PreparedDriftLines {
             mask.fill(0.0);
             return Ok(());
         }
-        let Window { x0, x1, y0, .. } = block.window;
+        let Window { x0, y0, .. } = block.window;
+        let width = block.window.width().max(1);
         let mut spare: [Scratch<f32>; 8] = Default::default();
-        for (y, out) in (y0..).zip(mask.chunks_exact_mut(block.window.width().max(1))) {
-            let [a, b, c, d, e, f, g, h] = &mut spare;
-            let row = LineRow {
-                weight: around.row(weights, y, x0..x1, a),
-                height: around.row(heights, y, x0..x1, b),
-                phase: [around.row(planes[0], y, x0 - 1..x1 + 1, c), around.row(planes[1], y, x0 - 1..x1 + 1, d)],
-                beside: [
-                    [around.row(planes[0], y - 1, x0..x1, e), around.row(planes[1], y - 1, x0..x1, f)],
-                    [around.row(planes[0], y + 1, x0..x1, g), around.row(planes[1], y + 1, x0..x1, h)],
-                ],
-            };
-            self.lines.fill(&row, out);
+        for ((row, y), out) in (0..).zip(y0..).zip(mask.chunks_exact_mut(width)) {
+            for part in block.runs(row) {
+                let [a, b, c, d, e, f, g, h] = &mut spare;
+                let (out, across) = (&mut out[part.clone()], x0 + part.start as i64..x0 + part.end as i64);
+                let beside = across.start - 1..across.end + 1;
+                let row = LineRow {
+                    weight: around.row(weights, y, across.clone(), a),
+                    height: around.row(heights, y, across.clone(), b),
+                    phase: [around.row(planes[0], y, beside.clone(), c), around.row(planes[1], y, beside, d)],
+                    beside: [
+                        [
+                            around.row(planes[0], y - 1, across.clone(), e),
+                            around.row(planes[1], y - 1, across.clone(), f),
+                        ],
+                        [around.row(planes[0], y + 1, across.clone(), g), around.row(planes[1], y + 1, across, h)],
+                    ],
+                };
+                self.lines.fill(&row, out);
+            }
         }
         Ok(())
     }

@@ -89,6 +89,10 @@ impl Stage for SurfaceLines {
         }
     }
 
+    fn is_pixelwise(&self) -> bool {
+        true
+    }
+
     fn depends_on_time(&self) -> bool {
         true
     }

@@ -124,12 +124,21 @@ pub struct Places {
     /// Those within one ribbon, and the x of its samples, in groups of neighbors.
     part: Scratch<Deepest>,
     columns: Scratch<[f64; LANES]>,
+    /// Whether any sample of each group is asked for, if only some are.
+    asked: Scratch<bool>,
 }
 
 impl Places {
     /// Finds the samples of a window, at an offset within their pixels, row by row. The results are those of
-    /// [`Claw::at`], but faster: each segment of a spine visits only the pixels of its bounding box, several at once.
-    pub fn find(&mut self, claw: &Claw, window: Window, offset: [f64; 2]) -> &[Option<(RibbonPoint, f64)>] {
+    /// [`Claw::at`], but faster: each segment of a spine visits only the pixels of its bounding box, several at once. If
+    /// `only` says which pixels are asked for, others may get any result.
+    pub fn find(
+        &mut self,
+        claw: &Claw,
+        window: Window,
+        offset: [f64; 2],
+        only: Option<&dyn Fn(i64, i64) -> bool>,
+    ) -> &[Option<(RibbonPoint, f64)>] {
         self.all.clear();
         self.all.resize(window.area(), None);
         for (ribbon, random) in &claw.parts {
@@ -137,7 +146,7 @@ impl Places {
             if around.area() == 0 {
                 continue;
             }
-            self.find_part(ribbon, around, offset);
+            self.find_part(ribbon, around, offset, only);
             for (y, part) in (around.y0..).zip(self.part.chunks_exact(self.columns.len())) {
                 let first = (y - window.y0) as usize * window.width() + (around.x0 - window.x0) as usize;
                 for (all, part) in self.all[first..][..around.width()].chunks_mut(LANES).zip(part) {
@@ -151,7 +160,13 @@ impl Places {
     }
 
     /// Finds the samples of a window in one ribbon. The last group of a row may reach beyond the window.
-    fn find_part(&mut self, ribbon: &Ribbon, around: Window, offset: [f64; 2]) {
+    fn find_part(
+        &mut self,
+        ribbon: &Ribbon,
+        around: Window,
+        offset: [f64; 2],
+        only: Option<&dyn Fn(i64, i64) -> bool>,
+    ) {
         self.columns.clear();
         self.columns.extend(
             (around.x0..around.x1)
@@ -161,6 +176,13 @@ impl Places {
         let groups = self.columns.len();
         self.part.clear();
         self.part.resize(groups * around.height(), Deepest::NONE);
+        self.asked.clear();
+        if let Some(only) = only {
+            for y in around.y0..around.y1 {
+                let firsts = (around.x0..around.x1).step_by(LANES);
+                self.asked.extend(firsts.map(|x| (x..around.x1.min(x + LANES as i64)).any(|x| only(x, y))));
+            }
+        }
         dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
             for step in 0..STEPS {
                 let (segment, covered) = (ribbon.segment(step), covered(ribbon.segment_bounds(step), around));
@@ -170,9 +192,17 @@ impl Places {
                 let [first, end] = [covered.x0, covered.x1].map(|x| (x - around.x0) as usize);
                 let within = first / LANES..end.div_ceil(LANES);
                 for y in covered.y0..covered.y1 {
-                    let row = &mut self.part[(y - around.y0) as usize * groups..][within.clone()];
-                    for (deepest, x) in row.iter_mut().zip(&self.columns[within.clone()]) {
-                        deepest.deepen(simd, &segment, x, y as f64 + offset[1]);
+                    let first = (y - around.y0) as usize * groups;
+                    let row = &mut self.part[first..][within.clone()];
+                    let row = row.iter_mut().zip(&self.columns[within.clone()]);
+                    if self.asked.is_empty() {
+                        row.for_each(|(deepest, x)| deepest.deepen(simd, &segment, x, y as f64 + offset[1]));
+                        continue;
+                    }
+                    for ((deepest, x), asked) in row.zip(&self.asked[first..][within.clone()]) {
+                        if *asked {
+                            deepest.deepen(simd, &segment, x, y as f64 + offset[1]);
+                        }
                     }
                 }
             }

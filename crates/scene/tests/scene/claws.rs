@@ -17,7 +17,7 @@ fn the_fast_way_finds_what_every_place_finds_itself() {
     let (window, offset) = (Window::new(-3, -2, 45, 40), [0.25, 0.75]);
     let mut places = Places::default();
     let within = covered(claw.bounds(), window);
-    let found = places.find(&claw, within, offset);
+    let found = places.find(&claw, within, offset, None);
     let mut parts_seen = [0, 0];
     for (index, y) in (within.y0..within.y1).enumerate() {
         for (column, x) in (within.x0..within.x1).enumerate() {
@@ -72,7 +72,7 @@ fn samples_side_by_side_have_the_bits_of_single_ones() {
         // Samples on points of the spine have a distance of 0.
         let offset = if round % 2 == 0 { [0.0, 0.0] } else { [between(0.0, 1.0), between(0.0, 1.0)] };
         let window = Window::new(-4, -3, 4 + round % 23, 17);
-        let found = places.find(&claw, window, offset);
+        let found = places.find(&claw, window, offset, None);
         let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| [x, y]));
         for (found, pixel) in found.iter().zip(pixels) {
             let alone = claw.at([0, 1].map(|axis| pixel[axis] as f64 + offset[axis]));

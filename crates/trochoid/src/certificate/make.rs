@@ -78,6 +78,7 @@ fn fingerprint_of(inputs: &CertificateInputs<'_>, image: &StoredImage) -> String
 pub(super) fn format_of(graph: &CheckedGraph) -> FormatText {
     let format = graph.format();
     FormatText {
+        adaptive: format.adaptive().map(|tolerance| tolerance.to_string()),
         height: format.height(),
         samples: format.samples(),
         shading: format.shading().name().into(),

@@ -67,6 +67,9 @@ pub struct DocumentText {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FormatText {
+    /// Tolerance of adaptive sampling; none if every sample is taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub adaptive: Option<String>,
     /// Height in pixels.
     pub height: u32,
     /// Number of samples per pixel.

@@ -41,9 +41,10 @@ impl<T: Words> Words for Vec<T> {
 
 impl Words for FormatText {
     fn words(&self) -> String {
-        let Self { width, height, samples, shading, working_space } = self;
+        let Self { adaptive, width, height, samples, shading, working_space } = self;
         let samples = if *samples == 1 { "1 sample".into() } else { format!("{samples} samples") };
-        format!("{width} × {height} pixels of {samples}, shaded by the {shading}, in {working_space}")
+        let adaptive = adaptive.iter().map(|tolerance| format!(", adaptive to {tolerance}")).collect::<String>();
+        format!("{width} × {height} pixels of {samples}{adaptive}, shaded by the {shading}, in {working_space}")
     }
 }
 

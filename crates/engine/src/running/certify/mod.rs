@@ -4,11 +4,13 @@
 //! In a certifying plan, every channel of values has a channel of bounds behind it. Stages bound their own results;
 //! the program computes bounds beside its values. The values of the picture are computed as always.
 
+mod adaptive;
 mod scattered;
 mod stage;
 mod tally;
 mod trace;
 
+use adaptive::AdaptiveTile;
 pub use scattered::CertifiedPixels;
 pub(crate) use stage::{Found, Ports, fill_with_bounds};
 use tally::CertifiedTile;
@@ -215,13 +217,19 @@ impl<'g> Certifier<'g> {
             let mut own: Vec<CertifiedTile> = plan.outputs.iter().map(of).collect();
             for (pass, fills, trace) in &mut passes {
                 let share = 1.0 / pass.offsets.len() as f64;
+                let tolerance = plan.graph.format().adaptive().filter(|_| pass.offsets.len() > 1);
+                let mut adaptive = tolerance.map(|tolerance| AdaptiveTile::new(plan, pass, tile, tolerance));
                 for sample in pass.samples() {
-                    fills.fill(tile, sample, &mut seconds)?;
+                    let window = match &adaptive {
+                        Some(adaptive) if sample.index == 0 => adaptive.around,
+                        _ => tile,
+                    };
+                    fills.fill(window, sample, &mut seconds)?;
                     run.note(fills);
                     let planes = fills.planes(&pass.program);
                     // Rows by root and channel: values, then bounds.
                     let mut rows = vec![Vec::new(); pass.roots.len() * 2 * BOUNDS];
-                    trace.tile(&planes, tile.width(), tile.height(), &mut |root, channel, _, row| {
+                    trace.tile(&planes, window.width(), window.height(), &mut |root, channel, _, row| {
                         rows[root * 2 * BOUNDS + channel].extend_from_slice(row);
                     });
                     let mut values: Vec<Vec<Vec<f32>>> = vec![Vec::new(); own.len()];
@@ -231,6 +239,10 @@ impl<'g> Certifier<'g> {
                         values[output].extend(rows.by_ref().take(BOUNDS).filter(|row| !row.is_empty()));
                         bounds[output].extend(rows.filter(|row| !row.is_empty()));
                     }
+                    if let Some(adaptive) = &mut adaptive {
+                        adaptive.keep(sample.index, values, bounds);
+                        continue;
+                    }
                     for (own, (values, bounds)) in own.iter_mut().zip(values.iter().zip(&bounds)) {
                         if !bounds.is_empty() {
                             own.sample(values, bounds, share);
@@ -238,7 +250,10 @@ impl<'g> Certifier<'g> {
                     }
                 }
                 for output in pass.outputs() {
-                    own[output].average(share);
+                    match &mut adaptive {
+                        Some(adaptive) => adaptive.certify(output, &mut own[output], share),
+                        None => own[output].average(share),
+                    }
                 }
             }
             take(index, own);

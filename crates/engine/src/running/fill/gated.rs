@@ -3,6 +3,7 @@
 use super::extent::clamped;
 use super::runner::Runner;
 use super::shared::UnsharedPixels;
+use super::sparse::nothing;
 use super::state::Image;
 use super::{Chunk, FillState, Fills};
 use crate::planning::gates::{Condition, GateSet, Gates};
@@ -10,8 +11,8 @@ use crate::planning::plan::{Feed, Fill, Pass, Sample};
 use crate::running::keep::PlaneKeeper;
 use crate::running::steps::Whole;
 use fearless_simd::{Level, Simd, dispatch};
-use trochoid_graph::{Kind, NodeError, Rate};
-use trochoid_image::{Channel, Format, Window};
+use trochoid_graph::NodeError;
+use trochoid_image::{Format, Window};
 use trochoid_kernel::Plane;
 use trochoid_memory::Scratch;
 
@@ -21,12 +22,12 @@ const MOST: f64 = 0.6;
 /// Where stages show at the current sample.
 pub(super) struct Gated<'p> {
     fills: &'p [Fill],
-    gates: &'p Gates,
+    pub(super) gates: &'p Gates,
     machines: Vec<Runner<'p>>,
     /// Planes of the programs' roots, by level.
     roots: Vec<Vec<Vec<f32>>>,
     /// Number of levels that have run.
-    known: usize,
+    pub(super) known: usize,
     /// By set of conditions, where in the tile all of them hold, as far as this was asked.
     open: Vec<Open>,
     /// Fills of which whole planes are kept, or which those read: what does not show now may show after an edit.
@@ -82,8 +83,17 @@ impl<'p> Gated<'p> {
         Self { kept, ..self }
     }
 
+    /// Returns where in a tile all conditions of a set hold.
+    pub(super) fn open_in(&mut self, set: usize, tile: Window) -> &[bool] {
+        let open = &mut self.open[set];
+        if !open.is_known {
+            open.find(&self.gates.sets[set].conditions, &self.roots, tile);
+        }
+        &open.is_open
+    }
+
     /// Runs the next level over a tile.
-    fn look(&mut self, planes: &[Plane<'_>], tile: Window) {
+    pub(super) fn look(&mut self, planes: &[Plane<'_>], tile: Window) {
         let roots = &mut self.roots[self.known];
         roots.iter_mut().for_each(Vec::clear);
         self.machines[self.known].tile(planes, tile.width(), tile.height(), &mut |root, _, _, row| {
@@ -153,7 +163,7 @@ impl<'p> Fills<'p> {
         if self.known(index).is_some() || state.window != self.tile || state.need != self.tile {
             return Ok(false);
         }
-        let is_scattered = stage.rate() != Rate::Sample;
+        let is_scattered = stage.is_pixelwise();
         if self.gated.as_ref().is_some_and(|gated| gated.kept[index]) {
             return Ok(false);
         }
@@ -207,21 +217,20 @@ impl<'p> Fills<'p> {
 
     /// Makes the planes of a stage those of a place where nothing of it shows: 0, or for a view what it has where no surface
     /// is seen, since other stages may read it there.
-    fn clear(&mut self, index: usize) {
+    pub(super) fn clear(&mut self, index: usize) {
         let state = &mut self.fills[index];
         let area = state.window.area();
         let kinds = &self.plan.graph.node(state.fill.node).kinds;
         for ((kind, planes), wanted) in kinds.iter().zip(&mut state.planes).zip(&state.fill.wanted) {
             for (channel, (plane, wanted)) in planes.iter_mut().zip(wanted).enumerate() {
-                let nothing = if *kind == Kind::View { Channel::ALL[channel].background() } else { 0.0 };
                 plane.clear();
-                plane.resize(if *wanted { area } else { 0 }, nothing);
+                plane.resize(if *wanted { area } else { 0 }, nothing(*kind, channel));
             }
         }
     }
 
     /// Fills a stage within a window of the tile, and nothing elsewhere.
-    fn fill_within(&mut self, index: usize, within: Window, sample: Sample) -> Result<(), NodeError> {
+    pub(super) fn fill_within(&mut self, index: usize, within: Window, sample: Sample) -> Result<(), NodeError> {
         let tile = self.tile;
         self.clear(index);
         let state = &mut self.fills[index];

@@ -7,10 +7,12 @@
 mod crops;
 mod extent;
 mod gated;
+mod masks;
 mod parts;
 mod runner;
 mod samples;
 mod shared;
+mod sparse;
 mod state;
 mod tapped;
 
@@ -29,6 +31,8 @@ use gated::Gated;
 use runner::Runner;
 use samples::PortSamples;
 use shared::{ReplacedValues, SharingView, UnsharedPixels};
+use sparse::Sparse;
+pub(crate) use sparse::make_room;
 use state::{FillState, Image};
 use std::cell::Cell;
 use std::collections::HashMap;
@@ -67,6 +71,8 @@ pub(crate) struct Fills<'p> {
     crops: Crops,
     /// Where stages show.
     gated: Option<Gated<'p>>,
+    /// Planes at single pixels.
+    sparse: Option<Sparse>,
     /// By fill, the number of samples that it left out since they do not show.
     left_out: Vec<u64>,
 }
@@ -86,6 +92,7 @@ impl<'p> Fills<'p> {
         let extents = extents(plan, ready, fills);
         let crops = Crops::new(fills);
         let gated = Gated::of(pass, chunks);
+        let sparse = Sparse::of(plan, pass);
         let picture = plan.graph.format().window();
         let bounding = plan.settings.bounds();
         let image = |fill: &Fill, feeds: &Vec<Feed>| {
@@ -118,6 +125,7 @@ impl<'p> Fills<'p> {
                 replaced: ReplacedValues::default(),
                 found: None,
                 need: Window::default(),
+                only: Vec::new(),
                 unbounded: Cell::new(None),
             })
             .collect();
@@ -139,6 +147,7 @@ impl<'p> Fills<'p> {
             tapped: Tapped::default(),
             crops,
             gated,
+            sparse,
         }
     }
 
@@ -167,13 +176,10 @@ impl<'p> Fills<'p> {
     /// Fills every stage over the window that a tile needs, for a sample, and adds the time of each stage to
     /// `seconds`. The first sample of a tile must come first, since the others may share its results.
     pub(crate) fn fill(&mut self, tile: Window, sample: Sample, seconds: &mut [f64]) -> Result<(), EvalError> {
-        if sample.index == 0 || self.sharing {
+        if sample.index == 0 || self.sharing || self.tile != tile {
             self.place_windows(tile, sample.index);
         }
-        self.sample = sample.index;
-        self.unshared.clear();
-        self.gated.iter_mut().for_each(Gated::begin);
-        self.crops.begin();
+        self.begin(sample);
         for index in 0..self.fills.len() {
             let holds_taps = self.holds(Whole::Taps(index));
             if self.fills[index].need.is_empty() && !holds_taps {
@@ -191,7 +197,7 @@ impl<'p> Fills<'p> {
             }
             let filled = match &self.fills[index].fill.shared {
                 Some(views) if sample.index > 0 && self.known(index).is_none() => {
-                    self.fill_unshared(index, views, sample.offset)
+                    self.fill_unshared(index, views, sample.offset, None)
                 }
                 _ => self.fill_gated(index, sample).and_then(|is_filled| match is_filled {
                     true => Ok(()),
@@ -215,6 +221,14 @@ impl<'p> Fills<'p> {
             seconds[id.0] += started.elapsed().as_secs_f64();
         }
         Ok(())
+    }
+
+    /// Begins with another sample.
+    fn begin(&mut self, sample: Sample) {
+        self.sample = sample.index;
+        self.unshared.clear();
+        self.gated.iter_mut().for_each(Gated::begin);
+        self.crops.begin();
     }
 
     /// Returns the planes that a program reads over the current tile, in its order.
@@ -287,7 +301,7 @@ impl<'p> Fills<'p> {
                 SHARING_CHANNELS.iter().for_each(|channel| need(&sharing_slot(*view, *channel), state.need));
             }
             for ((port, connections), images) in state.fill.inputs.iter().zip(&mut state.images) {
-                let asked = if sample == 0 {
+                let asked = if sample == 0 || !self.sharing {
                     stage.regions_of_interest(*port, own, format)
                 } else {
                     stage.regions_after_find(*port, own, format)
@@ -432,7 +446,8 @@ impl<'p> Fills<'p> {
         });
         let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(None) };
         let cancelled = || self.monitor.cancelled();
-        let block = Block::of(window, sample.offset);
+        let only = (state.only.len() == window.area()).then_some(&state.only[..]);
+        let block = Block::of(window, sample.offset).with_only(only);
         if self.plan.settings.bounds() {
             let exact = self.plan.settings.exact == Some(state.fill.node);
             let found = match sample.index {

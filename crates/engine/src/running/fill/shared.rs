@@ -1,10 +1,12 @@
 //! Stages whose results the samples of a pixel share: after the first sample, only the pixels that differ are filled.
 
+use super::masks::Mask;
 use super::runner::Runner;
 use super::samples::{PortSamples, Samples};
 use super::tapped::Taps;
 use super::{FillState, Fills};
 use crate::planning::plan::{Feed, Fill};
+use crate::planning::schedule::Reach;
 use crate::planning::shading::{SHARING_CHANNELS, sharing_slot};
 use crate::running::certify::{Found, Ports, fill_with_bounds};
 use std::collections::HashMap;
@@ -15,7 +17,7 @@ use trochoid_memory::Scratch;
 
 /// What a view sees at the samples of the current tile.
 pub(super) struct SharingView {
-    node: NodeId,
+    pub(super) node: NodeId,
     /// Index of the fill that holds the view's surface and depth.
     fill: usize,
     /// Surface and depth that the first sample sees, over the window `all`.
@@ -35,9 +37,11 @@ pub(super) struct SharingView {
 pub(super) struct UnsharedPixels {
     views: Scratch<NodeId>,
     window: Window,
+    /// How far around the pixels whose samples are taken they were looked for; `None` for the whole window.
+    margin: Option<Reach>,
     /// Indices into planes over the window.
     pub(super) indices: Scratch<usize>,
-    pixels: Scratch<[i64; 2]>,
+    pub(super) pixels: Scratch<[i64; 2]>,
     /// Pixels at which the reference may decide differently.
     doubtful: Scratch<[i64; 2]>,
 }
@@ -81,6 +85,11 @@ impl SharingView {
     /// Returns whether the reference may decide differently at a pixel.
     fn is_doubtful(&self, pixel: [i64; 2]) -> bool {
         self.doubtful.get(self.index(pixel)).is_some_and(|doubtful| *doubtful)
+    }
+
+    /// Returns whether the sample differs at a pixel of the view's window.
+    pub(super) fn differs_at(&self, pixel: [i64; 2]) -> bool {
+        self.differs[self.index(pixel)]
     }
 
     fn index(&self, [x, y]: [i64; 2]) -> usize {
@@ -202,13 +211,23 @@ impl<'p> Fills<'p> {
     }
 
     /// Fills a stage where the current sample does not share with the first one, and keeps the first sample's results
-    /// elsewhere.
-    pub(super) fn fill_unshared(&mut self, index: usize, views: &[NodeId], offset: [f64; 2]) -> Result<(), NodeError> {
+    /// elsewhere. If only some pixels of its window count, others may get any value.
+    pub(super) fn fill_unshared(
+        &mut self,
+        index: usize,
+        views: &[NodeId],
+        offset: [f64; 2],
+        only: Option<&Mask>,
+    ) -> Result<(), NodeError> {
+        let margin = only.map(|mask| mask.margin);
         let (window, held) = (self.fills[index].need, self.fills[index].window);
-        let known = self.unshared.iter().position(|unshared| unshared.window == window && unshared.views[..] == *views);
+        let is_known = |unshared: &UnsharedPixels| {
+            unshared.window == window && unshared.margin == margin && unshared.views[..] == *views
+        };
+        let known = self.unshared.iter().position(is_known);
         let unshared = match known {
             Some(known) => self.unshared.swap_remove(known),
-            None => self.unshared_pixels(views, window),
+            None => self.unshared_pixels(views, window, only),
         };
         let state = &mut self.fills[index];
         let mut replaced = std::mem::take(&mut state.replaced);
@@ -255,12 +274,13 @@ impl<'p> Fills<'p> {
     }
 
     /// Finds the pixels of a window at which some view sees something else than at the first sample.
-    fn unshared_pixels(&self, views: &[NodeId], window: Window) -> UnsharedPixels {
+    fn unshared_pixels(&self, views: &[NodeId], window: Window, only: Option<&Mask>) -> UnsharedPixels {
         let asked: Scratch<&SharingView> = self.views.iter().filter(|view| views.contains(&view.node)).collect();
         let (mut indices, mut pixels, mut doubtful) = (Scratch::new(), Scratch::new(), Scratch::new());
         for (y, first) in (window.y0..window.y1).zip((0..).step_by(window.width())) {
             let rows: Scratch<&[bool]> = asked.iter().map(|view| view.row(window, y)).collect();
-            for x in (0..window.width()).filter(|x| rows.iter().any(|row| row[*x])) {
+            let counts = |x: &usize| only.is_none_or(|only| only.is_near[first + x]);
+            for x in (0..window.width()).filter(|x| counts(x) && rows.iter().any(|row| row[*x])) {
                 indices.push(first + x);
                 pixels.push([window.x0 + x as i64, y]);
             }
@@ -269,7 +289,8 @@ impl<'p> Fills<'p> {
                 doubtful.extend(pixels.filter(|pixel| asked.iter().any(|view| view.is_doubtful(*pixel))));
             }
         }
-        UnsharedPixels { views: views.iter().copied().collect(), window, indices, pixels, doubtful }
+        let margin = only.map(|mask| mask.margin);
+        UnsharedPixels { views: views.iter().copied().collect(), window, margin, indices, pixels, doubtful }
     }
 
     /// Computes the stage's planes at single pixels of its window.
@@ -280,33 +301,52 @@ impl<'p> Fills<'p> {
         offset: [f64; 2],
         machine: Option<&mut Runner<'p>>,
     ) -> Result<Scratch<Scratch<f32>>, NodeError> {
-        let wanted = self.fills[index].fill.wanted.iter().flatten().filter(|wanted| **wanted);
-        let mut found = wanted.map(|_| Scratch::of(0.0, unshared.indices.len())).collect();
-        self.fill_pixels_into(index, unshared, offset, machine, &mut found)?;
-        Ok(found)
+        self.fill_channels(index, &self.fills[index].fill.wanted, unshared, offset, machine)
     }
 
-    fn fill_pixels_into(
+    /// Computes some of the stage's planes at single pixels of its window.
+    pub(super) fn fill_channels(
         &self,
         index: usize,
+        wanted: &[Vec<bool>],
         unshared: &UnsharedPixels,
         offset: [f64; 2],
         machine: Option<&mut Runner<'p>>,
-        found: &mut Scratch<Scratch<f32>>,
+    ) -> Result<Scratch<Scratch<f32>>, NodeError> {
+        let planes = wanted.iter().flatten().filter(|wanted| **wanted);
+        let mut found: Scratch<Scratch<f32>> = planes.map(|_| Scratch::of(0.0, unshared.indices.len())).collect();
+        let targets = found.iter_mut().map(|values| values.as_mut_slice());
+        let before = &self.fills[..index];
+        let read = |slot: &Slot| Samples::Copied(self.gather(slot, unshared, before));
+        self.fill_pixels_into(index, wanted, &unshared.pixels, offset, machine, targets, &read)?;
+        Ok(found)
+    }
+
+    /// Computes some of the stage's planes at single pixels, given how to read others there.
+    #[expect(clippy::too_many_arguments, reason = "what is known of a stage")]
+    pub(super) fn fill_pixels_into<'t, 's>(
+        &self,
+        index: usize,
+        wanted: &[Vec<bool>],
+        pixels: &[[i64; 2]],
+        offset: [f64; 2],
+        machine: Option<&mut Runner<'p>>,
+        mut targets: impl Iterator<Item = &'t mut [f32]>,
+        read: &dyn Fn(&Slot) -> Samples<'s>,
     ) -> Result<(), NodeError> {
-        let (state, before) = (&self.fills[index], &self.fills[..index]);
+        let state = &self.fills[index];
         let Some(ready) = self.ready.get(&state.fill.node) else { return Ok(()) };
-        let taps = self.tap_pixels(state, unshared, before, machine);
-        let count = unshared.indices.len();
+        let count = pixels.len();
+        let taps = Self::tap_pixels(state, count, machine, read);
         let gather = |feed: &Feed| -> Option<Samples<'_>> {
             Some(match feed {
                 Feed::Nothing => return None,
                 Feed::Constant(value) => Samples::Copied(Scratch::of(*value, count)),
                 Feed::Tap(root, channel) => Samples::InPlace(taps.get(*root, *channel)?),
-                Feed::Slot(slot) => Samples::Copied(self.gather(slot, unshared, before)),
+                Feed::Slot(slot) => read(slot),
             })
         };
-        let block = Block::scattered(&unshared.pixels, offset);
+        let block = Block::scattered(pixels, offset);
         let held: PortSamples<'_> = state
             .fill
             .inputs
@@ -324,10 +364,9 @@ impl<'p> Fills<'p> {
                 connections.collect()
             })
             .collect();
-        let mut targets = found.iter_mut().map(|values| values.as_mut_slice());
         let mut target = |wanted: &bool| wanted.then(|| targets.next()).flatten();
         let mut outputs: Scratch<Scratch<Option<&mut [f32]>>> =
-            state.fill.wanted.iter().map(|channels| channels.iter().map(&mut target).collect()).collect();
+            wanted.iter().map(|channels| channels.iter().map(&mut target).collect()).collect();
         let outputs = outputs.iter_mut().map(|channels| channels.drain(..));
         let cancelled = || self.monitor.cancelled();
         if self.plan.settings.bounds() {
@@ -342,7 +381,7 @@ impl<'p> Fills<'p> {
     }
 
     /// Reads a plane at single pixels.
-    fn gather(&self, slot: &Slot, unshared: &UnsharedPixels, before: &[FillState<'_>]) -> Scratch<f32> {
+    pub(super) fn gather(&self, slot: &Slot, unshared: &UnsharedPixels, before: &[FillState<'_>]) -> Scratch<f32> {
         let (plane, window) = (self.plane(slot, unshared.window, before), unshared.window);
         if plane.stride == window.width() {
             let samples = &plane.samples[plane.start..];
@@ -352,19 +391,17 @@ impl<'p> Fills<'p> {
         unshared.pixels.iter().map(|pixel| plane.samples[at(pixel)]).collect()
     }
 
-    /// Runs the pointwise program before a stage at single pixels of its window.
-    pub(super) fn tap_pixels(
-        &self,
+    /// Runs the pointwise program before a stage at some pixels, given how to read planes there.
+    pub(super) fn tap_pixels<'s>(
         state: &FillState<'_>,
-        unshared: &UnsharedPixels,
-        before: &[FillState<'_>],
+        count: usize,
         machine: Option<&mut Runner<'p>>,
+        read: &dyn Fn(&Slot) -> Samples<'s>,
     ) -> Taps {
         let mut taps = Taps::default();
         if let (Some(machine), Some(compiled)) = (machine, &state.fill.taps) {
-            let planes: Scratch<Scratch<f32>> =
-                compiled.planes.iter().map(|slot| self.gather(slot, unshared, before)).collect();
-            let stride = unshared.indices.len();
+            let planes: Scratch<Samples<'_>> = compiled.planes.iter().map(read).collect();
+            let stride = count;
             let planes: Scratch<Plane<'_>> = planes.iter().map(|samples| Plane { samples, start: 0, stride }).collect();
             machine.tile(&planes, stride, 1, &mut |root, channel, _, row| {
                 taps.of(root, channel).extend_from_slice(row);

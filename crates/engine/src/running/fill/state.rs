@@ -35,6 +35,8 @@ pub(super) struct FillState<'p> {
     pub(super) found: Option<SharedResult>,
     /// Window needed for the current sample: everything that the planes hold, except for what was shared.
     pub(super) need: Window,
+    /// Pixels of the window that count; all of them if it is empty.
+    pub(super) only: Vec<bool>,
     /// Why the stage knows no bound, if it was asked for one and has none.
     pub(super) unbounded: Cell<Option<NoBound>>,
 }

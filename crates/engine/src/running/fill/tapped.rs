@@ -1,6 +1,7 @@
 //! Planes of the pointwise program before a stage.
 
 use super::runner::Runner;
+use super::samples::Samples;
 use super::shared::UnsharedPixels;
 use super::{FillState, Fills};
 use crate::running::steps::Whole;
@@ -162,7 +163,8 @@ impl<'p> Fills<'p> {
             return;
         }
         let pixels = UnsharedPixels::at(window, indices);
-        for ((root, channel), values) in &self.tap_pixels(state, &pixels, before, Some(machine)).0 {
+        let read = |slot: &Slot| Samples::Copied(self.gather(slot, &pixels, before));
+        for ((root, channel), values) in &Self::tap_pixels(state, pixels.indices.len(), Some(machine), &read).0 {
             let plane = tapped.planes.of(*root, *channel);
             pixels.indices.iter().zip(values).for_each(|(index, value)| plane[*index] = *value);
         }

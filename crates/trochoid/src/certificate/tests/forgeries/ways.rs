@@ -203,6 +203,7 @@ pub(super) const CLAIMS: &[Way] = &[
     ("another frame", "beauty", |f| f.certificate.frame = 2),
     ("another size", "beauty", |f| (f.certificate.format.width, f.certificate.format.height) = (66, 70)),
     ("more samples", "beauty", |f| f.certificate.format.samples = 16),
+    ("adaptive sampling", "beauty", |f| f.certificate.format.adaptive = Some("0.01".into())),
     ("other shading", "beauty", |f| f.certificate.format.shading = "pixel".into()),
     ("another space", "beauty", |f| f.certificate.format.working_space = "acescg".into()),
     ("another output of the same kind", "print", |f| {
