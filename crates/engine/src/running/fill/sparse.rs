@@ -12,6 +12,7 @@ use crate::planning::schedule::{Reach, Reads, larger, read_before};
 use crate::running::keep::PlaneKeeper;
 use crate::running::prepare::node_error;
 use crate::{EvalError, Plan};
+use std::collections::HashSet;
 use std::time::Instant;
 use trochoid_graph::{Kind, NodeError, Slot, Variance};
 use trochoid_image::{Channel, Window};
@@ -63,10 +64,10 @@ impl Sparse {
     /// Returns `None` if the pass takes all samples over whole tiles.
     pub(super) fn of(plan: &Plan<'_>, pass: &Pass) -> Option<Self> {
         let scattered = pass.scattered.as_ref()?;
+        let is_pixelwise = |fill: &Fill| plan.stage(fill.node).is_some_and(|stage| stage.is_pixelwise());
         let mut is_local: Vec<bool> = Vec::new();
         for (index, fill) in pass.fills.iter().enumerate().rev() {
-            let is_pixelwise = plan.stage(fill.node).is_some_and(|stage| stage.is_pixelwise());
-            let own = is_pixelwise && fill.variance == Variance::Pixel && !plan.bound[fill.node.0];
+            let own = is_pixelwise(fill) && fill.variance == Variance::Pixel && !plan.bound[fill.node.0];
             let is_read = |other: usize| {
                 let reader = &pass.fills[other];
                 let decides = reader.shared.as_ref().is_some_and(|views| views.contains(&fill.node));
@@ -78,18 +79,17 @@ impl Sparse {
         }
         is_local.reverse();
         let margins = margins(plan, pass);
-        let programs = || pass.gates.iter().flat_map(|gates| &gates.levels).chain([scattered]);
+        // Planes that local stages and programs read.
+        let local = pass.fills.iter().zip(&is_local).filter(|(_, is_local)| **is_local);
+        let programs = pass.gates.iter().flat_map(|gates| &gates.levels).chain([scattered]);
+        let read: HashSet<&Slot> =
+            local.flat_map(|(fill, _)| fill.slots()).chain(programs.flat_map(|program| &program.planes)).collect();
         let fills = pass.fills.iter().enumerate().map(|(index, fill)| {
-            let local = pass.fills.iter().zip(&is_local).filter(|(_, is_local)| **is_local);
-            let read: Vec<&Slot> = local
-                .flat_map(|(fill, _)| fill.slots())
-                .chain(programs().flat_map(|program| &program.planes))
-                .collect();
-            let is_read = |output: usize, channel: usize| read.contains(&&Slot { node: fill.node, output, channel });
+            let is_read = |output: usize, channel: usize| read.contains(&Slot { node: fill.node, output, channel });
             let wanted = fill.wanted.iter().enumerate();
             SparseFill {
                 is_local: is_local[index],
-                is_pixelwise: plan.stage(fill.node).is_some_and(|stage| stage.is_pixelwise()),
+                is_pixelwise: is_pixelwise(fill),
                 margin: None,
                 nearer: None,
                 is_read: wanted
