@@ -6,7 +6,7 @@ use trochoid_graph::*;
 use trochoid_image::{Format, Window};
 use trochoid_memory::Scratch;
 use trochoid_sea::toon::lines::{LinePoint, Lines, density};
-use trochoid_sea::toon::{LineRow, NearPhase, NearPlace, density_span};
+use trochoid_sea::toon::{LineMasks, LinePlaces, NearPhase, NearPlace, density_span};
 
 /// A mask of lines along the motion of a toon sea's bursts, tapering with height.
 ///
@@ -105,15 +105,19 @@ impl Stage for DriftLines {
     fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let Self { thickness, low, high, shift, fresh, spread, finest, .. } = *self;
         let lines = Lines { thickness, low, high, shift, fresh, spread, finest, seed: self.seed as u32 };
-        Ok(Box::new(PreparedDriftLines { view: self.view.clone(), phase: self.coordinate.phase(), lines }))
+        let (view, phase) = (self.view.clone(), self.coordinate.phase());
+        Ok(Box::new(PreparedDriftLines { view, phase, lines: LineMasks::new(lines) }))
     }
 }
 
 struct PreparedDriftLines {
     view: One<port::View>,
     phase: [Channel; 2],
-    lines: Lines,
+    lines: LineMasks,
 }
+
+/// Most places that are collected before their masks are computed.
+const TOGETHER: usize = 256;
 
 /// Returns the phase of a sample within the spans of its components, and whether these are clear.
 fn near_phase(cos: Span, sin: Span) -> (NearPhase, bool) {
@@ -123,45 +127,124 @@ fn near_phase(cos: Span, sin: Span) -> (NearPhase, bool) {
     (NearPhase::new([cos.middle(), sin.middle()], within), cos.clear && sin.clear)
 }
 
+/// Planes around a window.
+struct Planes<'a> {
+    weights: &'a [f32],
+    heights: &'a [f32],
+    phase: [&'a [f32]; 2],
+}
+
+impl PreparedDriftLines {
+    /// Fills whole rows, whose neighbors are in the same planes.
+    fn fill_rows(&self, window: Window, around: &Neighborhood<'_>, planes: &Planes<'_>, mask: &mut [f32]) {
+        let Window { x0, x1, y0, .. } = window;
+        let width = window.width();
+        let mut spare: [Scratch<f32>; 8] = Default::default();
+        for (y, out) in (y0..).zip(mask.chunks_exact_mut(width.max(1))) {
+            let [a, b, c, d, e, f, g, h] = &mut spare;
+            let [cos, sin] = planes.phase;
+            let own = [around.row(cos, y, x0 - 1..x1 + 1, c), around.row(sin, y, x0 - 1..x1 + 1, d)];
+            let from = |column: usize| [&own[0][column..column + width], &own[1][column..column + width]];
+            let above = [around.row(cos, y - 1, x0..x1, e), around.row(sin, y - 1, x0..x1, f)];
+            let below = [around.row(cos, y + 1, x0..x1, g), around.row(sin, y + 1, x0..x1, h)];
+            let places = LinePlaces {
+                weight: around.row(planes.weights, y, x0..x1, a),
+                height: around.row(planes.heights, y, x0..x1, b),
+                phase: from(1),
+                beside: [[from(0), from(2)], [above, below]],
+            };
+            self.lines.fill(&places, out);
+        }
+    }
+
+    /// Fills the pixels that count and at which something may be drawn.
+    fn fill_places(
+        &self,
+        window: Window,
+        only: &[bool],
+        around: &Neighborhood<'_>,
+        planes: &Planes<'_>,
+        mask: &mut [f32],
+    ) {
+        mask.fill(0.0);
+        let mut collected = Collected::default();
+        for (row, y) in (window.y0..window.y1).enumerate() {
+            let start = row * window.width();
+            for (index, x) in (start..start + window.width()).zip(window.x0..) {
+                if only[index] && !self.lines.hides(planes.weights[around.index(x, y)]) {
+                    collected.add(index, [x, y], around, planes);
+                    if collected.places.len() == TOGETHER {
+                        collected.draw(&self.lines, mask);
+                    }
+                }
+            }
+        }
+        collected.draw(&self.lines, mask);
+    }
+}
+
+/// Values at places that are not adjacent.
+#[derive(Default)]
+struct Collected {
+    /// Indices of the places in the mask.
+    places: Scratch<usize>,
+    weights: Scratch<f32>,
+    heights: Scratch<f32>,
+    /// Phases of the places, and of those to the left, right, above and below.
+    phases: [[Scratch<f32>; 2]; 5],
+    masks: Scratch<f32>,
+}
+
+impl Collected {
+    fn add(&mut self, index: usize, [x, y]: [i64; 2], around: &Neighborhood<'_>, planes: &Planes<'_>) {
+        let here = around.index(x, y);
+        self.places.push(index);
+        self.weights.push(planes.weights[here]);
+        self.heights.push(planes.heights[here]);
+        let beside = [[x - 1, y], [x + 1, y], [x, y - 1], [x, y + 1]].map(|[x, y]| around.index(x, y));
+        for (phases, at) in self.phases.iter_mut().zip([here].into_iter().chain(beside)) {
+            for (phase, plane) in phases.iter_mut().zip(planes.phase) {
+                phase.push(plane[at]);
+            }
+        }
+    }
+
+    /// Computes the masks of the places, and forgets these.
+    fn draw(&mut self, lines: &LineMasks, mask: &mut [f32]) {
+        let Self { places, weights, heights, phases, masks } = self;
+        masks.resize(places.len(), 0.0);
+        let [phase, left, right, above, below] = phases.each_ref().map(|[cos, sin]| [&cos[..], &sin[..]]);
+        let beside = [[left, right], [above, below]];
+        lines.fill(&LinePlaces { weight: weights, height: heights, phase, beside }, masks);
+        for (place, value) in places.iter().zip(masks.iter()) {
+            mask[*place] = *value;
+        }
+        places.clear();
+        [weights, heights].into_iter().chain(phases.as_flattened_mut()).for_each(|values| values.clear());
+    }
+}
+
 impl Prepared for PreparedDriftLines {
     fn fill(&self, block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
         let around = Neighborhood::of(inputs, &self.view);
-        let planes = self.phase.map(|channel| around.whole(channel));
         let weights = around.whole(Channel::DriftWeight);
-        let heights = around.whole(Channel::Height);
         // Without trails there are no lines.
         if weights.iter().all(|weight| *weight == 0.0) {
             mask.fill(0.0);
             return Ok(());
         }
-        let Window { x0, y0, .. } = block.window;
-        let width = block.window.width().max(1);
-        let mut spare: [Scratch<f32>; 8] = Default::default();
-        for ((row, y), out) in (0..).zip(y0..).zip(mask.chunks_exact_mut(width)) {
-            for part in block.runs(row) {
-                let [a, b, c, d, e, f, g, h] = &mut spare;
-                let (out, across) = (&mut out[part.clone()], x0 + part.start as i64..x0 + part.end as i64);
-                let beside = across.start - 1..across.end + 1;
-                let row = LineRow {
-                    weight: around.row(weights, y, across.clone(), a),
-                    height: around.row(heights, y, across.clone(), b),
-                    phase: [around.row(planes[0], y, beside.clone(), c), around.row(planes[1], y, beside, d)],
-                    beside: [
-                        [
-                            around.row(planes[0], y - 1, across.clone(), e),
-                            around.row(planes[1], y - 1, across.clone(), f),
-                        ],
-                        [around.row(planes[0], y + 1, across.clone(), g), around.row(planes[1], y + 1, across, h)],
-                    ],
-                };
-                self.lines.fill(&row, out);
-            }
+        let planes =
+            Planes { weights, heights: around.whole(Channel::Height), phase: self.phase.map(|c| around.whole(c)) };
+        match block.only {
+            None => self.fill_rows(block.window, &around, &planes, mask),
+            Some(only) => self.fill_places(block.window, only, &around, &planes, mask),
         }
         Ok(())
     }
 
     fn bound(&self, bounding: &Bounding<'_>, outputs: &mut Outputs<'_>) -> Result<(), NoBound> {
+        let lines = self.lines.lines();
         let (around, mut pixels) = (Neighborhood::of(bounding.inputs, &self.view), bounding.block.pixels());
         // Each phase, and whether it is clear, once it has been needed: for its own pixel, and for the four beside it.
         let mut phases: Vec<Option<(NearPhase, bool)>> = vec![None; around.area()];
@@ -173,7 +256,7 @@ impl Prepared for PreparedDriftLines {
             let here = around.index(x, y);
             coverage.covered(here, || {
                 let (weight, height) = (weights.at(here), heights.at(here));
-                if self.lines.hides(weight.high) || self.lines.end_before([height.low, height.high]) {
+                if lines.hides(weight.high) || lines.end_before([height.low, height.high]) {
                     return Span::exactly(0.0);
                 }
                 let mut clear = true;
@@ -189,7 +272,7 @@ impl Prepared for PreparedDriftLines {
                 let (density, told) = density_span(own, beside);
                 let [weights, heights] = [weight, height].map(|span| [span.low, span.high]);
                 let ([low, high], smooth) =
-                    self.lines.mask_span(&NearPlace { weight: weights, phase: own, height: heights, density });
+                    lines.mask_span(&NearPlace { weight: weights, phase: own, height: heights, density });
                 let clear = clear && told && smooth && weight.clear && height.clear;
                 Span { low, high, clear: clear || low == high }.within(0.0, 1.0)
             })
@@ -207,6 +290,6 @@ impl Prepared for PreparedDriftLines {
         let [weight, height] = [Channel::DriftWeight, Channel::Height].map(|channel| inputs.view(&self.view, channel));
         let here = phase(inputs);
         let place = LinePoint { weight, phase: here, height, density: density(here, beside) };
-        Ok(vec![Reference::Mask(self.lines.mask(&place))])
+        Ok(vec![Reference::Mask(self.lines.lines().mask(&place))])
     }
 }

@@ -4,7 +4,8 @@ use crate::random::Random;
 use std::f64::consts::PI;
 use trochoid_sea::toon::lines::{LinePoint, Lines, density};
 use trochoid_sea::toon::{
-    Basin, Behavior, Boundary, Burst, Drift, LineRow, Motion, NearPhase, ToonFrame, ToonSea, TrailFields, density_span,
+    Basin, Behavior, Boundary, Burst, Drift, LineMasks, LinePlaces, Motion, NearPhase, ToonFrame, ToonSea, TrailFields,
+    density_span,
 };
 
 const BASIN: Basin = Basin { columns: 180, rows: 150, spacing: 0.2, boundary: Boundary::Replicate };
@@ -129,14 +130,20 @@ fn rows_are_places() {
         };
         let plane = |values: &[[f32; 3]], what: usize| values.iter().map(|value| value[what]).collect::<Vec<f32>>();
         let weight = plane(&own[1..=n], 0);
-        let row = LineRow {
-            weight: &weight,
-            height: &height,
-            phase: [&plane(&own, 1), &plane(&own, 2)],
-            beside: [[&plane(&above, 1), &plane(&above, 2)], [&plane(&below, 1), &plane(&below, 2)]],
+        let [phase, left, right] = [&own[1..=n], &own[..n], &own[2..]].map(|at| [plane(at, 1), plane(at, 2)]);
+        let [above, below] = [&above, &below].map(|at| [plane(at, 1), plane(at, 2)]);
+        let masks = LineMasks::new(lines);
+        let fill = |of: std::ops::Range<usize>| {
+            let pair = |pair: &'_ [Vec<f32>; 2]| [&pair[0][of.clone()], &pair[1][of.clone()]];
+            let beside = [[pair(&left), pair(&right)], [pair(&above), pair(&below)]];
+            let (weight, height) = (&weight[of.clone()], &height[of.clone()]);
+            let mut found = vec![f32::NAN; of.len()];
+            masks.fill(&LinePlaces { weight, height, phase: pair(&phase), beside }, &mut found);
+            found
         };
-        let mut found = vec![0.0; n];
-        lines.fill(&row, &mut found);
+        let found = fill(0..n);
+        let first = round % n;
+        assert_eq!(found[first..], fill(first..n), "the same from another place on");
         for index in 0..n {
             let phase = |[_, cos, sin]: [f32; 3]| [f64::from(cos), f64::from(sin)];
             let beside = [[own[index], own[index + 2]], [above[index], below[index]]].map(|sides| sides.map(phase));

@@ -15,79 +15,94 @@ const PER_RADIAN: f32 = (Drift::LINES as f64 / TAU) as f32;
 const ATAN: [f32; 7] =
     [0.159_154_82, -0.053_039_464, 0.031_627_335, -0.021_402_94, 0.013_229_986, -0.005_786_942_5, 0.001_217_273_3];
 
-/// A row of adjacent positions, one pixel apart. All slices except `phase` are as long as the result; each phase of
-/// the row itself has one more value on either side.
+/// Values at some positions and at the four beside each, one pixel away. All slices are as long as the result.
 #[derive(Clone, Copy, Debug)]
-pub struct Row<'a> {
+pub struct LinePlaces<'a> {
     /// Weights.
     pub weight: &'a [f32],
     /// Heights, in meters.
     pub height: &'a [f32],
-    /// Weight × (cos, sin) of the angle, from the position to the left of the row on.
+    /// Weight × (cos, sin) of the angle.
     pub phase: [&'a [f32]; 2],
-    /// The same, one pixel above and one pixel below.
-    pub beside: [[&'a [f32]; 2]; 2],
+    /// The same to the left and right, then above and below.
+    pub beside: [[[&'a [f32]; 2]; 2]; 2],
 }
 
 /// Parameters of each of the lines of a turn: the height at which it ends, the inverse of the height difference to
 /// there, half its largest width, and its displacement to the side.
 type Table = [[f32; 4]; COUNT];
 
-impl Lines {
-    /// Computes the masks of a row of positions: those of [`Lines::mask`] with the
-    /// [`density`](super::lines::density).
+/// [`Lines`], made ready for many positions.
+#[derive(Clone, Debug)]
+pub struct LineMasks {
+    lines: Lines,
+    table: Table,
+    /// Weight up to which nothing is drawn.
+    stale: f32,
+}
+
+impl LineMasks {
+    /// Prepares lines.
+    pub fn new(lines: Lines) -> Self {
+        let stale = (STALE * lines.fresh) as f32;
+        Self { lines, table: lines.table(), stale }
+    }
+
+    /// Returns the lines.
+    pub fn lines(&self) -> &Lines {
+        &self.lines
+    }
+
+    /// Returns whether nothing is drawn at a weight.
+    #[inline]
+    pub fn hides(&self, weight: f32) -> bool {
+        weight <= self.stale
+    }
+
+    /// Computes the masks of positions: those of [`Lines::mask`] with the [`density`](super::lines::density), each the
+    /// same wherever in the slices its position is.
     ///
     /// # Panics
-    /// The slices do not have the lengths that [`Row`] requires.
-    pub fn fill(&self, row: &Row<'_>, out: &mut [f32]) {
+    /// The slices are not as long as `out`.
+    pub fn fill(&self, places: &LinePlaces<'_>, out: &mut [f32]) {
         let n = out.len();
-        let flat = [row.weight, row.height].into_iter().chain(row.beside.into_iter().flatten());
-        assert!(flat.into_iter().all(|slice| slice.len() == n), "a value for every place");
-        assert!(row.phase.iter().all(|slice| slice.len() == n + 2), "one more phase on either side");
-        let table = self.table();
+        let beside = places.beside.as_flattened().as_flattened();
+        let all = [places.weight, places.height].into_iter().chain(places.phase).chain(beside.iter().copied());
+        assert!({ all }.all(|slice| slice.len() == n), "a value for every place");
         dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
             for start in (0..n).step_by(LANES) {
-                self.chunk(simd, row, &table, start, &mut out[start..(start + LANES).min(n)]);
+                self.chunk(simd, places, start, &mut out[start..(start + LANES).min(n)]);
             }
         }));
     }
 
-    fn table(&self) -> Table {
-        std::array::from_fn(|index| {
-            let [end, half, aside] = self.line(index as u32);
-            let inverse = if end == self.low { 0.0 } else { (1.0 / (end - self.low)) as f32 };
-            [end as f32, inverse, half as f32, aside as f32]
-        })
-    }
-
     #[inline(always)]
-    fn chunk<S: Simd>(&self, simd: S, row: &Row<'_>, table: &Table, start: usize, out: &mut [f32]) {
+    fn chunk<S: Simd>(&self, simd: S, places: &LinePlaces<'_>, start: usize, out: &mut [f32]) {
+        let Self { lines, table, stale } = self;
         let zero = f32x16::splat(simd, 0.0);
         let one = f32x16::splat(simd, 1.0);
-        let stale = f32x16::splat(simd, (STALE * self.fresh) as f32);
-        let weight = load(simd, row.weight, start);
-        let drawn = weight.simd_gt(stale);
+        let weight = load(simd, places.weight, start);
+        let drawn = weight.simd_gt(f32x16::splat(simd, *stale));
         if !drawn.any_true() {
             out.fill(0.0);
             return;
         }
-        let phase = |at: usize| row.phase.map(|plane| load(simd, plane, at));
-        let [cos, sin] = phase(start + 1);
+        let here @ [cos, sin] = pair(simd, places.phase, start);
         let square = cos * cos + sin * sin;
         let safe = drawn.select(weight, one);
         let spread = (one - square / (safe * safe)).max(zero).sqrt() * PER_RADIAN;
-        let agreed = smooth(weight * (1.0 / self.fresh) as f32) * smooth(spread * (-1.0 / self.spread) as f32 + 2.0);
+        let agreed = smooth(weight * (1.0 / lines.fresh) as f32) * smooth(spread * (-1.0 / lines.spread) as f32 + 2.0);
         if !(drawn & agreed.simd_gt(zero)).any_true() {
             out.fill(0.0);
             return;
         }
         // Square of the larger of the sines that determine an angle.
-        let beside = row.beside.map(|[c, s]| [load(simd, c, start), load(simd, s, start)]);
-        let here = [cos, sin];
-        let density = axis(simd, here, [phase(start), phase(start + 2)]) + axis(simd, here, beside);
+        let [[left, right], [above, below]] = places.beside;
+        let across = axis(simd, here, [pair(simd, left, start), pair(simd, right, start)]);
+        let density = across + axis(simd, here, [pair(simd, above, start), pair(simd, below, start)]);
         let density = density.sqrt().max(f32x16::splat(simd, LEAST_DENSITY as f32));
 
-        let wide = one / (density * self.finest as f32).max(f32x16::splat(simd, 1e-9)) - 1.0;
+        let wide = one / (density * lines.finest as f32).max(f32x16::splat(simd, 1e-9)) - 1.0;
         let shown = drawn.select(agreed * smooth(wide), zero);
         if !shown.simd_gt(zero).any_true() {
             out.fill(0.0);
@@ -107,7 +122,7 @@ impl Lines {
         let angle = ay.simd_gt(ax).select(angle * -1.0 + 0.25, angle);
         let angle = cos.simd_lt(zero).select(angle * -1.0 + 0.5, angle);
         let angle = sin.simd_lt(zero).select(-angle, angle);
-        let shift = (self.shift / COUNT as f64).rem_euclid(1.0) as f32;
+        let shift = (lines.shift / COUNT as f64).rem_euclid(1.0) as f32;
         let turns = angle + shift;
         let at = (turns - turns.floor()) * COUNT as f32;
         let floor = at.floor();
@@ -118,7 +133,7 @@ impl Lines {
         let own = floor.to_int::<i32x16<S>>() & last;
         let is_before = f.simd_lt(zero);
         let next = (own + is_before.select(i32x16::splat(simd, last), i32x16::splat(simd, 1))) & last;
-        let height = load(simd, row.height, start);
+        let height = load(simd, places.height, start);
         let at = LineValues { height, shown, density };
         let beyond = is_before.select(f + 1.0, f - 1.0);
         let mask = (covered(table, own, f, at) + covered(table, next, beyond, at)).min(one);
@@ -131,7 +146,17 @@ impl Lines {
     }
 }
 
-// Functions instead of closures, which would be compiled without the instruction set, with a call for every
+impl Lines {
+    fn table(&self) -> Table {
+        std::array::from_fn(|index| {
+            let [end, half, aside] = self.line(index as u32);
+            let inverse = if end == self.low { 0.0 } else { (1.0 / (end - self.low)) as f32 };
+            [end as f32, inverse, half as f32, aside as f32]
+        })
+    }
+}
+
+// Functions and loops instead of closures, which would be compiled without the instruction set, with a call for every
 // operation.
 
 /// Loads values from an index on; 0 beyond the end.
@@ -144,6 +169,12 @@ fn load<S: Simd>(simd: S, slice: &[f32], at: usize) -> f32x16<S> {
     let mut lanes = [0.0; LANES];
     lanes[..rest.len()].copy_from_slice(rest);
     f32x16::load_array_ref(simd, &lanes)
+}
+
+/// Loads both components of a phase.
+#[inline(always)]
+fn pair<S: Simd>(simd: S, [cos, sin]: [&[f32]; 2], at: usize) -> [f32x16<S>; 2] {
+    [load(simd, cos, at), load(simd, sin, at)]
 }
 
 /// Returns the square of the density along an axis: that of the larger of the sines that determine an angle.
@@ -184,11 +215,18 @@ struct LineValues<S: Simd> {
 fn parameters<S: Simd>(simd: S, table: &Table, lines: [i32; LANES]) -> [f32x16<S>; 4] {
     let mut quarters = [[f32x4::splat(simd, 0.0); 4]; 4];
     for (quarter, lines) in quarters.iter_mut().zip(lines.as_chunks::<4>().0) {
-        let four = lines.map(|line| table[line as usize % COUNT]);
+        let mut four = [[0.0; 4]; 4];
+        for (line, parameters) in lines.iter().zip(&mut four) {
+            *parameters = table[*line as usize % COUNT];
+        }
         *quarter = f32x4::load_four_interleaved(simd, four.as_flattened());
     }
     let [a, b, c, d] = quarters;
-    [0, 1, 2, 3].map(|which| a[which].combine(b[which]).combine(c[which].combine(d[which])))
+    let mut parameters = [f32x16::splat(simd, 0.0); 4];
+    for (which, parameter) in parameters.iter_mut().enumerate() {
+        *parameter = a[which].combine(b[which]).combine(c[which].combine(d[which]));
+    }
+    parameters
 }
 
 /// Returns the shares of pixels covered by lines whose middles are about `f` line distances away.
