@@ -14,6 +14,8 @@ pub(crate) const HORIZON_M: f64 = 1e7;
 pub(crate) struct Bounds {
     pub(crate) rise: f64,
     pub(crate) reach: f64,
+    /// How far few points rise or fall.
+    pub(crate) usual: f64,
 }
 
 /// A sector of the resting sea: a wedge that opens in the direction in which the camera looks, or a disc.
@@ -28,6 +30,8 @@ pub(crate) struct Sector {
     pub(crate) setback: f64,
     /// First and last radius around the apex.
     pub(crate) radii: [f64; 2],
+    /// Distance from the camera of the nearest point in the picture that few others rise above; 0 if there is none.
+    pub(crate) nearest: f64,
 }
 
 /// A rectangle of the resting sea along two unit vectors.
@@ -70,7 +74,7 @@ impl Sector {
         let vertical = sees(projector, DVec3::NEG_Y) || sees(projector, DVec3::Y);
         let heading = projector.heading();
         let center = libm::atan2(heading[1], heading[0]);
-        let (mut near, mut far) = (f64::INFINITY, 0.0_f64);
+        let (mut near, mut far, mut usual) = (f64::INFINITY, 0.0_f64, f64::INFINITY);
         let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
         let border = projector.border();
         for (index, ray) in border.iter().enumerate() {
@@ -81,6 +85,9 @@ impl Sector {
                 near = near.min(seen[0] * 0.98);
                 far = far.max(seen[1] * 1.02);
                 widen(&mut left, &mut right, turn(direction, center));
+            }
+            if let Some([first, _]) = slab(height, slope, bounds.usual) {
+                usual = usual.min(first);
             }
             // If the border crosses the horizon, or nearly touches it, the sea is visible to its end.
             let crosses = (direction.y <= 0.0) != (next.y <= 0.0);
@@ -97,15 +104,17 @@ impl Sector {
         }
         if vertical {
             // The nearest point is right below or above.
-            near = 0.0;
+            (near, usual) = (0.0, 0.0);
         }
+        let below = (height.abs() - bounds.usual).max(0.0);
+        let nearest = if usual.is_finite() { libm::sqrt(usual * usual + below * below) } else { 0.0 };
         let far = (far + bounds.reach).min(HORIZON_M);
         let foot = [eye.x, eye.z];
         // The same on both sides, and a little wider than the border rays, since the true border curves between them.
         let width = 2.0 * left.abs().max(right.abs()) * 1.02 + 1e-4;
         if vertical || width > FRAC_PI_2 * 1.6 {
             let first = (near - bounds.reach).max(0.0);
-            return Some(Self { apex: foot, heading, width: TAU, setback: 0.0, radii: [first, far] });
+            return Some(Self { apex: foot, heading, width: TAU, setback: 0.0, radii: [first, far], nearest });
         }
         let setback = bounds.reach / libm::sin(width / 2.0);
         let apex = [foot[0] - setback * heading[0], foot[1] - setback * heading[1]];
@@ -118,6 +127,7 @@ impl Sector {
             width,
             setback,
             radii: [(first - bounds.reach).max(0.0), (far + setback).min(HORIZON_M)],
+            nearest,
         })
     }
 

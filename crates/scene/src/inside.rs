@@ -111,7 +111,7 @@ pub struct SeenSector {
 
 /// Returns the sector of a sea at a level whose points rise and move by so much; `None` if it is out of sight.
 pub fn sector(projector: &Projector, level: f64, rise: f64, reach: f64) -> Option<SeenSector> {
-    let sector = Sector::new(projector, level, Bounds { rise, reach })?;
+    let sector = Sector::new(projector, level, Bounds { rise, reach, usual: rise })?;
     Some(SeenSector { closed: sector.closed(), width: sector.width, radii: sector.radii })
 }
 

@@ -54,6 +54,9 @@ pub struct Resolved {
 /// points in 100 million lie beyond.
 const DEVIATIONS: f64 = 5.5;
 
+/// Standard deviations of the height above which few points rise: one in forty.
+const USUAL: f64 = 2.0;
+
 /// Most steps that invert the horizontal displacement, the error relative to 1 m + distance at which they end, and
 /// the least eigenvalue that they use.
 const STEPS: usize = 64;
@@ -69,6 +72,7 @@ impl SeaSurface {
         let bounds = Bounds {
             rise: sea.height_bound().min(DEVIATIONS * sea.height_rms()),
             reach: sea.horizontal_bound().min(DEVIATIONS * sea.horizontal_rms()),
+            usual: sea.height_bound().min(USUAL * sea.height_rms()),
         };
         Self {
             frame: sea.at(time),

@@ -20,9 +20,10 @@ use crate::{Channel, ChannelSet, Projector, SeaSurface};
 
 /// Most vertices of one sea per pixel of the picture; beyond this limit the spacing is increased.
 ///
-/// Near crests the spacing that the error limits require is finer than a picture can show. With a limit of 1 in
-/// a stormy sea at 1920 × 1080, half as many samples again are off by more than 1/64, at contours, and no time is saved.
-const VERTICES_PER_PIXEL: f64 = 1.5;
+/// Near crests the spacing that the error limits require is finer than a picture can show. At this limit, samples of a stormy
+/// sea at 1920 × 1080 are off by 0.04 of an 8-bit step on average, and two in a thousand, at contours, by more than one; twice
+/// as many vertices halve that.
+const VERTICES_PER_PIXEL: f64 = 0.75;
 /// Bounds of the limit, at 80 bytes per vertex; small pictures need no more with patches between vertices.
 const LEAST_FLAT: f64 = 1e6;
 const LEAST_CURVED: f64 = 3e5;
@@ -178,7 +179,9 @@ fn rings(
     let mut radius = first;
     while radius < last {
         let away = radius - sector.setback;
-        let distance = libm::sqrt(away * away + clearance * clearance);
+        // Points that rest nearer than any in the picture are in it only where waves carry them farther away, or where rare
+        // crests rise before the camera: both are drawn as finely as the nearest others.
+        let distance = libm::sqrt(away * away + clearance * clearance).max(sector.nearest);
         // A disc is measured in the direction in which the camera looks, where it sees most of it.
         let print = ahead(sea, projector, away);
         let step = spaced(spacing, facets, projector, print, distance);

@@ -98,6 +98,11 @@ fn lines_move_and_never_jump() {
 }
 
 /// Compares rows in vectors with single positions in f64, on random and hostile values.
+/// Returns a part of both components of phases.
+fn part<'a>([cos, sin]: &'a [Vec<f32>; 2], of: &std::ops::Range<usize>) -> [&'a [f32]; 2] {
+    [&cos[of.clone()], &sin[of.clone()]]
+}
+
 #[test]
 fn rows_are_places() {
     let mut random = Random(77);
@@ -130,15 +135,15 @@ fn rows_are_places() {
         };
         let plane = |values: &[[f32; 3]], what: usize| values.iter().map(|value| value[what]).collect::<Vec<f32>>();
         let weight = plane(&own[1..=n], 0);
-        let [phase, left, right] = [&own[1..=n], &own[..n], &own[2..]].map(|at| [plane(at, 1), plane(at, 2)]);
-        let [above, below] = [&above, &below].map(|at| [plane(at, 1), plane(at, 2)]);
+        let pair = |values: &[[f32; 3]]| [plane(values, 1), plane(values, 2)];
+        let (here, [left, right]) = (pair(&own[1..=n]), [pair(&own[..n]), pair(&own[2..])]);
+        let [over, under] = [pair(&above), pair(&below)];
         let masks = LineMasks::new(lines);
         let fill = |of: std::ops::Range<usize>| {
-            let pair = |pair: &'_ [Vec<f32>; 2]| [&pair[0][of.clone()], &pair[1][of.clone()]];
-            let beside = [[pair(&left), pair(&right)], [pair(&above), pair(&below)]];
+            let beside = [[part(&left, &of), part(&right, &of)], [part(&over, &of), part(&under, &of)]];
             let (weight, height) = (&weight[of.clone()], &height[of.clone()]);
             let mut found = vec![f32::NAN; of.len()];
-            masks.fill(&LinePlaces { weight, height, phase: pair(&phase), beside }, &mut found);
+            masks.fill(&LinePlaces { weight, height, phase: part(&here, &of), beside }, &mut found);
             found
         };
         let found = fill(0..n);
