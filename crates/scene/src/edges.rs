@@ -39,7 +39,7 @@ impl Whole for i64 {
     }
 }
 
-/// For triangles smaller than 2¹⁴ in each direction and pixels of at most 2¹²: a function is then below 2³⁰ at a
+/// For triangles smaller than [`NARROW`] in each direction and pixels of at most 2¹²: a function is then below 2³⁰ at a
 /// sample of any pixel that one of the triangle's points lies in.
 impl Whole for i32 {
     #[inline(always)]
@@ -86,6 +86,11 @@ impl Whole for f64 {
         if self > other { self } else { other }
     }
 }
+
+/// Size from which on triangles are too large for edge functions in i32.
+pub(crate) const NARROW: i32 = 1 << 14;
+/// Number of triangles whose functions are computed side by side, in vectors.
+pub(crate) const WIDE: usize = 16;
 
 /// Edge functions A·x + B·y + C over the triangle, each at least 0 inside and on the edges that belong to it.
 pub(crate) struct Edges<I> {
@@ -152,5 +157,78 @@ impl<I: Whole> Edges<I> {
     pub(crate) fn key(&self, at: [I; 3]) -> f64 {
         let weight = |edge: usize| (at[edge] + self.least[edge]).float() * self.keys[edge];
         weight(0) + weight(1) + weight(2)
+    }
+}
+
+/// Edge functions of several triangles smaller than [`NARROW`].
+pub(crate) struct NarrowEdges {
+    a: [[i32; WIDE]; 3],
+    b: [[i32; WIDE]; 3],
+    first: [[i32; WIDE]; 3],
+    least: [[i32; WIDE]; 3],
+    keys: [[f64; WIDE]; 3],
+}
+
+impl Default for NarrowEdges {
+    fn default() -> Self {
+        let none = [[0; WIDE]; 3];
+        Self { a: none, b: none, first: none, least: none, keys: [[0.0; WIDE]; 3] }
+    }
+}
+
+impl NarrowEdges {
+    /// Computes the functions of triangles as [`Edges::new`] does, given their corners and starting positions; those of
+    /// larger ones are meaningless. Returns 1 for each triangle without area, else 0.
+    #[inline(always)]
+    pub(crate) fn set_up(
+        &mut self,
+        x: [[i32; WIDE]; 3],
+        y: [[i32; WIDE]; 3],
+        keys: [[f32; WIDE]; 3],
+        from: [[i32; WIDE]; 2],
+    ) -> [i32; WIDE] {
+        let mut flat = [0; WIDE];
+        let (mut px, mut py, mut pk) = ([[0; WIDE]; 3], [[0; WIDE]; 3], [[0.0; WIDE]; 3]);
+        let mut areas = [0.0; WIDE];
+        for lane in 0..WIDE {
+            let at = |corner: usize| (x[corner][lane] - from[0][lane], y[corner][lane] - from[1][lane]);
+            let ((x0, y0), (x1, y1), (x2, y2)) = (at(0), at(1), at(2));
+            let area = (x1 - x0).wrapping_mul(y2 - y0).wrapping_sub((y1 - y0).wrapping_mul(x2 - x0));
+            let is_turned = area < 0;
+            flat[lane] = i32::from(area == 0);
+            areas[lane] = f64::from(area.wrapping_abs());
+            (px[0][lane], py[0][lane], pk[0][lane]) = (x0, y0, keys[0][lane]);
+            px[1][lane] = if is_turned { x2 } else { x1 };
+            py[1][lane] = if is_turned { y2 } else { y1 };
+            pk[1][lane] = if is_turned { keys[2][lane] } else { keys[1][lane] };
+            px[2][lane] = if is_turned { x1 } else { x2 };
+            py[2][lane] = if is_turned { y1 } else { y2 };
+            pk[2][lane] = if is_turned { keys[1][lane] } else { keys[2][lane] };
+        }
+        for edge in 0..3 {
+            let (p, q) = ((edge + 1) % 3, (edge + 2) % 3);
+            let (mut a, mut b, mut first, mut least) = ([0; WIDE], [0; WIDE], [0; WIDE], [0; WIDE]);
+            let mut shares = [0.0; WIDE];
+            for lane in 0..WIDE {
+                a[lane] = py[p][lane] - py[q][lane];
+                b[lane] = px[q][lane] - px[p][lane];
+                let takes_edge = i32::from(a[lane] > 0) | i32::from(a[lane] == 0) & i32::from(b[lane] > 0);
+                least[lane] = 1 - takes_edge;
+                let (ax, by) = (a[lane].wrapping_mul(px[p][lane]), b[lane].wrapping_mul(py[p][lane]));
+                first[lane] = 0_i32.wrapping_sub(ax).wrapping_sub(by).wrapping_sub(least[lane]);
+                shares[lane] = f64::from(pk[edge][lane]) / areas[lane];
+            }
+            (self.a[edge], self.b[edge], self.first[edge], self.least[edge]) = (a, b, first, least);
+            self.keys[edge] = shares;
+        }
+        flat
+    }
+
+    /// Returns the functions of one triangle.
+    #[inline(always)]
+    pub(crate) fn at(&self, lane: usize) -> Edges<i32> {
+        let of = |values: &[[i32; WIDE]; 3]| [values[0][lane], values[1][lane], values[2][lane]];
+        let keys = [self.keys[0][lane], self.keys[1][lane], self.keys[2][lane]];
+        Edges { a: of(&self.a), b: of(&self.b), first: of(&self.first), least: of(&self.least), keys }
     }
 }

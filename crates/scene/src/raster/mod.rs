@@ -1,6 +1,7 @@
 //! Finds the triangle that each sample sees.
 
-#![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
+mod batch;
+mod samples;
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -11,9 +12,10 @@ use trochoid_image::Window;
 use trochoid_memory::Scratch;
 
 use crate::Visible;
-use crate::edges::{Edges, Whole};
-use crate::project::{BIN, Layer, ScreenVertex};
+use crate::project::{BIN, Layer};
 use crate::surface::Topology;
+use batch::Batch;
+use samples::PixelSamples;
 
 /// A triangle that a sample sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,8 +112,6 @@ impl Row<'_> {
     }
 }
 
-/// Most samples within a triangle's bounds that are looked at one by one.
-const FEW: i32 = 16;
 /// Most pixels times samples that are processed together: 16 MiB.
 const TOGETHER: usize = 1 << 21;
 /// Number of windows that a thread remembers: several views may be evaluated in turn for each sample.
@@ -228,6 +228,7 @@ impl Visible {
         let inside = window.intersect(Window::sized(self.projector.size[0] as u32, self.projector.size[1] as u32));
         let (triangles, keys) = (triangles.as_chunks_mut::<N>().0, keys.as_chunks_mut::<N>().0);
         let mut samples = PixelSamples::new(window, shifts, self.raster.bits, triangles, keys);
+        let mut batch = Batch::default();
         for bin_y in inside.y0.div_euclid(BIN[1])..inside.y1.div_euclid(BIN[1]) + 1 {
             for bin_x in inside.x0.div_euclid(BIN[0])..inside.x1.div_euclid(BIN[0]) + 1 {
                 let (x0, y0) = (bin_x * BIN[0], bin_y * BIN[1]);
@@ -239,31 +240,38 @@ impl Visible {
                 let range = self.starts[bin] as usize..self.starts[bin + 1] as usize;
                 dispatch!(Level::new(), simd => simd.vectorize(
                     #[inline(always)]
-                    || self.cover_bin(&self.binned[range], part, &mut samples)
+                    || self.cover_bin(&self.binned[range], part, &mut samples, &mut batch)
                 ));
             }
         }
     }
 
     #[inline(always)]
-    fn cover_bin<const N: usize>(&self, primitives: &[u32], part: Window, samples: &mut PixelSamples<'_, N>) {
+    fn cover_bin<const N: usize>(
+        &self,
+        primitives: &[u32],
+        part: Window,
+        samples: &mut PixelSamples<'_, N>,
+        batch: &mut Batch,
+    ) {
         let mut at = Cursor { layers: &self.layers, firsts: &self.firsts, layer: 0, row: 0, cells: 0..0 };
         for &primitive in primitives {
+            if batch.is_full() {
+                samples.cover(batch, part);
+            }
             let (layer, corners) = at.corners(primitive);
             let number = |part: u32, row: u32| SeenTriangle { primitive, part, row }.pack();
+            let corner = |vertex: u32| layer.screen[vertex as usize];
             match corners {
                 Ok([a, b, c, d]) => {
-                    let corner = |vertex: u32| layer.screen[vertex as usize];
                     let [a, b, c, d] = [corner(a), corner(b), corner(c), corner(d)];
-                    samples.cover([a, b, c], number(0, at.row), part, self.raster.bits);
-                    samples.cover([b, d, c], number(1, at.row), part, self.raster.bits);
+                    batch.push([a, b, c], number(0, at.row));
+                    batch.push([b, d, c], number(1, at.row));
                 }
-                Err([a, b, c]) => {
-                    let corner = |vertex: u32| layer.screen[vertex as usize];
-                    samples.cover([corner(a), corner(b), corner(c)], number(0, 0), part, self.raster.bits);
-                }
+                Err([a, b, c]) => batch.push([corner(a), corner(b), corner(c)], number(0, 0)),
             }
         }
+        samples.cover(batch, part);
     }
 }
 
@@ -307,199 +315,5 @@ impl<'a> Cursor<'a> {
                 (layer, Ok([a, a + 1, a + columns, a + columns + 1]))
             }
         }
-    }
-}
-
-/// Samples of each pixel of a window.
-struct PixelSamples<'a, const N: usize> {
-    window: Window,
-    /// Positions within their pixel, in fixed point.
-    shifts: [[i32; 2]; N],
-    /// Least and greatest of these, horizontally and vertically.
-    outer: [[i32; 2]; 2],
-    /// Distance between samples along an axis, as a power of two; 0 if they are not evenly spaced.
-    apart: u32,
-    /// The sample of each row of samples.
-    by_row: [usize; N],
-    triangles: &'a mut [[u64; N]],
-    /// Keys of the visible triangles.
-    keys: &'a mut [[f64; N]],
-}
-
-impl<'a, const N: usize> PixelSamples<'a, N> {
-    fn new(
-        window: Window,
-        shifts: [[i32; 2]; N],
-        bits: u32,
-        triangles: &'a mut [[u64; N]],
-        keys: &'a mut [[f64; N]],
-    ) -> Self {
-        let along = |axis: usize| {
-            let mut along = shifts.map(|shift| shift[axis]);
-            along.sort_unstable();
-            along
-        };
-        let outer = [0, 1].map(|axis| [along(axis)[0], along(axis)[N - 1]]);
-        // With the samples of a format, every row and column of an even subdivision of the pixel holds a sample;
-        // other samples may be anywhere.
-        let rows = bits.saturating_sub(N.ilog2());
-        let even = |axis: usize| along(axis).windows(2).all(|pair| pair[1] - pair[0] == 1 << rows);
-        let apart = if bits >= N.ilog2() && even(0) && even(1) { rows } else { 0 };
-        let mut by_row: [usize; N] = std::array::from_fn(|sample| sample);
-        by_row.sort_unstable_by_key(|sample| shifts[*sample][1]);
-        Self { window, shifts, outer, apart, by_row, triangles, keys }
-    }
-
-    /// Returns whether no sample lies between two positions along an axis.
-    #[inline(always)]
-    fn misses(&self, axis: usize, least: i32, most: i32) -> bool {
-        let row = |at: i32| (at - self.outer[axis][0]) >> self.apart;
-        row(most) == row(least - 1)
-    }
-
-    /// Assigns the triangle's number to every sample of `part` that it covers and that sees nothing nearer.
-    #[inline(always)]
-    fn cover(&mut self, corners: [ScreenVertex; 3], number: u64, part: Window, bits: u32) {
-        let [p, q, r] = corners;
-        let bounds =
-            |values: [i32; 3]| (values[0].min(values[1]).min(values[2]), values[0].max(values[1]).max(values[2]));
-        let (top, bottom) = bounds([p.y, q.y, r.y]);
-        if self.misses(1, top, bottom) {
-            return;
-        }
-        let (left, right) = bounds([p.x, q.x, r.x]);
-        if self.misses(0, left, right) {
-            return;
-        }
-        let (width, height) = (right - left, bottom - top);
-        let is_small = width.max(height) < 1 << 14 && bits <= 12;
-        if is_small && self.apart > 0 && ((width >> bits) + 1) * ((height >> self.apart) + 1) <= FEW {
-            return self.cover_few(corners, [[left, right], [top, bottom]], number, part, bits);
-        }
-        // First and last pixel of which some sample may lie within the triangle's bounds.
-        let range = |axis: usize, least: i32, most: i32, low: i64, high: i64| {
-            let [first, last] = self.outer[axis];
-            let up = (1 << bits) - 1;
-            let pixels = [i64::from((least - last + up) >> bits), i64::from((most - first) >> bits)];
-            [pixels[0].max(low), pixels[1].min(high - 1)]
-        };
-        let [y0, y1] = range(1, top, bottom, part.y0, part.y1);
-        let [x0, x1] = range(0, left, right, part.x0, part.x1);
-        if y0 > y1 || x0 > x1 {
-            return;
-        }
-        let pixels = Window::new(x0, y0, x1 + 1, y1 + 1);
-        // For small triangles the edge functions fit in half the width.
-        if is_small {
-            self.cover_by(Edges::<i32>::new(corners, [x0, y0].map(|at| at << bits)), number, pixels, bits);
-        } else if width.max(height) < 1 << 24 && bits <= 12 {
-            self.cover_by(Edges::<f64>::new(corners, [x0, y0].map(|at| at << bits)), number, pixels, bits);
-        } else {
-            self.cover_by(Edges::<i64>::new(corners, [x0, y0].map(|at| at << bits)), number, pixels, bits);
-        }
-    }
-
-    /// Does the same for a triangle within whose bounds there are few samples: looks only at these.
-    #[inline(always)]
-    fn cover_few(
-        &mut self,
-        corners: [ScreenVertex; 3],
-        [[left, right], [top, bottom]]: [[i32; 2]; 2],
-        number: u64,
-        part: Window,
-        bits: u32,
-    ) {
-        let up = (1 << bits) - 1;
-        let from = [left & !up, top & !up];
-        let mut edges = None;
-        let row = |y: i32| (y - self.outer[1][0]) >> self.apart;
-        for row in row(top - 1) + 1..row(bottom) + 1 {
-            let (y, sample) = (row >> N.ilog2(), self.by_row[row as usize & (N - 1)]);
-            let [right_of, below] = self.shifts[sample];
-            let first = (left - right_of + up) >> bits;
-            let last = (right - right_of) >> bits;
-            for x in first..last + 1 {
-                let pixel = [i64::from(x), i64::from(y)];
-                if pixel[0] < part.x0 || pixel[0] >= part.x1 || pixel[1] < part.y0 || pixel[1] >= part.y1 {
-                    continue;
-                }
-                // Many triangles see no sample.
-                if edges.is_none() {
-                    edges = Edges::<i32>::new(corners, from.map(i64::from));
-                }
-                let Some(edges) = &edges else { return };
-                let change = edges.change((x << bits) + right_of - from[0], (y << bits) + below - from[1]);
-                let at = [edges.first[0] + change[0], edges.first[1] + change[1], edges.first[2] + change[2]];
-                if Edges::inside(at) < 0 {
-                    continue;
-                }
-                let column = (pixel[0] - self.window.x0) as usize;
-                let index = (pixel[1] - self.window.y0) as usize * self.window.width() + column;
-                let (nearest, seen) = (&mut self.keys[index][sample], &mut self.triangles[index][sample]);
-                see(edges.key(at), number, nearest, seen);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn cover_by<I: Whole>(&mut self, edges: Option<Edges<I>>, number: u64, pixels: Window, bits: u32) {
-        let Some(edges) = edges else { return };
-        // By edge and sample, the difference of the functions from their value at the pixel's corner. Loops instead
-        // of closures, which are not always inlined into code for an instruction set.
-        let mut beyond = [[I::of(0); N]; 3];
-        for sample in 0..N {
-            let [x, y] = self.shifts[sample];
-            let change = edges.change(I::of(i64::from(x)), I::of(i64::from(y)));
-            for edge in 0..3 {
-                beyond[edge][sample] = change[edge];
-            }
-        }
-        let pixel = I::of(1 << bits);
-        let (right, down) = (edges.change(pixel, I::of(0)), edges.change(I::of(0), pixel));
-        let mut left = edges.first;
-        for y in pixels.y0..pixels.y1 {
-            let mut corner = left;
-            let start = (y - self.window.y0) as usize * self.window.width() + (pixels.x0 - self.window.x0) as usize;
-            for index in start..start + pixels.width() {
-                let mut at = [[I::of(0); N]; 3];
-                for edge in 0..3 {
-                    for sample in 0..N {
-                        at[edge][sample] = corner[edge] + beyond[edge][sample];
-                    }
-                    corner[edge] = corner[edge] + right[edge];
-                }
-                let mut inside = [I::of(0); N];
-                let mut some = I::of(-1);
-                for sample in 0..N {
-                    inside[sample] = Edges::inside([at[0][sample], at[1][sample], at[2][sample]]);
-                    some = some.either(inside[sample]);
-                }
-                if some < I::of(0) {
-                    continue;
-                }
-                // By masks of bits: which samples a triangle covers is not predictable.
-                let (mut nearest, mut seen) = (self.keys[index], self.triangles[index]);
-                for sample in 0..N {
-                    let key = edges.key([at[0][sample], at[1][sample], at[2][sample]]);
-                    let first = u64::from(key == nearest[sample]) & u64::from(number < seen[sample]);
-                    let is_seen = u64::from(inside[sample] >= I::of(0)) & (u64::from(key > nearest[sample]) | first);
-                    let mask = 0_u64.wrapping_sub(is_seen);
-                    nearest[sample] = f64::from_bits(key.to_bits() & mask | nearest[sample].to_bits() & !mask);
-                    seen[sample] = number & mask | seen[sample] & !mask;
-                }
-                (self.keys[index], self.triangles[index]) = (nearest, seen);
-            }
-            for edge in 0..3 {
-                left[edge] = left[edge] + down[edge];
-            }
-        }
-    }
-}
-
-/// Notes that a sample sees a triangle, unless it sees a nearer one.
-#[inline(always)]
-fn see(key: f64, number: u64, nearest: &mut f64, seen: &mut u64) {
-    if key > *nearest || (key == *nearest && number < *seen) {
-        (*nearest, *seen) = (key, number);
     }
 }
