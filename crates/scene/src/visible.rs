@@ -282,7 +282,17 @@ fn bins(projector: &Projector) -> [i64; 2] {
 
 /// Returns the smallest window that has some pixels.
 pub fn around(pixels: &[[i64; 2]]) -> Window {
-    pixels.iter().fold(Window::default(), |all, &[x, y]| all.union(Window::new(x, y, x + 1, y + 1)))
+    if pixels.is_empty() {
+        return Window::default();
+    }
+    let (mut low, mut high) = ([i64::MAX; 2], [i64::MIN; 2]);
+    for pixel in pixels {
+        for axis in 0..2 {
+            low[axis] = low[axis].min(pixel[axis]);
+            high[axis] = high[axis].max(pixel[axis]);
+        }
+    }
+    Window::new(low[0], low[1], high[0] + 1, high[1] + 1)
 }
 
 /// Sorts lists of pairs of (bin, primitive) by counting: returns the start of each bin, and the primitives bin by bin.

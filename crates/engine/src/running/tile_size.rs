@@ -76,6 +76,9 @@ impl Plan<'_> {
         if let Some((width, height)) = self.settings.tile {
             return (width.max(1), height.max(1));
         }
+        // Where adaptive sampling compares neighbors, the first sample of those beyond the tile is taken, too.
+        let beside = usize::from(self.graph.format().adaptive().is_some());
+        let (across, down) = (across.max(beside), down.max(beside));
         let fills = || self.passes.iter().flat_map(|pass| &pass.fills);
         let in_place = fills().all(|fill| self.bound[fill.node.0] || fill.variance <= Variance::Column);
         let (width, height) = (self.window.width(), self.window.height());

@@ -54,7 +54,7 @@ const COLORS_8: [ExtendedColorType; 4] =
 pub fn write_png8(target: impl Into<Target>, image: &PngImage<'_>) -> Result<(), Error> {
     let target = target.into();
     let path = target.path();
-    let bytes = quantize(path, image, 1, |value, bytes| bytes.push((value * 255.0).round() as u8))?;
+    let bytes = quantize(path, image, eight_bits)?;
     write(&target, image, &bytes, COLORS_8)
 }
 
@@ -64,7 +64,7 @@ pub fn write_png8(target: impl Into<Target>, image: &PngImage<'_>) -> Result<(),
 /// As [`write_png8`], except that nothing is written.
 pub fn encode_png8(image: &PngImage<'_>) -> Result<Vec<u8>, Error> {
     let path = Path::new("a picture in memory");
-    let bytes = quantize(path, image, 1, |value, bytes| bytes.push((value * 255.0).round() as u8))?;
+    let bytes = quantize(path, image, eight_bits)?;
     encode(path, image, &bytes, COLORS_8)
 }
 
@@ -75,18 +75,28 @@ pub fn encode_png8(image: &PngImage<'_>) -> Result<Vec<u8>, Error> {
 pub fn write_png16(target: impl Into<Target>, image: &PngImage<'_>) -> Result<(), Error> {
     let target = target.into();
     let path = target.path();
-    let push = |value: f64, bytes: &mut Vec<u8>| bytes.extend(((value * 65535.0).round() as u16).to_ne_bytes());
-    let bytes = quantize(path, image, 2, push)?;
+    let bytes = quantize(path, image, sixteen_bits)?;
     let colors = [ExtendedColorType::L16, ExtendedColorType::La16, ExtendedColorType::Rgb16, ExtendedColorType::Rgba16];
     write(&target, image, &bytes, colors)
 }
 
+/// Rounds a value from 0 to 1 to the nearest of 8 bits; one in the middle, up. Products and sums are exact.
+#[inline]
+fn eight_bits(value: f32) -> [u8; 1] {
+    [(f64::from(value) * 255.0 + 0.5) as u8]
+}
+
+/// Does the same with 16 bits.
+#[inline]
+fn sixteen_bits(value: f32) -> [u8; 2] {
+    ((f64::from(value) * 65535.0 + 0.5) as u16).to_ne_bytes()
+}
+
 /// Checks every value and stores it, pixel by pixel.
-fn quantize(
+fn quantize<const N: usize>(
     path: &Path,
     image: &PngImage<'_>,
-    bytes_per_sample: usize,
-    push: impl Fn(f64, &mut Vec<u8>),
+    round: impl Fn(f32) -> [u8; N],
 ) -> Result<Vec<u8>, Error> {
     let count = image.channels.len();
     let area = image.width as usize * image.height as usize;
@@ -100,29 +110,49 @@ fn quantize(
             return Err(Error::unwritable(path, found, "pass one sample per pixel"));
         }
     }
-    let mut bytes = crate::limits::reserve(path, "the picture", area * count * bytes_per_sample)?;
-    for pixel in 0..area {
-        for (index, samples) in image.channels.iter().enumerate() {
-            let value = samples.get(pixel).unwrap_or(f32::NAN);
-            let legal = (0.0..=1.0).contains(&value);
-            if value.is_nan() || !(legal || image.clamp) {
-                return Err(Error::Unrepresentable {
-                    path: path.into(),
-                    channel: name(count, index).into(),
-                    x: (pixel % image.width as usize) as i64,
-                    y: (pixel / image.width as usize) as i64,
-                    value,
-                    expected: if value.is_nan() {
-                        "a number; find the node that makes NaN"
-                    } else {
-                        "0 to 1; write EXR, which holds any value"
-                    },
-                });
-            }
-            push(f64::from(value.clamp(0.0, 1.0)), &mut bytes);
+    let mut bytes = crate::limits::reserve(path, "the picture", area * count * N)?;
+    bytes.resize(area * count * N, 0);
+    let mut gathered = Vec::new();
+    for (index, samples) in image.channels.iter().enumerate() {
+        let pixels = bytes.as_chunks_mut::<N>().0.iter_mut().skip(index).step_by(count);
+        let mut is_legal = true;
+        for (to, value) in pixels.zip(samples.row(0, area, &mut gathered)) {
+            is_legal &= image.stores(*value);
+            *to = round(value.clamp(0.0, 1.0));
+        }
+        if !is_legal {
+            return Err(image.refused(path));
         }
     }
     Ok(bytes)
+}
+
+impl PngImage<'_> {
+    /// Returns whether a value can be stored.
+    #[inline]
+    fn stores(&self, value: f32) -> bool {
+        (0.0..=1.0).contains(&value) || (self.clamp && !value.is_nan())
+    }
+
+    /// Names the first value that cannot be stored.
+    fn refused(&self, path: &Path) -> Error {
+        let (count, width) = (self.channels.len(), self.width as usize);
+        let all = (0..width * self.height as usize).flat_map(|pixel| (0..count).map(move |index| (pixel, index)));
+        let with_value = all.map(|(pixel, index)| (pixel, index, self.channels[index].get(pixel).unwrap_or(f32::NAN)));
+        let (pixel, index, value) = { with_value }.find(|(.., value)| !self.stores(*value)).unwrap_or((0, 0, f32::NAN));
+        Error::Unrepresentable {
+            path: path.into(),
+            channel: name(count, index).into(),
+            x: (pixel % width) as i64,
+            y: (pixel / width) as i64,
+            value,
+            expected: if value.is_nan() {
+                "a number; find the node that makes NaN"
+            } else {
+                "0 to 1; write EXR, which holds any value"
+            },
+        }
+    }
 }
 
 fn name(count: usize, index: usize) -> &'static str {
