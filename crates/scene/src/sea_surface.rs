@@ -67,6 +67,13 @@ const LEAST: f64 = 0.5;
 const VIEWS: usize = 8;
 
 impl SeaSurface {
+    /// Most vertices of one sea per pixel of the picture; beyond this limit the spacing is increased.
+    ///
+    /// Near crests the spacing that the error limits require is finer than a picture can show. At this limit, samples
+    /// of a stormy sea at 1920 × 1080 are off by 0.04 of an 8-bit step on average, and two in a thousand, at contours, by
+    /// more than one; twice as many vertices halve that.
+    pub const VERTICES_PER_PIXEL: f64 = 0.75;
+
     /// Returns the sea at a time in seconds, with its rest level at world y = `level`.
     pub fn new(sea: &Sea, time: f64, level: f64) -> Self {
         let bounds = Bounds {

@@ -16,7 +16,7 @@ const AREA: usize = 480 * 270;
 const IDLE: f64 = 0.5;
 
 /// Most work of all threads together, in units of what a single thread would do, if there are more tiles than threads.
-const MORE: f64 = 1.1;
+const MORE: f64 = 1.05;
 
 /// Returns the numbers of columns, at most `most`, and of bands into which to divide a picture whose stages reach beyond
 /// a tile, for threads that share the tiles. Few tiles are better since their stages fill the same pixels again; many are

@@ -3,6 +3,8 @@
 use crate::view::Facets;
 use std::path::Path;
 use trochoid_graph::{Connected, MemoryContext, MemoryUse, One, Source, port};
+#[cfg(feature = "sea")]
+use trochoid_scene::SeaSurface;
 use trochoid_scene::Visible;
 
 /// Bytes per vertex of a view's mesh: position, three derivatives or a normal, rest point, slope, screen position, and
@@ -15,11 +17,11 @@ const MOST: u64 = 8_000_000;
 
 const VIEW: &str = "lower the format's \"width\" and \"height\", or the \"fineness\" of the Render";
 
-/// Returns the memory of a sea of waves: a view has at most 1.5 vertices per pixel, times `detail` along each
-/// axis; small pictures have more.
+/// Returns the memory of a sea of waves: the vertices of a view are limited by pixel, times `detail` along each axis;
+/// small pictures have more.
 #[cfg(feature = "sea")]
 pub(crate) fn of_sea(detail: f64, context: &MemoryContext<'_>) -> MemoryUse {
-    let vertices = 1.5 * context.pixels() as f64 * (detail * detail);
+    let vertices = SeaSurface::VERTICES_PER_PIXEL * context.pixels() as f64 * (detail * detail);
     MemoryUse::default().per_view((vertices as u64).min(MOST) * VERTEX)
 }
 

@@ -375,12 +375,11 @@ impl Node for GerstnerSea {
     }
 
     fn work(&self, format: Format, _time: f64) -> Option<Work> {
-        // Seconds per wave and vertex. A picture of a sea has 1.5 vertices per pixel, within limits.
+        // Seconds per wave and vertex, whose number is within limits.
         const WAVE: f64 = 4e-11;
-        const VERTICES_PER_PIXEL: f64 = 1.5;
         let grouped: f64 = self.groups.iter().map(Group::count).sum();
         let waves = self.count as f64 + self.waves.len() as f64 + grouped;
-        let vertices = (VERTICES_PER_PIXEL * format.window().area() as f64).clamp(1e6, 8e6);
+        let vertices = (SeaSurface::VERTICES_PER_PIXEL * format.window().area() as f64).clamp(1e6, 8e6);
         let remedy = "lower \"count\", the number of waves in \"groups\", or the number of pixels";
         Some(Work { seconds: WAVE * waves * vertices, item: Self::COUNT, remedy })
     }

@@ -18,12 +18,6 @@ use crate::spacing::{Facets, Spacing};
 use crate::surface::{Between, Mesh, Topology};
 use crate::{Channel, ChannelSet, Projector, SeaSurface};
 
-/// Most vertices of one sea per pixel of the picture; beyond this limit the spacing is increased.
-///
-/// Near crests the spacing that the error limits require is finer than a picture can show. At this limit, samples of a stormy
-/// sea at 1920 × 1080 are off by 0.04 of an 8-bit step on average, and two in a thousand, at contours, by more than one; twice
-/// as many vertices halve that.
-const VERTICES_PER_PIXEL: f64 = 0.75;
 /// Bounds of the limit, at 80 bytes per vertex; small pictures need no more with patches between vertices.
 const LEAST_FLAT: f64 = 1e6;
 const LEAST_CURVED: f64 = 3e5;
@@ -34,7 +28,7 @@ fn limit(sea: &SeaSurface, facets: Facets, projector: &Projector) -> f64 {
     let least = if facets == Facets::Flat { LEAST_FLAT } else { LEAST_CURVED };
     let pixels = projector.size[0] * projector.size[1] * sea.detail * sea.detail;
     let finer = projector.fineness * projector.fineness;
-    (VERTICES_PER_PIXEL * pixels * finer).clamp(least * finer.min(1.0), GREATEST_LIMIT)
+    (SeaSurface::VERTICES_PER_PIXEL * pixels * finer).clamp(least * finer.min(1.0), GREATEST_LIMIT)
 }
 
 /// Returns the distance between vertices at a distance in meters, under this footprint in meters.
