@@ -1,8 +1,10 @@
 //! What the tests of this crate see beside its nodes. They stand outside, in `tests/nodes`, so that the crate is not
 //! compiled a second time for them. Nothing of it is part of the interface.
 
+use crate::paint::scan::Row;
 use crate::paint::seeds::{self, Cells};
-use crate::paint::{Brush, LANES, Stroke};
+use crate::paint::{self, Brush, Ground, LANES, Layer, Rows, Stroke};
+use std::ops::Range;
 use trochoid_image::Window;
 
 /// Surface point that a pixel sees: where it is at rest, the index of its surface, and its depth.
@@ -33,6 +35,23 @@ impl Seeds {
         seeds::seeds_of(&patch, pixels, &mut self.0, |seed| found(seed.key, seed.at, seed.share, seed.part));
         Some(patch.area)
     }
+}
+
+/// Returns the patches of a row that may hold seeds of the layer with a key, in ascending order, given the corners above and
+/// below, the sizes of strokes and the spacing, in pixels.
+pub fn scanned(layer: u64, corners: [&[Corner]; 2], side: f64, step: f64, sizes: &[f64], spacing: f64) -> Vec<usize> {
+    let corners = |row: usize| corners[row].iter().map(|&(rest, part, depth)| seeds::Corner { rest, part, depth });
+    let layer = Layer { key: layer, spacing, ..Layer::default() };
+    let (mut row, mut found) = (Row::default(), Vec::new());
+    row.begin(side, step, corners(0));
+    row.next(corners(1), sizes.iter().copied());
+    row.scan([&layer].into_iter(), &mut found);
+    found.into_iter().map(|(patch, _)| patch).collect()
+}
+
+/// Returns the area per stroke where the input `size` has a value, in pixels².
+pub fn pixels(spacing: f64, size: f64) -> f64 {
+    paint::pixels(&Layer { spacing, ..Layer::default() }, size)
 }
 
 /// Returns the lower of the two levels of seeds for an area per pixel²; `None` if it is degenerate.
@@ -75,20 +94,27 @@ impl PaintedStroke {
         self.1.bounds(self.1.seen_from(shift))
     }
 
-    /// Returns the first and the last column that it may cover in a row.
-    pub fn columns(&self, shift: [f64; 2], y: i64) -> [i64; 2] {
-        self.1.columns(self.1.seen_from(shift), y)
+    /// Returns the columns that it may cover in a row of a window, counted from the window's first.
+    pub fn columns(&self, shift: [f64; 2], y: i64, x0: i64, width: usize) -> Range<usize> {
+        let rows = self.rows(shift, y, x0, width);
+        rows.from[0] as usize..rows.to[0] as usize
     }
 
-    /// Returns its coverage of a part of a row, given surfaces and depths there: `skipped` pixels after its first column.
-    /// Behind the part, the last group of lanes is filled up.
-    pub fn row(&self, shift: [f64; 2], y: i64, skipped: usize, parts: &[f32], depths: &[f32]) -> Vec<f32> {
-        let at = self.1.seen_from(shift);
-        let [begin, _] = self.1.columns(at, y);
-        let mut out = vec![[f32::NAN; LANES]; parts.len().div_ceil(LANES)];
-        let from = [begin as f64 - at[0], y as f64 - at[1]];
-        self.1.cover_row(from, skipped as i64, parts, depths, &mut out);
-        out.concat()
+    /// Returns its coverage of a row of a window, given surfaces and depths there. It is the row with this number of those
+    /// that are computed together.
+    pub fn row(&self, shift: [f64; 2], y: i64, number: usize, x0: i64, parts: &[f32], depths: &[f32]) -> Vec<f32> {
+        let rows = self.rows(shift, y - number as i64, x0, parts.len());
+        let groups = parts.chunks(LANES).zip(depths.chunks(LANES)).enumerate().map(|(group, (parts, depths))| {
+            let mut ground = Ground::default();
+            ground.parts[..parts.len()].copy_from_slice(parts);
+            ground.depths[..depths.len()].copy_from_slice(depths);
+            self.1.cover(&rows, number, group * LANES, ground)
+        });
+        groups.collect::<Vec<_>>().concat()
+    }
+
+    fn rows(&self, shift: [f64; 2], y: i64, x0: i64, width: usize) -> Rows {
+        self.1.rows(self.1.seen_from(shift), y, x0, width)
     }
 
     /// Returns its coverage of a pixel, from the formula.

@@ -1,12 +1,14 @@
 //! Access to a stroke's surroundings (surfaces, flow, shares) in the planes of a block and in the reference's values,
 //! behind one trait, so that both place the same strokes.
 
-use super::{Corner, StrokeSurroundings};
+use super::brush::Ground;
+use super::painting::padded;
+use super::planes::{self, index, sample};
+use super::{Corner, LANES, StrokeSurroundings};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use trochoid_graph::*;
 use trochoid_image::Window;
-use trochoid_memory::Scratch;
 
 /// Inputs of strokes besides the image.
 #[derive(Clone, Items)]
@@ -26,26 +28,69 @@ pub(crate) struct StrokeInputs {
 /// Channels of the surface point at rest, to which seeds are fixed.
 pub(crate) const RESTS: [Channel; 3] = [Channel::RestX, Channel::RestY, Channel::RestZ];
 
-/// Returns the index of a pixel within a window, or that of the nearest pixel if it lies outside.
-#[inline(always)]
-pub(crate) fn index(window: Window, x: i64, y: i64) -> usize {
-    let column = x.clamp(window.x0, window.x1 - 1) - window.x0;
-    let row = y.clamp(window.y0, window.y1 - 1) - window.y0;
-    row as usize * window.width() + column as usize
-}
-
-/// Returns a sample of a connection, as far as the connection has the channel.
-#[inline(always)]
-pub(crate) fn sample(connection: Option<&Connection<'_>>, channel: usize, x: i64, y: i64) -> Option<f64> {
-    let connection = connection?;
-    let plane = (*connection.planes.get(channel)?)?;
-    Some(f64::from(plane[index(connection.window, x, y)]))
-}
-
 /// Surroundings that also give the corners of patches.
 pub(crate) trait Canvas: StrokeSurroundings {
+    /// Whether patches without seeds are sorted out; the reference searches all of them.
+    const IS_FAST: bool;
+
     /// Returns the surface point, surface and depth that a pixel sees.
     fn corner(&self, x: i64, y: i64) -> Corner;
+}
+
+/// The planes of a view that tell its surfaces apart.
+#[derive(Clone, Copy)]
+pub(crate) struct ViewPlanes<'a> {
+    window: Window,
+    coverage: Option<&'a [f32]>,
+    surfaces: Option<&'a [f32]>,
+    depths: Option<&'a [f32]>,
+}
+
+impl<'a> ViewPlanes<'a> {
+    /// Collects the planes of the view, if there is one.
+    pub(crate) fn of(stroke_inputs: &StrokeInputs, picture: Window, inputs: &Inputs<'a>) -> Self {
+        let view = inputs.all(&stroke_inputs.view).first();
+        let channel = |channel: Channel| view.and_then(|view| view.planes[channel as usize]);
+        Self {
+            window: view.map_or(picture, |view| view.window),
+            coverage: channel(Channel::Coverage),
+            surfaces: channel(Channel::Surface),
+            depths: channel(Channel::Depth),
+        }
+    }
+
+    /// Writes what the groups of pixels of a row see, as far as it is known.
+    #[inline(always)]
+    pub(crate) fn lay(&self, columns: [i64; 2], y: i64, own: &mut Vec<f32>, ground: &mut [Ground]) {
+        if let Some(coverage) = self.coverage {
+            let row = planes::row(coverage, self.window, columns, y, own);
+            for (group, ground) in ground.iter_mut().enumerate() {
+                ground.parts = padded(row, group * LANES);
+            }
+            let row = self.surfaces.map_or(&[][..], |plane| planes::row(plane, self.window, columns, y, own));
+            for (group, ground) in ground.iter_mut().enumerate() {
+                ground.parts = seen(ground.parts, padded(row, group * LANES));
+            }
+        }
+        if let Some(depths) = self.depths {
+            let row = planes::row(depths, self.window, columns, y, own);
+            for (group, ground) in ground.iter_mut().enumerate() {
+                ground.depths = padded(row, group * LANES);
+            }
+        }
+    }
+}
+
+/// Returns the indices of the surfaces of a group of pixels with this coverage; −1 where none is seen.
+#[inline(always)]
+fn seen(coverage: [f32; LANES], surfaces: [f32; LANES]) -> [f32; LANES] {
+    let mut parts = [-1.0; LANES];
+    for lane in 0..LANES {
+        if coverage[lane] > 0.0 {
+            parts[lane] = surfaces[lane].max(0.0);
+        }
+    }
+    parts
 }
 
 /// Surroundings from the planes of a block.
@@ -53,10 +98,7 @@ pub(crate) struct BlockSurroundings<'a> {
     picture: Window,
     /// Offset of the samples from the upper left corners of their pixels.
     offset: [f64; 2],
-    view: Window,
-    /// Index of the surface at each pixel of the view's window, −1 where none is seen.
-    parts: Scratch<f32>,
-    depths: Option<&'a [f32]>,
+    view: ViewPlanes<'a>,
     /// Surface points at rest, if seeds are fixed to surfaces.
     rests: Option<[&'a [f32]; 3]>,
     flow: Option<&'a Connection<'a>>,
@@ -75,35 +117,16 @@ impl<'a> BlockSurroundings<'a> {
     ) -> Self {
         let view = inputs.all(&stroke_inputs.view).first();
         let channel = |channel: Channel| view.and_then(|view| view.planes[channel as usize]);
-        let window = view.map_or(picture, |view| view.window);
-        let parts = match (channel(Channel::Coverage), channel(Channel::Surface)) {
-            (Some(coverage), Some(surfaces)) => coverage
-                .iter()
-                .zip(surfaces)
-                .map(|(c, surface)| if *c > 0.0 { surface.max(0.0) } else { -1.0 })
-                .collect(),
-            (Some(coverage), None) => coverage.iter().map(|c| if *c > 0.0 { 0.0 } else { -1.0 }).collect(),
-            _ => Scratch::new(),
-        };
         let rests = RESTS.map(|rest| channel(rest).unwrap_or_default());
         Self {
             picture,
             offset: block.offset,
-            view: window,
-            parts,
-            depths: channel(Channel::Depth),
+            view: ViewPlanes::of(stroke_inputs, picture, inputs),
             rests: on_surfaces.then_some(rests),
             flow: inputs.all(&stroke_inputs.flow).first(),
             shares: [&stroke_inputs.size, &stroke_inputs.density, &stroke_inputs.detail]
                 .map(|port| inputs.all(port).first()),
         }
-    }
-
-    /// Returns the surface indices and depths of a range of pixels in a row, as far as they are known.
-    pub(crate) fn row(&self, x: [i64; 2], y: i64) -> [Option<&[f32]>; 2] {
-        let start = index(self.view, x[0], y);
-        let row = start..start + (x[1] - x[0]) as usize;
-        [self.parts.get(row.clone()), self.depths.and_then(|depths| depths.get(row))]
     }
 }
 
@@ -115,12 +138,17 @@ impl StrokeSurroundings for BlockSurroundings<'_> {
 
     #[inline(always)]
     fn part(&self, x: i64, y: i64) -> f64 {
-        if self.parts.is_empty() { -1.0 } else { f64::from(self.parts[index(self.view, x, y)]) }
+        let ViewPlanes { window, coverage, surfaces, .. } = self.view;
+        let at = index(window, x, y);
+        match coverage {
+            Some(coverage) if coverage[at] > 0.0 => surfaces.map_or(0.0, |surfaces| f64::from(surfaces[at].max(0.0))),
+            _ => -1.0,
+        }
     }
 
     #[inline(always)]
     fn depth(&self, x: i64, y: i64) -> f64 {
-        self.depths.map_or(f64::INFINITY, |depths| f64::from(depths[index(self.view, x, y)]))
+        self.view.depths.map_or(f64::INFINITY, |depths| f64::from(depths[index(self.view.window, x, y)]))
     }
 
     #[inline(always)]
@@ -140,11 +168,13 @@ impl StrokeSurroundings for BlockSurroundings<'_> {
 }
 
 impl Canvas for BlockSurroundings<'_> {
+    const IS_FAST: bool = true;
+
     #[inline(always)]
     fn corner(&self, x: i64, y: i64) -> Corner {
         let part = self.part(x, y);
         let rest = match self.rests {
-            Some(rests) if part >= 0.0 => rests.map(|plane| f64::from(plane[index(self.view, x, y)])),
+            Some(rests) if part >= 0.0 => rests.map(|plane| f64::from(plane[index(self.view.window, x, y)])),
             _ => [x as f64 + self.offset[0], 0.0, y as f64 + self.offset[1]],
         };
         Corner { rest, part, depth: self.depth(x, y) }
@@ -226,6 +256,8 @@ impl StrokeSurroundings for ReferenceSurroundings<'_> {
 }
 
 impl Canvas for ReferenceSurroundings<'_> {
+    const IS_FAST: bool = false;
+
     fn corner(&self, x: i64, y: i64) -> Corner {
         let part = self.part(x, y);
         let rest = if self.on_surfaces && part >= 0.0 {

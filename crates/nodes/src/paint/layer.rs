@@ -35,7 +35,7 @@ pub(crate) struct LayerKnobs {
 }
 
 /// A layer in pixels of a format.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Layer {
     /// Half the length and half the width of the largest stroke, in pixels.
     pub(crate) half: [f64; 2],

@@ -3,19 +3,24 @@
 
 mod brush;
 mod canvas;
+mod found;
+mod groups;
 #[cfg(feature = "scene")]
 mod hooks;
 mod layer;
 #[cfg(feature = "scene")]
 pub(crate) mod line_set;
+mod painting;
+mod planes;
+pub(crate) mod scan;
 pub(crate) mod seeds;
 mod stroke;
 mod strokes;
 
-pub(crate) use brush::{Brush, LANES};
-pub(crate) use canvas::{BlockSurroundings, Canvas, RESTS, ReferenceSurroundings, StrokeInputs, index, sample};
+pub(crate) use brush::{Brush, Ground, LANES, Rows};
+pub(crate) use canvas::{BlockSurroundings, Canvas, RESTS, ReferenceSurroundings, StrokeInputs};
 pub(crate) use layer::{Layer, LayerKnobs, MARGIN, STRIDES, layers, reach};
-pub(crate) use seeds::{Cells, Corner, Seed, placed, seeds_of};
+pub(crate) use seeds::{Cells, Corner, Seed, seeds_of};
 pub(crate) use stroke::{Stroke, StrokeSettings, StrokeSurroundings, ceiling, floor, pixels};
 
 use trochoid_graph::NodeType;

@@ -31,41 +31,45 @@ fn row(y: i64, width: usize) -> (Vec<f32>, Vec<f32>) {
     (parts.collect(), (0..width).map(|x| depths[(7.0 * random(x, 1)) as usize]).collect())
 }
 
+/// Columns from the first of a window to the first that is tested, within a group of pixels and beyond.
+const BEFORE: [i64; 4] = [0, 3, 8, 21];
+
 #[test]
-fn rows_are_what_the_formula_tells_whatever_part_of_them_is_filled() {
+fn rows_are_what_the_formula_tells_in_whatever_window() {
     let mut covered = 0;
     for index in 0..400 {
         let stroke = stroke(index);
         let shift = [0.25 * (index % 3) as f64, -0.375];
         let bounds = stroke.bounds(shift);
+        let (first, width) = (bounds.x0 - 3, bounds.width() + 6);
         for y in bounds.y0 - 2..bounds.y1 + 2 {
-            let [begin, end] = stroke.columns(shift, y);
-            let inside = begin <= end && (bounds.y0..bounds.y1).contains(&y);
-            for x in (bounds.x0 - 3..bounds.x1 + 3).filter(|x| !inside || *x < begin || *x > end) {
-                let covers = (-1..3).map(|part| stroke.covers(shift, [x, y], f64::from(part), 5.0)).fold(0.0, f64::max);
-                assert!(covers < 1e-6, "stroke {index} covers {covers} at {x}, {y}, outside of {begin}..={end}");
-            }
-            if !inside {
-                continue;
-            }
-            let width = (end - begin + 1) as usize;
+            let is_below = (bounds.y0..bounds.y1).contains(&y);
             let (parts, depths) = row(y, width);
-            let fill = |skipped: usize, end: usize| {
-                let mut out = stroke.row(shift, y, skipped, &parts[skipped..end], &depths[skipped..end]);
-                let beyond = out.split_off(end - skipped);
-                assert!(beyond.iter().all(|covers| covers.to_bits() == 0), "stroke {index}: {beyond:?}");
-                out
-            };
-            let whole = fill(0, width);
-            for (x, covers) in whole.iter().enumerate() {
-                let (part, depth) = (f64::from(parts[x]), f64::from(depths[x]));
-                let exact = stroke.covers(shift, [begin + x as i64, y], part, depth);
-                assert!((f64::from(*covers) - exact).abs() < 2e-4, "stroke {index} at {x}, {y}: {covers}, {exact}");
-                covered += usize::from(*covers > 0.0);
+            let columns = stroke.columns(shift, y, first, width);
+            let whole = stroke.row(shift, y, 0, first, &parts, &depths);
+            let beyond = &whole[width..];
+            assert!(beyond.iter().all(|covers| covers.to_bits() == 0), "stroke {index}: {beyond:?}");
+            for (column, covers) in whole[..width].iter().enumerate() {
+                let (x, own) = (first + column as i64, [f64::from(parts[column]), f64::from(depths[column])]);
+                if is_below && columns.contains(&column) {
+                    let exact = stroke.covers(shift, [x, y], own[0], own[1]);
+                    assert!((f64::from(*covers) - exact).abs() < 2e-4, "stroke {index} at {x}, {y}: {covers}, {exact}");
+                    covered += usize::from(*covers > 0.0);
+                    continue;
+                }
+                let covers = (-1..3).map(|part| stroke.covers(shift, [x, y], f64::from(part), 5.0)).fold(0.0, f64::max);
+                assert!(covers < 1e-6, "stroke {index} covers {covers} at {x}, {y}, outside of {columns:?}");
+                assert!(columns.contains(&column) || whole[column].to_bits() == 0, "stroke {index} at {x}, {y}");
             }
             let bits = |row: &[f32]| row.iter().map(|covers| covers.to_bits()).collect::<Vec<_>>();
-            for (skipped, end) in [(width / 3, width), (0, width - width / 4), (width / 2, width / 2 + 1)] {
-                assert_eq!(bits(&fill(skipped, end)), bits(&whole[skipped..end]), "stroke {index}, row {y}");
+            for (number, before) in BEFORE.into_iter().enumerate() {
+                // Windows that begin before the row, and such that begin within it.
+                let skipped = (number * width / 5).min(width - 1);
+                let pad = |row: &[f32], by: f32| [&vec![by; before as usize], &row[skipped..]].concat();
+                let start = first + skipped as i64 - before;
+                let shown = stroke.row(shift, y, 2 * number, start, &pad(&parts, -1.0), &pad(&depths, 1.0));
+                let shown = &shown[before as usize..][..width - skipped];
+                assert_eq!(bits(shown), bits(&whole[skipped..width]), "stroke {index}, row {y}");
             }
         }
     }

@@ -1,7 +1,8 @@
 //! Tests of the seeds of strokes.
 
 use std::collections::BTreeMap;
-use trochoid_nodes::inside::{Corner, Seeds, level_of};
+use trochoid_field::random::draw;
+use trochoid_nodes::inside::{Corner, Seeds, level_of, pixels, scanned};
 
 /// Calls `found` with pixel, key, position and share of each seed of a plane at rest that appears bent, sheared and
 /// scaled in the picture.
@@ -104,4 +105,58 @@ fn patches_do_not_span_edges() {
     assert!(placed([near, corner(0.0, 10.5), near, near], 2.0).is_some());
     let sky = corner(-1.0, f64::INFINITY);
     assert!(placed([sky; 4], 1.0).is_some_and(|area| area.is_nan() || area == 0.0));
+}
+
+/// Corners of a row of patches: a smooth surface, also turned to the sides and far from the origin, and with hostile values
+/// on it.
+fn corners(index: u64, below: u64, count: usize) -> Vec<Corner> {
+    let random = |which: u64| draw(index, which);
+    let scale = libm::exp2(12.0 * random(0) - 8.0);
+    let far = if index.is_multiple_of(5) { 1e9 * random(1) } else { 100.0 * random(1) };
+    let hostile = [f64::NAN, f64::INFINITY, -f64::INFINITY, 1e300, -1e18, 1e-310, -0.0, 0.0];
+    let corner = |x: usize| -> Corner {
+        let (u, v) = (x as f64 * scale - far, (below as f64 + 0.2 * libm::sin(x as f64)) * scale + far);
+        let mut rest = [u, 0.1 * v, v];
+        rest.rotate_left(index as usize % 3);
+        let (mut part, mut depth) = (1.0, 10.0 + random(2));
+        let which = draw(index + below, 100 + x as u64);
+        if index % 4 == 1 && which < 0.2 {
+            let value = hostile[(which * 40.0) as usize];
+            match x % 5 {
+                axis @ 0..3 => rest[axis] = value,
+                3 => part = value,
+                _ => depth = value,
+            }
+        }
+        if index % 4 == 2 && which < 0.2 {
+            (part, depth) = (-1.0, f64::INFINITY);
+        }
+        (rest, part, depth)
+    };
+    (0..count).map(corner).collect()
+}
+
+#[test]
+fn scans_miss_no_seed_and_sort_out_most_patches_without_any() {
+    let (mut hold, mut without, mut sorted_out) = (0, 0, 0);
+    for index in 0..600 {
+        let count = 1 + (70.0 * draw(index, 9)) as usize;
+        let (side, spacing) = (1.0 + (index % 2) as f64, 2.0 + 20.0 * draw(index, 10));
+        let sizes: Vec<f64> =
+            (0..count).map(|x| if index % 3 == 0 { draw(index, 200 + x as u64) } else { 1.0 }).collect();
+        let rows = [corners(index, 0, count + 1), corners(index, 1, count + 1)];
+        let found = scanned(index, [&rows[0], &rows[1]], side, 1.5, &sizes, spacing);
+        assert!(found.is_sorted_by(|a, b| a < b) && found.iter().all(|patch| *patch < count), "{found:?}");
+        let mut seeds = Seeds::new(index);
+        for patch in 0..count {
+            let corners = [rows[0][patch], rows[0][patch + 1], rows[1][patch], rows[1][patch + 1]];
+            let mut some = false;
+            seeds.each(corners, side, 1.5, pixels(spacing, sizes[patch]), &mut |_, _, _, _| some = true);
+            assert!(!some || found.contains(&patch), "row {index}: the seed of patch {patch} is missed");
+            hold += usize::from(some);
+            without += usize::from(!some);
+            sorted_out += usize::from(!found.contains(&patch));
+        }
+    }
+    assert!(hold > 1_000 && sorted_out > 8_000, "{hold} with seeds; {sorted_out} of {without} sorted out");
 }
