@@ -1,8 +1,11 @@
 //! Layer: one plane of a file, laid over the document's picture.
 
+#![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
+
 use super::kept::Grid;
 use super::knobs::FitBy;
-use crate::filter;
+use crate::filter::{self, LANES};
+use fearless_simd::{Level, Simd, dispatch};
 use std::path::Path;
 use std::sync::Arc;
 use trochoid_graph::{BadData, Block, Choice, NodeError};
@@ -127,8 +130,9 @@ impl Fit {
         let left = self.tap(0, window.x0 as f64 + offset[0]).low;
         let length = columns.last().map_or(0, |last| (last.low + 2 - left) as usize);
         let none = |out: &Option<&mut [f32]>| out.as_ref().map(|_| Scratch::of(0.0, length));
-        let mut lines: [Scratch<Option<Scratch<f32>>>; 2] =
-            [outs.iter().map(none).collect(), outs.iter().map(none).collect()];
+        let mut lines: [Lines; 2] = [outs.iter().map(none).collect(), outs.iter().map(none).collect()];
+        // Rows of the picture in these lines. A larger document reads the same ones again and again.
+        let mut held = [None; 2];
         for (row, y) in (window.y0..window.y1).enumerate() {
             let down = self.tap(1, y as f64 + offset[1]);
             if self.sampling == Sampling::Pixel {
@@ -137,23 +141,30 @@ impl Fit {
                 line(left, down.low, &mut rows)?;
                 continue;
             }
+            if held[1] == Some(down.low) {
+                lines.swap(0, 1);
+                held.swap(0, 1);
+            }
             let needed = if self.sampling == Sampling::Bilinear { 2 } else { 1 };
             for (below, lines) in lines.iter_mut().enumerate().take(needed) {
+                let y = down.low + below as i64;
+                if held[below].replace(y) == Some(y) {
+                    continue;
+                }
                 let mut rows: Scratch<Option<&mut [f32]>> =
                     lines.iter_mut().map(|line| line.as_mut().map(|line| &mut line[..])).collect();
-                line(left, down.low + below as i64, &mut rows)?;
+                line(left, y, &mut rows)?;
             }
-            let [upper, lower] = &lines;
-            for ((out, upper), lower) in outs.iter_mut().zip(upper).zip(lower) {
-                let (Some(out), Some(upper), Some(lower)) = (out, upper, lower) else { continue };
+            if self.sampling == Sampling::Bilinear {
+                dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+                    blend_row(&lines, left, &columns, down.t, row * width, outs);
+                }));
+                continue;
+            }
+            for (out, line) in outs.iter_mut().zip(&lines[0]) {
+                let (Some(out), Some(line)) = (out, line) else { continue };
                 for (out, across) in out[row * width..].iter_mut().zip(&columns) {
-                    let at = (across.low - left) as usize;
-                    *out = if across.t == 0.0 && down.t == 0.0 {
-                        upper[at]
-                    } else {
-                        let values = [upper[at], upper[at + 1], lower[at], lower[at + 1]];
-                        filter::blended(values, &filter::weights(across.t, down.t))
-                    };
+                    *out = line[(across.low - left) as usize];
                 }
             }
         }
@@ -194,6 +205,51 @@ impl Fit {
         };
         let ((x0, x1), (y0, y1)) = (axis(0, data.x0, data.x1), axis(1, data.y0, data.y1));
         Window { x0, y0, x1, y1 }
+    }
+}
+
+/// A row of a picture by channel, where it is needed.
+type Lines = Scratch<Option<Scratch<f32>>>;
+
+/// Blends two rows of a picture, which begin at `left`, at columns and at a fraction `down` between the rows, into the
+/// samples from `start` on.
+#[inline(always)]
+fn blend_row(
+    [upper, lower]: &[Lines; 2],
+    left: i64,
+    columns: &[Tap],
+    down: f64,
+    start: usize,
+    outs: &mut [Option<&mut [f32]>],
+) {
+    for (columns, start) in columns.chunks(LANES).zip((start..).step_by(LANES)) {
+        // Columns beyond the last one read a pixel that every row has.
+        let (mut across, mut at) = ([0.0; LANES], [0; LANES]);
+        for (lane, column) in columns.iter().enumerate() {
+            (across[lane], at[lane]) = (column.t, (column.low - left) as usize);
+        }
+        let weights = filter::weights_together(&across, &[down; LANES]);
+        for ((out, upper), lower) in outs.iter_mut().zip(upper).zip(lower) {
+            let (Some(out), Some(upper), Some(lower)) = (out, upper, lower) else { continue };
+            let mut values = [[0.0; LANES]; 4];
+            for lane in 0..LANES {
+                let at = at[lane];
+                values[0][lane] = upper[at];
+                values[1][lane] = upper[at + 1];
+                values[2][lane] = lower[at];
+                values[3][lane] = lower[at + 1];
+            }
+            let mut blends = filter::blended_together(&values, &weights);
+            for lane in 0..LANES {
+                blends[lane] = if across[lane] == 0.0 && down == 0.0 { values[0][lane] } else { blends[lane] };
+            }
+            let out = &mut out[start..start + columns.len()];
+            if let Some(out) = out.first_chunk_mut() {
+                *out = blends;
+            } else {
+                out.copy_from_slice(&blends[..out.len()]);
+            }
+        }
     }
 }
 

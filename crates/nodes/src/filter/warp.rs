@@ -1,6 +1,11 @@
 //! Warp: looks up an image at displaced positions.
 
-use crate::filter::{BoundedChannel, BoundedSum, blended, fill_together, kind, mean, numbers, value, weights};
+#![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
+
+use crate::filter::{
+    BoundedChannel, BoundedSum, LANES, blended_together, fill_together, kind, mean, numbers, value, weights_together,
+};
+use fearless_simd::{Level, Simd, dispatch};
 use std::convert::Infallible;
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
@@ -67,14 +72,55 @@ struct PreparedWarp {
 
 impl PreparedWarp {
     /// Splits a displacement into whole pixels and a fraction.
-    fn split(&self, displacement: f64) -> (i64, f64) {
-        let limited = if displacement.is_nan() { 0.0 } else { displacement.clamp(-self.node.reach, self.node.reach) };
-        (limited.floor() as i64, limited - limited.floor())
+    #[inline(always)]
+    fn split(&self, displacement: f64) -> (i32, f64) {
+        let reach = self.node.reach;
+        let limited = if displacement.is_nan() { 0.0 } else { displacement };
+        let limited = if limited < -reach { -reach } else { limited };
+        let limited = if limited > reach { reach } else { limited };
+        (limited.floor() as i32, limited - limited.floor())
+    }
+
+    /// Does the same, for windows.
+    fn whole(&self, displacement: f64) -> (i64, f64) {
+        let (whole, part) = self.split(displacement);
+        (i64::from(whole), part)
+    }
+
+    /// Finds the pixels that a row of displaced samples blends, from the row's displacements in pixels of the document.
+    #[inline(always)]
+    fn look_up(&self, row: Window, displacements: [Option<&[f32]>; 2], from: Window, taps: &mut Scratch<Taps>) {
+        let [dx, dy] = displacements;
+        for start in (0..row.width()).step_by(LANES) {
+            let (mut steps, mut parts) = ([[0_i32; LANES]; 2], [[0.0_f64; LANES]; 2]);
+            for (axis, plane) in [dx, dy].into_iter().enumerate() {
+                let Some(plane) = plane else { continue };
+                let values = padded(&plane[start..]);
+                for lane in 0..LANES {
+                    (steps[axis][lane], parts[axis][lane]) = self.split(f64::from(values[lane]) * self.scale);
+                }
+            }
+            let mut found = Taps { weights: weights_together(&parts[0], &parts[1]), ..Taps::default() };
+            for lane in 0..LANES {
+                let (dx, dy) = (steps[0][lane], steps[1][lane]);
+                let (u, v) = (parts[0][lane], parts[1][lane]);
+                found.moved[lane] = (dx != 0) | (dy != 0) | (u != 0.0) | (v != 0.0);
+                let (x, y) = (row.x0 + (start + lane) as i64 + i64::from(dx), row.y0 + i64::from(dy));
+                let column = |x: i64| (x.max(from.x0).min(from.x1 - 1) - from.x0) as usize;
+                let line = |y: i64| (y.max(from.y0).min(from.y1 - 1) - from.y0) as usize * from.width();
+                let (left, right, above, below) = (column(x), column(x + 1), line(y), line(y + 1));
+                found.at[0][lane] = above + left;
+                found.at[1][lane] = above + right;
+                found.at[2][lane] = below + left;
+                found.at[3][lane] = below + right;
+            }
+            taps.push(found);
+        }
     }
 
     /// Returns the error bound of a sample whose displacements lie within spans.
     fn sample_bound(&self, image: BoundedChannel<'_>, [x, y]: [i64; 2], spans: [Span; 2], filled: f32) -> Bound {
-        let [(dx, u), (dy, v)] = spans.map(|span| self.split(span.middle()));
+        let [(dx, u), (dy, v)] = spans.map(|span| self.whole(span.middle()));
         let shares =
             [((0, 0), (1.0 - u) * (1.0 - v)), ((1, 0), u * (1.0 - v)), ((0, 1), (1.0 - u) * v), ((1, 1), u * v)];
         let middle = shares.into_iter().fold(BoundedSum::NOTHING, |sum, ((right, down), weight)| {
@@ -85,7 +131,7 @@ impl PreparedWarp {
         }
         // Between four pixels, the image changes by no more than they differ. Take the steepest change among all pixels
         // that the lookup may reach.
-        let [across, down] = spans.map(|span| [self.split(span.low).0, self.split(span.high).0 + 1]);
+        let [across, down] = spans.map(|span| [self.whole(span.low).0, self.whole(span.high).0 + 1]);
         let [width, height] = [across, down].map(|[first, last]| last - first + 1);
         if width * height > MOST {
             let most = if matches!(self.kind, Kind::Weights(_)) { 1.0 } else { f64::INFINITY };
@@ -111,6 +157,51 @@ impl PreparedWarp {
     }
 }
 
+/// Pixels of an image that some displaced samples blend, and their weights.
+#[derive(Default)]
+struct Taps {
+    at: [[usize; LANES]; 4],
+    weights: [[f32; LANES]; 4],
+    /// Whether each sample is displaced at all: the others are copied.
+    moved: [bool; LANES],
+}
+
+impl Taps {
+    /// Returns the samples of an image.
+    #[inline(always)]
+    fn blend(&self, image: &[f32]) -> [f32; LANES] {
+        let mut values = [[0.0; LANES]; 4];
+        for lane in 0..LANES {
+            values[0][lane] = image[self.at[0][lane]];
+        }
+        if self.moved == [false; LANES] {
+            return values[0];
+        }
+        for pixel in 1..4 {
+            for lane in 0..LANES {
+                values[pixel][lane] = image[self.at[pixel][lane]];
+            }
+        }
+        let mut blends = blended_together(&values, &self.weights);
+        for lane in 0..LANES {
+            blends[lane] = if self.moved[lane] { blends[lane] } else { values[0][lane] };
+        }
+        blends
+    }
+}
+
+/// Returns the first values, and zeros where there are fewer.
+#[inline(always)]
+fn padded(values: &[f32]) -> [f32; LANES] {
+    let mut all = [0.0; LANES];
+    if let Some(values) = values.first_chunk() {
+        all = *values;
+    } else {
+        all[..values.len()].copy_from_slice(values);
+    }
+    all
+}
+
 /// Largest number of pixels examined for an uncertain lookup; beyond it, the bound is the largest possible error.
 const MOST: i64 = 4096;
 
@@ -124,44 +215,31 @@ impl Prepared for PreparedWarp {
         let image = &inputs.all(image)[0];
         let (window, from) = (block.window, image.window);
         let displacements = |port| inputs.all(port).first().and_then(|connection| connection.planes[0]);
-        let (dx, dy) = (displacements(dx), displacements(dy));
-        let split =
-            |plane: Option<&[f32]>, index: usize| self.split(plane.map_or(0.0, |p| f64::from(p[index]) * self.scale));
-        let column = |x: i64| (x.clamp(from.x0, from.x1 - 1) - from.x0) as usize;
-        let row = |y: i64| (y.clamp(from.y0, from.y1 - 1) - from.y0) as usize * from.width();
-        let (first, end) = (window.x0.max(from.x0), window.x1.min(from.x1));
-        // Lookups of a row's displaced samples, computed once for all channels.
-        let mut taps: Scratch<(usize, [usize; 4], [f32; 4])> = Scratch::new();
+        let displacements = [displacements(dx), displacements(dy)];
+        let (level, width) = (Level::new(), window.width());
+        // Lookups of a row's samples, computed once for all channels.
+        let mut taps: Scratch<Taps> = Scratch::new();
         let Ok(()) = fill_together(self.kind, window.area(), outputs, |planes| -> Result<(), Infallible> {
-            for (y, start) in (window.y0..window.y1).zip((0..).step_by(window.width().max(1))) {
+            for (y, start) in (window.y0..window.y1).zip((0..).step_by(width.max(1))) {
+                let row = Window { y0: y, y1: y + 1, ..window };
+                let of_row = displacements.map(|plane| plane.map(|plane| &plane[start..start + width]));
                 taps.clear();
-                taps.extend((window.x0..window.x1).enumerate().filter_map(|(index, x)| {
-                    let ((dx, u), (dy, v)) = (split(dx, start + index), split(dy, start + index));
-                    if (dx, dy) == (0, 0) && u == 0.0 && v == 0.0 {
-                        return None;
-                    }
-                    let (left, right) = (column(x + dx), column(x + dx + 1));
-                    let (above, below) = (row(y + dy), row(y + dy + 1));
-                    Some((index, [above + left, above + right, below + left, below + right], weights(u, v)))
+                dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                    self.look_up(row, of_row, from, &mut taps);
                 }));
                 for (channel, plane) in planes.iter_mut().enumerate() {
                     let (Some(plane), Some(Some(samples))) = (plane, image.planes.get(channel)) else { continue };
-                    let out = &mut plane[start..start + window.width()];
-                    // First copy all samples without displacement, then overwrite the displaced ones.
-                    if taps.len() < out.len() {
-                        for (x, out) in (window.x0..window.x1).zip(out.iter_mut()) {
-                            if x < first || x >= end {
-                                *out = samples[row(y) + column(x)];
+                    let out = &mut plane[start..start + width];
+                    dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                        for (taps, out) in taps.iter().zip(out.chunks_mut(LANES)) {
+                            let blends = taps.blend(samples);
+                            if let Some(out) = out.first_chunk_mut() {
+                                *out = blends;
+                            } else {
+                                out.copy_from_slice(&blends[..out.len()]);
                             }
                         }
-                        if first < end {
-                            let within = (first - window.x0) as usize..(end - window.x0) as usize;
-                            out[within].copy_from_slice(&samples[row(y) + column(first)..][..(end - first) as usize]);
-                        }
-                    }
-                    for (index, at, weights) in &taps {
-                        out[*index] = blended(at.map(|at| samples[at]), weights);
-                    }
+                    }));
                 }
             }
             Ok(())
@@ -189,7 +267,7 @@ impl Prepared for PreparedWarp {
     fn reference(&self, inputs: &References<'_>) -> Result<Vec<Reference>, NodeError> {
         let Warp { image, dx, dy, .. } = &self.node;
         let split =
-            |port: &Optional<_>| self.split(port.as_ref().map_or(0.0, |source| inputs.scalar(source) * self.scale));
+            |port: &Optional<_>| self.whole(port.as_ref().map_or(0.0, |source| inputs.scalar(source) * self.scale));
         let ((dx, u), (dy, v)) = (split(dx), split(dy));
         let at = |right: i64, down: i64| numbers(&inputs.moved((dx + right) as f64, (dy + down) as f64), image);
         let corners = [(0, 0, (1.0 - u) * (1.0 - v)), (1, 0, u * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 1, u * v)];

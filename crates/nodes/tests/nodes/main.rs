@@ -46,6 +46,10 @@ mod files {
     mod view_from_passes;
 }
 
+mod filter {
+    mod warp;
+}
+
 mod geometry {
     mod bezier_model;
     mod float;

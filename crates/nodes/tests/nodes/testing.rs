@@ -293,6 +293,16 @@ pub(crate) fn agrees(key: &str, nodes: &str) {
     }
 }
 
+/// Returns numbers from −1 to 1.
+pub(crate) fn draws(count: usize, salt: u32) -> Vec<f32> {
+    let mut state = salt;
+    let mut draw = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+    };
+    (0..count).map(|_| draw()).collect()
+}
+
 /// Returns the errors of a document, which must have some.
 pub(crate) fn refused(key: &str, nodes: &str) -> String {
     match graph(key, nodes, Path::new(".")) {
