@@ -1,8 +1,11 @@
 //! FlowField: directions for brush strokes.
 
+#![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
+
 use super::{NORMAL, POSITION, grown, ramp};
 use crate::field::Screen;
 use crate::lit::eye;
+use fearless_simd::{Level, Simd, dispatch};
 use trochoid_field::{Noise, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
@@ -196,34 +199,44 @@ const SHORTEST: f64 = 1e-12;
 /// Length below which a smoothed direction with doubled angle vanishes.
 const SHORTEST_DOUBLED: f64 = 1e-6;
 
+/// Number of pixels whose directions are computed together, by vectors. Where a pixel decides, both results are computed.
+const LANES: usize = 8;
+
+/// Values of some pixels.
+type Lanes = [f64; LANES];
+
 /// Returns the unit vector of a direction; `None` if it vanishes.
+#[inline(always)]
 fn unit([x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let length = (x * x + y * y).sqrt();
-    (length > SHORTEST && length.is_finite()).then(|| [x / length, y / length])
+    let unit = [x / length, y / length];
+    (length > SHORTEST && length.is_finite()).then_some(unit)
 }
 
 /// Returns a unit vector rotated clockwise, in a picture with y down.
+#[inline(always)]
 fn turned([x, y]: [f64; 2], (sin, cos): (f64, f64)) -> [f64; 2] {
     [x * cos - y * sin, x * sin + y * cos]
 }
 
 /// Returns (cos 2φ, sin 2φ) for a unit vector: the same for both directions along a line.
+#[inline(always)]
 pub(crate) fn doubled([x, y]: [f64; 2]) -> [f64; 2] {
     [x * x - y * y, 2.0 * x * y]
 }
 
 /// Inverts [`doubled`]: returns the direction along the line, to the right or down, and the length of the components.
+#[inline(always)]
 pub(crate) fn halved([c, s]: [f64; 2]) -> ([f64; 2], f64) {
     let length = (c * c + s * s).sqrt().min(1.0);
-    if length < SHORTEST_DOUBLED {
-        return ([0.0; 2], 0.0);
-    }
     let cos = (c / length).clamp(-1.0, 1.0);
-    let (x, y) = (((1.0 + cos) / 2.0).sqrt(), ((1.0 - cos) / 2.0).sqrt());
-    ([x * length, if s < 0.0 { -y * length } else { y * length }], length)
+    let (x, y) = (((1.0 + cos) / 2.0).sqrt() * length, ((1.0 - cos) / 2.0).sqrt() * length);
+    let way = [x, if s < 0.0 { -y } else { y }];
+    if length < SHORTEST_DOUBLED { ([0.0; 2], 0.0) } else { (way, length) }
 }
 
 /// Returns the direction in the picture of a world-space direction at a point.
+#[inline(always)]
 pub(crate) fn projected(eye: &Projector, point: DVec3, direction: DVec3) -> Option<[f64; 2]> {
     let along = [direction.dot(eye.right), -direction.dot(eye.up)];
     if eye.orthographic {
@@ -233,28 +246,62 @@ pub(crate) fn projected(eye: &Projector, point: DVec3, direction: DVec3) -> Opti
     let (depth, deeper) = (offset.dot(eye.forward), direction.dot(eye.forward));
     // Derivative of a quotient, times depth² > 0.
     let at = [offset.dot(eye.right), -offset.dot(eye.up)];
-    unit([0, 1].map(|axis| along[axis] * depth - at[axis] * deeper))
+    unit([along[0] * depth - at[0] * deeper, along[1] * depth - at[1] * deeper])
 }
 
 impl PreparedFlowField {
     /// Returns (cos 2φ, sin 2φ) on a surface.
+    #[inline(always)]
     fn on_surface(&self, eye: &Projector, point: DVec3, normal: DVec3) -> [f64; 2] {
         let still = [self.still.1, self.still.0];
         let upward = DVec3::Y - normal * normal.y;
         let way = if self.node.along.is_crosswise() { DVec3::Y.cross(normal) } else { upward };
-        let of_surface = projected(eye, point, way).map(|way| turned(way, self.turn));
+        let way = projected(eye, point, way);
         let calm = projected(eye, point, self.calm - normal * self.calm.dot(normal)).unwrap_or(still);
-        let Some(of_surface) = of_surface else { return doubled(calm) };
         let steep = ramp(1.0 - normal.y, self.node.flat, self.node.steep - self.node.flat);
         let share = steep * steep * (3.0 - 2.0 * steep);
-        let (of_surface, calm) = (doubled(of_surface), doubled(calm));
-        [0, 1].map(|axis| share * of_surface[axis] + (1.0 - share) * calm[axis])
+        let (own, calm) = (doubled(turned(way.unwrap_or(still), self.turn)), doubled(calm));
+        let mixed = [share * own[0] + (1.0 - share) * calm[0], share * own[1] + (1.0 - share) * calm[1]];
+        if way.is_some() { mixed } else { calm }
+    }
+
+    /// Returns the same for some pixels, by axis, from what they see in each of the channels [`SEEN`]; `still` where that
+    /// is nothing.
+    // Plain loops: closures would not be compiled for the vectors of the caller.
+    #[inline(always)]
+    fn on_surfaces(&self, eye: &Projector, seen: [&[f32; LANES]; SEEN.len()], still: [f64; 2]) -> [Lanes; 2] {
+        let mut lines = [[0.0; LANES]; 2];
+        let [px, py, pz, nx, ny, nz, coverage] = seen;
+        for lane in 0..LANES {
+            let point = DVec3::new(f64::from(px[lane]), f64::from(py[lane]), f64::from(pz[lane]));
+            let normal = DVec3::new(f64::from(nx[lane]), f64::from(ny[lane]), f64::from(nz[lane]));
+            let line = self.on_surface(eye, point, normal);
+            let is_seen = coverage[lane] > 0.0;
+            lines[0][lane] = if is_seen { line[0] } else { still[0] };
+            lines[1][lane] = if is_seen { line[1] } else { still[1] };
+        }
+        lines
     }
 
     /// Returns (cos 2φ, sin 2φ) for the change of a field to the right and down.
+    #[inline(always)]
     fn of_change(&self, change: [f64; 2]) -> [f64; 2] {
-        let Some([x, y]) = unit(change) else { return doubled([self.still.1, self.still.0]) };
-        doubled(turned(if self.node.along.is_crosswise() { [-y, x] } else { [x, y] }, self.turn))
+        let way = unit(change);
+        let [x, y] = way.unwrap_or(change);
+        let line = doubled(turned(if self.node.along.is_crosswise() { [-y, x] } else { [x, y] }, self.turn));
+        if way.is_some() { line } else { doubled([self.still.1, self.still.0]) }
+    }
+
+    /// Returns the same for some pixels, by axis, from the field to the left, to the right, above and below.
+    #[inline(always)]
+    fn of_changes(&self, [left, right, above, below]: [&[f32; LANES]; 4]) -> [Lanes; 2] {
+        let mut lines = [[0.0; LANES]; 2];
+        for lane in 0..LANES {
+            let across = f64::from(right[lane]) - f64::from(left[lane]);
+            let line = self.of_change([across, f64::from(below[lane]) - f64::from(above[lane])]);
+            (lines[0][lane], lines[1][lane]) = (line[0], line[1]);
+        }
+        lines
     }
 
     /// Rotates a doubled direction by noise; doubled angles rotate twice as far.
@@ -274,30 +321,53 @@ impl PreparedFlowField {
         let still = doubled(turned([1.0, 0.0], if self.is_by_hand() { self.turn } else { self.still }));
         let view = inputs.all(&self.node.view).first();
         let field = inputs.all(&self.node.field).first().and_then(|field| Some((field.window, field.planes[0]?)));
-        for (index, (x, y)) in pixels().enumerate() {
-            if x == window.x0 {
-                inputs.check_cancelled()?;
-            }
-            let line = match (&self.eye, view, field) {
+        let (level, width) = (Level::new(), window.width());
+        // Whole vectors, so that no rest is left; a field is read one pixel to the left and to the right, too.
+        let room = width.next_multiple_of(LANES);
+        let mut read = SEEN.map(|_| Scratch::of(0.0f32, room + 2));
+        let mut ways = [0, 1].map(|axis| Scratch::of(still[axis], room));
+        for (y, start) in (window.y0..window.y1).zip((0..).step_by(width.max(1))) {
+            inputs.check_cancelled()?;
+            let [across, down] = &mut ways;
+            let chunks = across.as_chunks_mut().0.iter_mut().zip(down.as_chunks_mut().0).zip((0..).step_by(LANES));
+            match (&self.eye, view, field) {
                 (Some(eye), Some(view), _) => {
-                    let at = nearest(view.window, x, y);
-                    let channel = |channel: Channel| view.planes[channel as usize].map_or(0.0, |p| f64::from(p[at]));
-                    if channel(Channel::Coverage) > 0.0 {
-                        let vector = |channels: [Channel; 3]| DVec3::from(channels.map(channel));
-                        self.on_surface(eye, vector(POSITION), vector(NORMAL))
-                    } else {
-                        still
+                    for (row, channel) in read.iter_mut().zip(SEEN) {
+                        if let Some(plane) = view.planes[channel as usize] {
+                            copy_row(plane, view.window, [window.x0, y], row);
+                        }
                     }
+                    dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                        for ((across, down), start) in chunks {
+                            let mut seen = [&[0.0; LANES]; SEEN.len()];
+                            for (seen, row) in seen.iter_mut().zip(&read) {
+                                *seen = chunk(row, start);
+                            }
+                            [*across, *down] = self.on_surfaces(eye, seen, still);
+                        }
+                    }));
                 }
-                (None, _, Some((window, plane))) if self.node.along.is_of_field() => {
-                    let at = |x: i64, y: i64| f64::from(plane[nearest(window, x, y)]);
-                    self.of_change([at(x + 1, y) - at(x - 1, y), at(x, y + 1) - at(x, y - 1)])
+                (None, _, Some((of, plane))) if self.node.along.is_of_field() => {
+                    for (row, (x, y)) in read.iter_mut().zip([(-1, y), (0, y - 1), (0, y + 1)]) {
+                        copy_row(plane, of, [window.x0 + x, y], row);
+                    }
+                    let [own, above, below, ..] = &read;
+                    dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
+                        for ((across, down), start) in chunks {
+                            let sides = [chunk(own, start), chunk(own, start + 2)];
+                            let around = [sides[0], sides[1], chunk(above, start), chunk(below, start)];
+                            [*across, *down] = self.of_changes(around);
+                        }
+                    }));
                 }
-                _ => still,
-            };
-            let line = self.wavering(line, noise.get(index).copied().map_or(0.0, f64::from));
-            lines[0][index] = line[0] as f32;
-            lines[1][index] = line[1] as f32;
+                _ => {}
+            }
+            for x in 0..width {
+                let noise = noise.get(start + x).copied().map_or(0.0, f64::from);
+                let line = self.wavering([ways[0][x], ways[1][x]], noise);
+                lines[0][start + x] = line[0] as f32;
+                lines[1][start + x] = line[1] as f32;
+            }
         }
         Ok(lines)
     }
@@ -334,11 +404,27 @@ impl PreparedFlowField {
     }
 }
 
-/// Returns the index of a pixel in a window, or of the nearest one in it.
-fn nearest(window: Window, x: i64, y: i64) -> usize {
-    let column = x.clamp(window.x0, window.x1 - 1) - window.x0;
-    let row = y.clamp(window.y0, window.y1 - 1) - window.y0;
-    row as usize * window.width() + column as usize
+/// Channels of the view that decide the direction on a surface.
+const SEEN: [Channel; 7] = [POSITION[0], POSITION[1], POSITION[2], NORMAL[0], NORMAL[1], NORMAL[2], Channel::Coverage];
+
+/// Copies the pixels of a plane over a window from (`x`, `y`) on; beyond it, the nearest pixel repeats.
+fn copy_row(plane: &[f32], window: Window, [x, y]: [i64; 2], out: &mut [f32]) {
+    let row = &plane[(y.clamp(window.y0, window.y1 - 1) - window.y0) as usize * window.width()..][..window.width()];
+    let [left, right] = [window.x0 - x, window.x1 - x].map(|end| end.clamp(0, out.len() as i64) as usize);
+    out[..left].fill(row[0]);
+    out[right..].fill(row[row.len() - 1]);
+    if left < right {
+        out[left..right].copy_from_slice(&row[(x + left as i64 - window.x0) as usize..][..right - left]);
+    }
+}
+
+/// Returns some values of a row.
+#[inline(always)]
+fn chunk(row: &[f32], start: usize) -> &[f32; LANES] {
+    match row[start..].first_chunk() {
+        Some(chunk) => chunk,
+        None => unreachable!("rows are whole vectors"),
+    }
 }
 
 impl Prepared for PreparedFlowField {
@@ -357,14 +443,22 @@ impl Prepared for PreparedFlowField {
         }
         let (mut x, mut y, mut length) =
             (outputs.take(Out::Flow, 0), outputs.take(Out::Flow, 1), outputs.take(Out::Length, 0));
-        for (index, (c, s)) in lines[0].iter().zip(&lines[1]).enumerate() {
-            let (way, long) = halved([f64::from(*c), f64::from(*s)]);
-            for (plane, value) in [(&mut x, way[0]), (&mut y, way[1]), (&mut length, long)] {
-                if let Some(plane) = plane {
-                    plane[index] = value as f32;
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            for (start, (c, s)) in (0..).step_by(LANES).zip(lines[0].chunks(LANES).zip(lines[1].chunks(LANES))) {
+                let mut found = [[0.0f32; LANES]; 3];
+                for lane in 0..c.len() {
+                    let ([x, y], length) = halved([f64::from(c[lane]), f64::from(s[lane])]);
+                    found[0][lane] = x as f32;
+                    found[1][lane] = y as f32;
+                    found[2][lane] = length as f32;
+                }
+                for (plane, found) in [&mut x, &mut y, &mut length].into_iter().zip(&found) {
+                    if let Some(plane) = plane {
+                        plane[start..start + c.len()].copy_from_slice(&found[..c.len()]);
+                    }
                 }
             }
-        }
+        }));
         Ok(())
     }
 

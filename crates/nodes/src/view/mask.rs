@@ -58,6 +58,7 @@ impl Ramp {
 }
 
 /// Returns 0 up to `from`, 1 from `from + width` on, linear between; with width 0, a step that includes `from`.
+#[inline(always)]
 pub(crate) fn ramp(x: f64, from: f64, width: f64) -> f64 {
     if width > 0.0 {
         ((x - from) / width).clamp(0.0, 1.0)
