@@ -80,6 +80,17 @@ impl DerefMut for Buffer {
     }
 }
 
+/// Returns a vector of zeros, on large pages if the system has them. They are mapped when they are first written.
+///
+/// ```
+/// assert_eq!(trochoid_memory::zeros(1000), vec![0.0; 1000]);
+/// ```
+pub fn zeros(length: usize) -> Vec<f32> {
+    let samples = vec![0.0; length];
+    advise(&samples);
+    samples
+}
+
 /// Asks the system for large pages for the memory that a vector has reserved: a hint that does not change its content.
 #[cfg(target_os = "linux")]
 #[allow(unsafe_code)]

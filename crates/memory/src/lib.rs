@@ -14,7 +14,7 @@ mod recycle;
 mod scratch;
 mod target;
 
-pub use buffer::Buffer;
+pub use buffer::{Buffer, zeros};
 pub use dispatch::{Instructions, Kernel, dispatch};
 pub use heap::{Exhausted, Heap, exit_at_once, fallible};
 pub use prefetch::prefetch;

@@ -9,6 +9,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
 use trochoid_graph::{FrameContext, Key, NodeId, Settled, Variance};
 use trochoid_image::Window;
+use trochoid_memory::zeros;
 
 /// A stage's planes over the whole picture, by sample, output and channel; empty where not wanted.
 #[derive(Debug)]
@@ -44,6 +45,8 @@ pub(crate) struct PlaneKeeper {
     steps: Option<Steps>,
     /// The current step, counted from the last one.
     step: usize,
+    /// Planes of steps that no later one reads, whose memory the next ones fill again.
+    spare: Vec<Vec<f32>>,
     /// Stages that fill nothing.
     pub(crate) spared: Vec<NodeId>,
 }
@@ -141,19 +144,28 @@ impl PlaneKeeper {
         self.step = step;
         let area = plan.graph.format().window().area();
         let kept = self.keys.keys().copied().filter(|fill| steps.takes_part(*fill, step)).map(Whole::Fill);
+        // Tiles fill all samples, so that nothing is left of what a spare plane held.
+        let spare = &mut self.spare;
+        let mut plane = |wanted: bool| match wanted {
+            true => spare.pop().unwrap_or_else(|| zeros(area)),
+            false => Vec::new(),
+        };
         for whole in steps.filled_by(step).chain(kept) {
-            let plane = |wanted: bool| vec![0.0; if wanted { area } else { 0 }];
-            let planes = || match whole {
+            let mut planes = || match whole {
                 Whole::Fill(fill) => {
                     let wanted = pass.fills[fill].wanted.iter();
-                    wanted.map(|channels| channels.iter().copied().map(plane).collect()).collect()
+                    wanted.map(|channels| channels.iter().map(|wanted| plane(*wanted)).collect()).collect()
                 }
                 Whole::Taps(fill) => {
-                    tap_channels(&pass.fills[fill]).map(|channels| vec![plane(true); channels]).collect()
+                    let channels = tap_channels(&pass.fills[fill]);
+                    channels.map(|channels| (0..channels).map(|_| plane(true)).collect()).collect()
                 }
             };
             let samples = pass.offsets.iter().map(|_| planes()).collect();
             self.new.insert(whole, Mutex::new(StagePlanes { samples }));
+        }
+        if step == 0 {
+            self.spare = Vec::new();
         }
         true
     }
@@ -170,7 +182,12 @@ impl PlaneKeeper {
             }
             self.known.insert(whole, filled);
         }
-        self.known.retain(|whole, _| !steps.is_whole(*whole) || steps.is_read_after(*whole, self.step));
+        let is_read = |whole: Whole| !steps.is_whole(whole) || steps.is_read_after(whole, self.step);
+        for (_, filled) in self.known.extract_if(|whole, _| !is_read(*whole)) {
+            // Those that are kept are not free.
+            let free = Arc::into_inner(filled).into_iter().flat_map(|filled| filled.samples);
+            self.spare.extend(free.flatten().flatten().filter(|plane| !plane.is_empty()));
+        }
     }
 
     /// Returns whether the current step is the last one, which also runs the program.
