@@ -2,8 +2,8 @@
 
 use super::prepare::{Cache, PreparedStage, key_of_planes};
 use super::steps::{AGAIN, Steps, Whole};
+use super::tile_size::Load;
 use crate::planning::plan::{Fill, Pass};
-use crate::planning::schedule::Reach;
 use crate::{Keep, Plan};
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -208,10 +208,10 @@ impl PlaneKeeper {
         whole.into_iter().map(|whole| (whole, whole.channels(pass), bytes(plan, pass, whole))).collect()
     }
 
-    /// Returns how far stages reach beyond a tile in the last step, or in the current one, horizontally and vertically.
-    pub(crate) fn halo(&self, plan: &Plan<'_>, of_last: bool) -> Reach {
+    /// Returns the work of stages on a tile and beyond it in the last step, or in the current one.
+    pub(crate) fn load(&self, plan: &Plan<'_>, of_last: bool) -> Load {
         let step = if of_last { 0 } else { self.step };
-        self.steps.as_ref().map_or_else(|| plan.halo(), |steps| steps.halo(step))
+        self.steps.as_ref().map_or_else(|| Load::of(plan.halo()), |steps| steps.load(step))
     }
 
     /// Returns whether the current step needs nothing of a fill.

@@ -1,6 +1,7 @@
 //! Estimates how much memory a plan takes before any of it is allocated.
 
 use super::tile::channel_count;
+use super::tile_size::Load;
 use crate::planning::plan::{Feed, Fill, Pass};
 use crate::{EvalError, Plan};
 use std::collections::{HashMap, HashSet};
@@ -265,7 +266,7 @@ impl Plan<'_> {
     /// Returns the largest size of a tile, as far as it is known before files are open.
     fn tile_before(&self, pass: &Pass) -> [usize; 2] {
         let reads = |fill: &Fill| self.stage(fill.node).is_some_and(|stage| !stage.files(&self.context).is_empty());
-        let (width, height) = self.tile_for(pass.fills.iter().any(reads).then_some(1), self.halo());
+        let (width, height) = self.tile_for(pass.fills.iter().any(reads).then_some(1), &Load::of(self.halo()));
         [width.min(self.window.width()), height.min(self.window.height())]
     }
 

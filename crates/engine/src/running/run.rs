@@ -156,12 +156,12 @@ impl Plan<'_> {
             let judged = started.elapsed().as_secs_f64();
             let started = Instant::now();
             let mut keeper = self.keeper(&ready, &account, cache);
-            let bands = bands(self.tile(&ready, keeper.halo(self, true)))?;
+            let bands = bands(self.tile(&ready, &keeper.load(self, true)))?;
             let mut totals = WorkerTotals::default();
             let mut steps = || {
                 while keeper.begin_step(self) {
                     let between = (!keeper.is_last_step()).then(|| {
-                        let tile = self.tile(&ready, keeper.halo(self, false));
+                        let tile = self.tile(&ready, &keeper.load(self, false));
                         Bands::of_planes(Vec::new(), self.window, tile)
                     });
                     let bands = between.as_ref().unwrap_or(&bands);

@@ -5,6 +5,7 @@
 //! time to write and read them; so planes are held where tiles would spend more time on filling again.
 
 use super::fill::by_slot;
+use super::tile_size::Load;
 use crate::Plan;
 use crate::planning::plan::{Fill, Pass};
 use crate::planning::schedule::{Reach, Reads, larger, read_before};
@@ -14,6 +15,9 @@ use trochoid_graph::Slot;
 /// Time that a stage takes to fill a sample of a plane, in units of the time to write and read it: about that of a short
 /// formula. Views and noise take several times as long.
 const STAGE: f64 = 4.0;
+
+/// The same for a costly stage, such as a filter.
+const COSTLY: f64 = 16.0;
 
 /// Least shares of a picture's pixels that tiles fill again for planes to be held, and if memory is too short for these.
 pub(crate) const AGAIN: [f64; 2] = [0.05, 0.5];
@@ -44,8 +48,8 @@ pub(crate) struct Steps {
     of: Vec<BTreeSet<usize>>,
     /// Planes that have to be whole before the next step: the step that fills them, and the last one that reads them.
     whole: HashMap<Whole, [usize; 2]>,
-    /// How far the stages of each step reach beyond its tiles.
-    halo: Vec<Reach>,
+    /// The work of each step on a tile and beyond it.
+    loads: Vec<Load>,
 }
 
 impl Steps {
@@ -67,6 +71,8 @@ impl Steps {
         let mut steps = Self { of: vec![BTreeSet::new(); fills.len()], ..Self::default() };
         let mut beyond: Vec<Reach> = vec![(0, 0); fills.len()];
         let mut has_readers = vec![false; fills.len()];
+        // Planes that are read, with the step and how far beyond a tile.
+        let mut reads_of: Vec<(usize, Reach, usize)> = Vec::new();
         for (index, fill) in fills.iter().enumerate().rev() {
             // All that read it come after it. What nothing reads is filled too, where demand is switched off.
             if fill.read || !has_readers[index] {
@@ -91,7 +97,10 @@ impl Steps {
                 }
             }
             let own = steps.of[index].clone();
-            let reads = Reads::of(fill, plan.stage(fill.node), plan.graph.format(), beyond[index]);
+            let stage = plan.stage(fill.node);
+            let reads = Reads::of(fill, stage, plan.graph.format(), beyond[index]);
+            let time = if stage.is_some_and(|stage| stage.is_costly()) { COSTLY } else { STAGE };
+            let time = time * whole.channels(pass) as f64;
             // Inputs with the steps in which they are read, and how far beyond a tile.
             let with_input = |slot: Slot, steps: &BTreeSet<usize>, reach: Reach| {
                 by_slot.get(&slot).map(|input| (*input, steps.clone(), reach))
@@ -100,15 +109,20 @@ impl Steps {
                 reads.planes.iter().filter_map(|(slot, reach)| with_input(*slot, &own, *reach)).collect();
             let mut before = (own.clone(), reads.taps);
             if let (true, Some(&first), Some(&last)) = (is_needed, own.last(), own.first()) {
-                // Filters that read whole planes reach beyond tiles too, and may compute part of their work again.
+                // Filters that read whole planes reach beyond tiles too, and compute about half of their work again.
                 let reach = inputs.iter().map(|(.., reach)| *reach).chain([reads.taps]).fold((0, 0), larger);
-                own.iter().for_each(|step| steps.reaches(*step, reach));
+                own.iter().for_each(|step| steps.take_time(*step, [beyond[index], reach], time));
                 let whole = Whole::Taps(index);
                 let programs = || upstream(fills, &by_slot, read_before(fill), known);
                 if can_wait(whole) && pays(reads.taps, whole.channels(pass), &programs) {
                     steps.whole.insert(whole, [first + 1, last]);
                     before = (BTreeSet::from([first + 1]), (0, 0));
                 }
+            }
+            if is_needed {
+                let read =
+                    inputs.iter().flat_map(|(input, steps, reach)| steps.iter().map(|step| (*step, *reach, *input)));
+                reads_of.extend(read);
             }
             inputs.extend(read_before(fill).filter_map(|slot| with_input(slot, &before.0, before.1)));
             for (input, own, reach) in inputs {
@@ -117,6 +131,11 @@ impl Steps {
                     steps.of[input].extend(own);
                     beyond[input] = larger(beyond[input], reach);
                 }
+            }
+        }
+        for (step, reach, input) in reads_of {
+            if known(input) || steps.is_whole(Whole::Fill(input)) {
+                steps.loads[step].copy(reach);
             }
         }
         steps
@@ -128,15 +147,15 @@ impl Steps {
         self.of.iter().filter_map(|steps| steps.last()).chain(whole).max().map_or(1, |step| step + 1)
     }
 
-    /// Returns how far the stages of a step reach beyond its tiles.
-    pub(crate) fn halo(&self, step: usize) -> Reach {
-        self.halo.get(step).copied().unwrap_or_default()
+    /// Returns the work of the stages of a step.
+    pub(crate) fn load(&self, step: usize) -> Load {
+        self.loads.get(step).cloned().unwrap_or_default()
     }
 
-    fn reaches(&mut self, step: usize, reach: Reach) {
-        let count = self.halo.len().max(step + 1);
-        self.halo.resize(count, (0, 0));
-        self.halo[step] = larger(self.halo[step], reach);
+    fn take_time(&mut self, step: usize, reaches: [Reach; 2], time: f64) {
+        let count = self.loads.len().max(step + 1);
+        self.loads.resize(count, Load::default());
+        reaches.into_iter().for_each(|reach| self.loads[step].add(reach, time / 2.0));
     }
 
     /// Returns whether nothing of a fill is needed, or nothing new.

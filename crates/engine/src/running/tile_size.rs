@@ -2,8 +2,8 @@
 
 use super::prepare::PreparedStage;
 use crate::Plan;
-use crate::planning::schedule::Reach;
-use std::collections::HashMap;
+use crate::planning::schedule::{Reach, larger};
+use std::collections::{BTreeMap, HashMap};
 use trochoid_graph::{NodeId, Variance};
 
 /// Size of tiles, which keeps the planes of a few stages in L2.
@@ -12,24 +12,65 @@ const TILE: (usize, usize) = (256, 16);
 /// Most pixels of a tile whose stages reach beyond it, but not far.
 const AREA: usize = 480 * 270;
 
-/// Average share of a tile for which a thread idles at the end of a picture.
-const IDLE: f64 = 0.5;
+/// Time that a thread loses, as a share of that for a tile: about half of a tile while it idles at the end of a picture,
+/// and as much for the pages of the memory that its first tile takes.
+const LOST: f64 = 1.0;
 
 /// Most work of all threads together, in units of what a single thread would do, if there are more tiles than threads.
 const MORE: f64 = 1.05;
 
+/// Time to copy a sample of a plane, in the units of [`super::steps`].
+const COPY: f64 = 1.0;
+
+/// Time that stages take for a tile, by how far beyond it they compute.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Load {
+    times: BTreeMap<Reach, f64>,
+    /// Time to copy the parts of whole planes that stages read, unless a tile is as wide as the picture.
+    copies: BTreeMap<Reach, f64>,
+}
+
+impl Load {
+    /// Returns the load of stages of which about half reach so far.
+    pub(crate) fn of(reach: Reach) -> Self {
+        let mut load = Self::default();
+        [(0, 0), reach].into_iter().for_each(|reach| load.add(reach, 0.5));
+        load
+    }
+
+    /// Adds the time of a stage.
+    pub(crate) fn add(&mut self, reach: Reach, time: f64) {
+        *self.times.entry(reach).or_default() += time;
+    }
+
+    /// Adds the time to copy a part of a whole plane.
+    pub(crate) fn copy(&mut self, reach: Reach) {
+        *self.copies.entry(reach).or_default() += COPY;
+    }
+
+    /// Returns how far any stage reaches.
+    fn farthest(&self) -> Reach {
+        self.times.keys().copied().fold((0, 0), larger)
+    }
+}
+
 /// Returns the numbers of columns, at most `most`, and of bands into which to divide a picture whose stages reach beyond
 /// a tile, for threads that share the tiles. Few tiles are better since their stages fill the same pixels again; many are
 /// better since tiles differ, and threads idle at the end of the picture.
-fn divided((width, height): (usize, usize), most: usize, (across, down): Reach, threads: usize) -> (usize, usize) {
+fn divided((width, height): (usize, usize), most: usize, load: &Load, threads: usize) -> (usize, usize) {
+    let (across, down) = load.farthest();
     let area = AREA.max(across.saturating_mul(down).saturating_mul(72));
-    // Work for a tile, of which about half of the stages reach beyond it.
-    let work = |&(columns, bands): &(usize, usize)| {
-        let ([x, wide], [y, high]) = (filled(width, columns, across), filled(height, bands, down));
-        x * y + wide * high
+    // Work for a tile.
+    let work = |&(columns, bands): &(usize, usize)| -> f64 {
+        let copies = load.copies.iter().filter(|_| columns > 1);
+        let times = load.times.iter().chain(copies).map(|(&(across, down), time)| {
+            let ([_, wide], [_, high]) = (filled(width, columns, across), filled(height, bands, down));
+            wide * high * time
+        });
+        times.sum()
     };
     let time =
-        |way: &(usize, usize), threads: usize| (((way.0 * way.1) as f64 / threads as f64).max(1.0) + IDLE) * work(way);
+        |way: &(usize, usize), threads: usize| (((way.0 * way.1) as f64 / threads as f64).max(1.0) + LOST) * work(way);
     let is_small = |&(columns, bands): &(usize, usize)| width.div_ceil(columns) * height.div_ceil(bands) <= area;
     // At least as many rows as a tile without a halo has.
     let (columns, bands) = (1..=most.max(1), 1..=(height / TILE.1).max(1));
@@ -58,21 +99,22 @@ impl Plan<'_> {
         let (width, height) = (self.window.width(), self.window.height());
         let (columns, bands) = match self.settings.tile {
             Some(tile) => (width.div_ceil(tile.0.max(1)), height.div_ceil(tile.1.max(1))),
-            None => divided((width, height), width / TILE.0, (across, down), self.threads()),
+            None => divided((width, height), width / TILE.0, &Load::of((across, down)), self.threads()),
         };
         let ([x, wide], [y, high]) = (filled(width, columns, across), filled(height, bands, down));
         (wide * high) / (x * y) - 1.0
     }
 
     /// Returns the width and height of tiles.
-    pub(super) fn tile(&self, ready: &HashMap<NodeId, PreparedStage>, halo: Reach) -> (usize, usize) {
+    pub(super) fn tile(&self, ready: &HashMap<NodeId, PreparedStage>, load: &Load) -> (usize, usize) {
         let fills = self.passes.iter().flat_map(|pass| &pass.fills);
-        self.tile_for(fills.filter_map(|fill| ready.get(&fill.node)?.prepared.rows_per_band()).max(), halo)
+        self.tile_for(fills.filter_map(|fill| ready.get(&fill.node)?.prepared.rows_per_band()).max(), load)
     }
 
     /// Returns the width and height of tiles, given how many rows of files are read at a time, if any files are read, and
-    /// how far stages reach beyond a tile.
-    pub(crate) fn tile_for(&self, bands: Option<usize>, (across, down): Reach) -> (usize, usize) {
+    /// the work on a tile and beyond it.
+    pub(crate) fn tile_for(&self, bands: Option<usize>, load: &Load) -> (usize, usize) {
+        let (across, down) = load.farthest();
         if let Some((width, height)) = self.settings.tile {
             return (width.max(1), height.max(1));
         }
@@ -83,7 +125,7 @@ impl Plan<'_> {
         let in_place = fills().all(|fill| self.bound[fill.node.0] || fill.variance <= Variance::Column);
         let (width, height) = (self.window.width(), self.window.height());
         let tile = |most: usize| {
-            let (columns, bands) = divided((width, height), most, (across, down), self.threads());
+            let (columns, bands) = divided((width, height), most, load, self.threads());
             (width.div_ceil(columns), height.div_ceil(bands))
         };
         match bands {
