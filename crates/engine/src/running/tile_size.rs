@@ -48,6 +48,14 @@ impl Load {
         *self.copies.entry(reach).or_default() += COPY;
     }
 
+    /// Returns the load if a program and all stages compute at least so many pixels beyond a tile.
+    fn beyond_by(&self, pixels: usize) -> Self {
+        let mut load = Self { copies: self.copies.clone(), ..Self::default() };
+        load.add((pixels, pixels), COPY);
+        self.times.iter().for_each(|(reach, time)| load.add(larger(*reach, (pixels, pixels)), *time));
+        load
+    }
+
     /// Returns how far any stage reaches.
     fn farthest(&self) -> Reach {
         self.times.keys().copied().fold((0, 0), larger)
@@ -114,13 +122,15 @@ impl Plan<'_> {
     /// Returns the width and height of tiles, given how many rows of files are read at a time, if any files are read, and
     /// the work on a tile and beyond it.
     pub(crate) fn tile_for(&self, bands: Option<usize>, load: &Load) -> (usize, usize) {
-        let (across, down) = load.farthest();
         if let Some((width, height)) = self.settings.tile {
             return (width.max(1), height.max(1));
         }
         // Where adaptive sampling compares neighbors, the first sample of those beyond the tile is taken, too.
-        let beside = usize::from(self.graph.format().adaptive().is_some());
-        let (across, down) = (across.max(beside), down.max(beside));
+        let load = &match self.graph.format().adaptive() {
+            Some(_) => load.beyond_by(1),
+            None => load.clone(),
+        };
+        let (across, down) = load.farthest();
         let fills = || self.passes.iter().flat_map(|pass| &pass.fills);
         let in_place = fills().all(|fill| self.bound[fill.node.0] || fill.variance <= Variance::Column);
         let (width, height) = (self.window.width(), self.window.height());
