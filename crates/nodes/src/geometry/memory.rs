@@ -17,11 +17,17 @@ const MOST: u64 = 8_000_000;
 
 const VIEW: &str = "lower the format's \"width\" and \"height\", or the \"fineness\" of the Render";
 
+/// Vertices per pixel of a sea in a small picture, where they are not limited by pixel, and how many are not.
+#[cfg(feature = "sea")]
+const SMALL: (f64, f64) = (1.5, 3e5);
+
 /// Returns the memory of a sea of waves: the vertices of a view are limited by pixel, times `detail` along each axis;
 /// small pictures have more.
 #[cfg(feature = "sea")]
 pub(crate) fn of_sea(detail: f64, context: &MemoryContext<'_>) -> MemoryUse {
-    let vertices = SeaSurface::VERTICES_PER_PIXEL * context.pixels() as f64 * (detail * detail);
+    let pixels = context.pixels() as f64 * (detail * detail);
+    let (per_pixel, free) = SMALL;
+    let vertices = (SeaSurface::VERTICES_PER_PIXEL * pixels).max((per_pixel * pixels).min(free));
     MemoryUse::default().per_view((vertices as u64).min(MOST) * VERTEX)
 }
 
