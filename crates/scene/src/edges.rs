@@ -1,5 +1,7 @@
 //! Edge functions of a triangle in the picture, in whole numbers.
 
+#![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
+
 use std::ops::{Add, Mul, Sub};
 
 use crate::project::ScreenVertex;
