@@ -9,6 +9,7 @@ pub(crate) const LANES: usize = 16;
 
 /// Returns the weights of the upper left, upper right, lower left and lower right pixel for a point at the given
 /// fractions across and down: multiples of 2⁻²⁴ that sum to exactly 1.
+#[cfg(feature = "io")]
 #[inline]
 pub(crate) fn weights(across: f64, down: f64) -> [f32; 4] {
     let mut weights = shares(across, down);
@@ -50,6 +51,7 @@ pub(crate) fn weights_together(across: &[f64; LANES], down: &[f64; LANES]) -> [[
 
 /// Returns the blend of four pixels, which lies between the values whose weight is above 0. +∞ and −∞ have no mean;
 /// then the upper left pixel is returned.
+#[cfg(feature = "io")]
 #[inline]
 pub(crate) fn blended(values: [f32; 4], weights: &[f32; 4]) -> f32 {
     let blended = arithmetic::blend(&values, weights);

@@ -10,7 +10,9 @@ mod bounded;
 mod values;
 mod warp;
 
-pub(crate) use bilinear::{LANES, blended, blended_together, weights, weights_together};
+pub(crate) use bilinear::{LANES, blended_together, weights_together};
+#[cfg(feature = "io")]
+pub(crate) use bilinear::{blended, weights};
 pub(crate) use bounded::{BoundedChannel, BoundedSum};
 pub(crate) use values::{fill, fill_together, kind, mean, numbers, value};
 
