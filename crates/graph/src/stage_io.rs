@@ -3,7 +3,6 @@
 use crate::{BadData, Channel, Connected, FrameContext, Handle, Kind, NodeError, NodeId, SharedResult, Source, Store};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
-use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use trochoid_image::Window;
 use trochoid_key::{ContentKey, Key, content_key};
@@ -200,9 +199,6 @@ impl<'a> Prepare<'a> {
     }
 }
 
-/// Number of pixels that lie between separate parts of a row: fewer take less time than another part.
-const APART: usize = 8;
-
 /// A block of samples: one sample in each pixel of a window, or in each of several single pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block<'a> {
@@ -239,27 +235,6 @@ impl<'a> Block<'a> {
     #[inline]
     pub fn counts(&self, index: usize) -> bool {
         self.only.is_none_or(|only| only[index])
-    }
-
-    /// Lists parts of a row, counted from the first one, with all of its pixels that count, and few others: parts that are
-    /// close together are one.
-    pub fn runs(&self, row: usize) -> impl Iterator<Item = Range<usize>> + use<'a> {
-        let width = self.window.width();
-        let counts = self.only.map(|only| &only[row * width..(row + 1) * width]);
-        let mut next = 0;
-        std::iter::from_fn(move || {
-            let Some(counts) = counts else {
-                let from = std::mem::replace(&mut next, width);
-                return (from < width).then_some(from..width);
-            };
-            let from = next + counts[next..].iter().position(|counts| *counts)?;
-            let mut to = from + 1;
-            while let Some(more) = counts[to..width.min(to + APART)].iter().rposition(|counts| *counts) {
-                to += more + 1;
-            }
-            next = to;
-            Some(from..to)
-        })
     }
 
     /// Returns the pixels, in the order of the planes.
