@@ -21,11 +21,13 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
+mod exponentials;
 mod formula;
 mod noise;
 pub mod random;
 mod ranks;
 
+pub use exponentials::exponentials;
 pub use formula::{
     Expected, Expression, Fault, Found, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH, Program, Remedy, parse, parse_named,
 };

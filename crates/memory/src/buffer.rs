@@ -1,11 +1,10 @@
 //! Sample buffers, aligned to cache lines.
 
+use super::pages::{LARGE_PAGE, large_pages};
 use std::ops::{Deref, DerefMut};
 
 /// Samples in a cache line.
 const LINE: usize = 16;
-/// Size from which on a buffer asks for large pages: the size of one large page, in bytes.
-const LARGE: usize = 2 << 20;
 /// Difference between the offsets of consecutive buffers within a page, in lines: buffers of a picture start at
 /// different offsets, so that their rows do not compete for the same cache sets.
 const STAGGER: usize = 5;
@@ -91,28 +90,18 @@ pub fn zeros(length: usize) -> Vec<f32> {
     samples
 }
 
-/// Asks the system for large pages for the memory that a vector has reserved: a hint that does not change its content.
-#[cfg(target_os = "linux")]
-#[allow(unsafe_code)]
+/// Asks for large pages for the memory that a vector has reserved.
 fn advise(samples: &Vec<f32>) {
-    // SAFETY: `sysconf` only reads a constant of the system.
-    let page = usize::try_from(unsafe { libc::sysconf(libc::_SC_PAGESIZE) }).unwrap_or(0);
     let bytes = samples.capacity() * size_of::<f32>();
-    if bytes < LARGE || !page.is_power_of_two() {
-        return;
-    }
-    let from = samples.as_ptr() as usize;
-    // `madvise` takes only whole pages; these are inside of the reservation.
-    let (first, last) = (from.next_multiple_of(page), (from + bytes) & !(page - 1));
-    if first < last {
-        // SAFETY: first..last lies within one allocation of this process, which is mapped for as long as it is
-        // borrowed here. MADV_HUGEPAGE changes neither contents nor protection, and its failure changes nothing.
-        unsafe { libc::madvise(first as *mut libc::c_void, last - first, libc::MADV_HUGEPAGE) };
+    if bytes >= LARGE_PAGE {
+        let from = samples.as_ptr() as usize;
+        #[allow(unsafe_code)]
+        // SAFETY: these bytes lie within one allocation of this process, which is mapped for as long as it is borrowed here.
+        unsafe {
+            large_pages(from, from + bytes);
+        }
     }
 }
-
-#[cfg(not(target_os = "linux"))]
-fn advise(_samples: &Vec<f32>) {}
 
 #[cfg(test)]
 mod tests {

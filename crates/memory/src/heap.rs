@@ -1,5 +1,7 @@
 //! The memory of a whole program: counted, bounded, and, when exhausted, reported instead of causing an abort.
 
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+use super::pages::{LARGE_PAGE, large_pages};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::OnceLock;
@@ -44,6 +46,9 @@ pub struct Exhausted {
 static TAKEN: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
 static BOUND: AtomicUsize = AtomicUsize::new(usize::MAX);
+/// End of the heap's memory that has been asked to be on large pages; 0 if none is asked to be.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+static ON_LARGE_PAGES: AtomicUsize = AtomicUsize::new(0);
 static ON_EXHAUSTION: OnceLock<fn(Exhausted) -> !> = OnceLock::new();
 /// Whether some thread is already ending the program.
 static ENDING: AtomicBool = AtomicBool::new(false);
@@ -109,8 +114,9 @@ impl Heap {
     }
 
     /// Keeps freed blocks of any size for later requests, instead of handing them back to the system: for programs that make
-    /// one picture after another, whose memory would cost its page faults anew for each. All threads take
-    /// turns in asking for memory. Does nothing on systems other than Linux with glibc.
+    /// one picture after another, whose memory would cost its page faults anew for each. Memory that is taken from now on
+    /// lies on large pages if the system has them. All threads take turns in asking for memory. Does nothing on systems
+    /// other than Linux with glibc.
     pub fn keep_freed() {
         #[cfg(all(target_os = "linux", target_env = "gnu"))]
         #[allow(unsafe_code)]
@@ -120,6 +126,10 @@ impl Heap {
             libc::mallopt(libc::M_TRIM_THRESHOLD, i32::MAX);
             // Otherwise threads ask for memory of their own, and get no large blocks from it.
             libc::mallopt(libc::M_ARENA_MAX, 1);
+            // The heap grows by many large pages at once: one that is mapped in part cannot be large.
+            libc::mallopt(libc::M_TOP_PAD, 32 * LARGE_PAGE as i32);
+            // `sbrk` without a change only returns the end of the heap.
+            ON_LARGE_PAGES.store(libc::sbrk(0) as usize, Ordering::Relaxed);
         }
     }
 
@@ -170,8 +180,32 @@ fn granted(bytes: usize, more: usize, ask: impl FnOnce() -> *mut u8) -> *mut u8 
         give_back(more);
         return refuse(bytes, false);
     }
+    if counted(bytes) > 0 {
+        ask_for_large_pages(block as usize + bytes);
+    }
     block
 }
+
+/// Asks for large pages for what the heap has grown by, if a block ends beyond what has been asked for.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+#[allow(unsafe_code)]
+fn ask_for_large_pages(block_end: usize) {
+    let asked = ON_LARGE_PAGES.load(Ordering::Relaxed);
+    if asked == 0 || block_end <= asked {
+        return;
+    }
+    // SAFETY: `sbrk` without a change only returns the end of the heap.
+    let end = unsafe { libc::sbrk(0) } as usize;
+    // Where the heap cannot grow, blocks come from elsewhere.
+    if block_end <= end {
+        // SAFETY: this is memory of the heap, which `keep_freed` told never to shrink.
+        unsafe { large_pages(asked, end) };
+        ON_LARGE_PAGES.fetch_max(end, Ordering::Relaxed);
+    }
+}
+
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+fn ask_for_large_pages(_block_end: usize) {}
 
 /// Handles a refused block: returns null to code that can do without it, otherwise ends the program.
 #[cold]

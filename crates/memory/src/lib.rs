@@ -9,6 +9,7 @@
 mod buffer;
 mod dispatch;
 mod heap;
+mod pages;
 mod prefetch;
 mod recycle;
 mod scratch;

@@ -75,6 +75,13 @@ fn pages_of_second_block() -> usize {
 
 fn task(name: &str) {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    if name == "large" {
+        Heap::keep_freed();
+        let before = faults();
+        drop(std::hint::black_box(vec![1_u8; 256 * MB]));
+        return println!("{} pages", if faults() - before > 256 * MB / 4096 / 8 { "small" } else { "large" });
+    }
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
     if let "again" | "anew" = name {
         if name == "again" {
             Heap::keep_freed();
@@ -150,6 +157,13 @@ fn main() {
         let (told, code) = child(name);
         assert!(told.contains(kept), "{name}: {told}");
         assert_eq!(code, Some(0));
+    }
+    // Not every system has large pages.
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    if std::fs::read_to_string("/sys/kernel/mm/transparent_hugepage/enabled")
+        .is_ok_and(|modes| !modes.contains("[never]"))
+    {
+        assert_eq!(child("large").0.trim(), "large pages");
     }
     let (told, code) = child("nothing left");
     assert!(told.contains("error: out of memory, even"), "{told}");

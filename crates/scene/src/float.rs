@@ -1,6 +1,7 @@
 //! How bodies float on water.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::rigid::Pose;
 use crate::surface::Surface;
@@ -41,17 +42,26 @@ impl Floating {
         let (sin, cos) = libm::sincos(self.heading);
         let steps: [f64; 2] = std::array::from_fn(|axis| self.hull[axis] / POINTS[axis] as f64);
         let footprint = steps[0].max(steps[1]);
-        let (mut sum, mut moments, mut squares) = (0.0, [0.0; 2], [0.0; 2]);
-        for i in 0..POINTS[0] {
-            for j in 0..POINTS[1] {
-                let from_middle = |index: usize, axis: usize| index as f64 - (POINTS[axis] - 1) as f64 / 2.0;
-                let [u, v] = [from_middle(i, 0) * steps[0], from_middle(j, 1) * steps[1]];
+        let from_middle = |index: usize, axis: usize| index as f64 - (POINTS[axis] - 1) as f64 / 2.0;
+        let at = |point: usize| {
+            let [i, j] = [point / POINTS[1], point % POINTS[1]];
+            [from_middle(i, 0) * steps[0], from_middle(j, 1) * steps[1]]
+        };
+        // Each point takes many sines, so the threads share them.
+        let heights: Vec<Option<f64>> = (0..POINTS[0] * POINTS[1])
+            .into_par_iter()
+            .map(|point| {
+                let [u, v] = at(point);
                 let place = [self.place[0] + u * cos - v * sin, self.place[1] + u * sin + v * cos];
-                let y = sea.height_at(place, footprint)?;
-                sum += y;
-                moments = [moments[0] + u * y, moments[1] + v * y];
-                squares = [squares[0] + u * u, squares[1] + v * v];
-            }
+                sea.height_at(place, footprint)
+            })
+            .collect();
+        let (mut sum, mut moments, mut squares) = (0.0, [0.0; 2], [0.0; 2]);
+        for (point, y) in heights.into_iter().enumerate() {
+            let ([u, v], y) = (at(point), y?);
+            sum += y;
+            moments = [moments[0] + u * y, moments[1] + v * y];
+            squares = [squares[0] + u * u, squares[1] + v * v];
         }
         let slopes = std::array::from_fn(|axis| moments[axis] / squares[axis]);
         Some(Plane { height: sum / (POINTS[0] * POINTS[1]) as f64, slopes })

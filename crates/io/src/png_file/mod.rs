@@ -6,6 +6,7 @@ use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
+use rayon::prelude::*;
 
 pub(crate) use text::{check_whole, read_text, readable_text};
 
@@ -92,11 +93,14 @@ fn sixteen_bits(value: f32) -> [u8; 2] {
     ((f64::from(value) * 65535.0 + 0.5) as u16).to_ne_bytes()
 }
 
+/// Pixels that a thread rounds at a time.
+const BAND: usize = 1 << 16;
+
 /// Checks every value and stores it, pixel by pixel.
 fn quantize<const N: usize>(
     path: &Path,
     image: &PngImage<'_>,
-    round: impl Fn(f32) -> [u8; N],
+    round: impl Fn(f32) -> [u8; N] + Sync,
 ) -> Result<Vec<u8>, Error> {
     let count = image.channels.len();
     let area = image.width as usize * image.height as usize;
@@ -112,17 +116,21 @@ fn quantize<const N: usize>(
     }
     let mut bytes = crate::limits::reserve(path, "the picture", area * count * N)?;
     bytes.resize(area * count * N, 0);
-    let mut gathered = Vec::new();
-    for (index, samples) in image.channels.iter().enumerate() {
-        let pixels = bytes.as_chunks_mut::<N>().0.iter_mut().skip(index).step_by(count);
-        let mut is_legal = true;
-        for (to, value) in pixels.zip(samples.row(0, area, &mut gathered)) {
-            is_legal &= image.stores(*value);
-            *to = round(value.clamp(0.0, 1.0));
+    let rounded = |(band, bytes): (usize, &mut [u8])| {
+        let (first, pixels) = (band * BAND, bytes.len() / (count * N));
+        let (mut gathered, mut is_legal) = (Vec::new(), true);
+        for (index, samples) in image.channels.iter().enumerate() {
+            let to = bytes.as_chunks_mut::<N>().0.iter_mut().skip(index).step_by(count);
+            for (to, value) in to.zip(samples.row(first, pixels, &mut gathered)) {
+                is_legal &= image.stores(*value);
+                *to = round(value.clamp(0.0, 1.0));
+            }
         }
-        if !is_legal {
-            return Err(image.refused(path));
-        }
+        is_legal
+    };
+    let bands = bytes.par_chunks_mut(BAND * count * N).enumerate();
+    if !bands.map(rounded).reduce(|| true, |a, b| a & b) {
+        return Err(image.refused(path));
     }
     Ok(bytes)
 }

@@ -1,6 +1,10 @@
 //! LightPool: pools of sunlight that falls through gaps in the clouds.
 
+#![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
+
 use crate::view::{POSITION, is_covered, nothing, ramp, view_planes, view_vector};
+use fearless_simd::{Level, dispatch, prelude::*};
+use trochoid_field::exponentials;
 use trochoid_graph::*;
 use trochoid_scene::{DVec3, Light};
 
@@ -157,6 +161,9 @@ fn size(numbers: [f64; 3]) -> f64 {
     numbers.into_iter().fold(0.0, |most, number| most.max(number.abs()))
 }
 
+/// Points that are computed side by side.
+const LANES: usize = 16;
+
 /// Negated exponent from which on a Gaussian counts as 0.
 const NOTHING: f64 = 40.0;
 
@@ -171,7 +178,29 @@ impl Pools {
         self.brightness(sum)
     }
 
+    /// Returns the masks of several points, by axis and lane: the bits of [`Self::mask`].
+    #[inline(always)]
+    fn masks(&self, points: &[[f64; LANES]; 3], noise: &[f64; LANES]) -> [f64; LANES] {
+        let mut sums = [-0.0; LANES];
+        for pool in &self.pools {
+            let mut exponents = [0.0; LANES];
+            let mut is_near = [false; LANES];
+            for lane in 0..LANES {
+                let [a, b] = self.across(pool, DVec3::from(points.map(|axis| axis[lane])));
+                let power = a * a + b * b;
+                is_near[lane] = power < NOTHING;
+                exponents[lane] = if is_near[lane] { -power } else { 0.0 };
+            }
+            let shares = exponentials(exponents);
+            for lane in 0..LANES {
+                sums[lane] += if is_near[lane] { pool.strength * shares[lane] } else { 0.0 };
+            }
+        }
+        std::array::from_fn(|lane| self.brightness(sums[lane] + self.ragged * noise[lane]))
+    }
+
     /// Returns the mask for a sum of light.
+    #[inline(always)]
     fn brightness(&self, sum: f64) -> f64 {
         let t = ramp(sum, self.from, self.to - self.from);
         t * t * (3.0 - 2.0 * t)
@@ -211,6 +240,7 @@ impl Pools {
     }
 
     /// Returns the distances of a point from a pool's center along and across it, as fractions of half its size.
+    #[inline(always)]
     fn across(&self, pool: &PreparedPool, point: DVec3) -> [f64; 2] {
         let place = [point.x - self.slant[0] * point.y, point.z - self.slant[1] * point.y];
         let [dx, dz] = [place[0] - pool.center[0], place[1] - pool.center[1]];
@@ -231,13 +261,26 @@ impl Prepared for PreparedLightPool {
         let planes = view_planes(inputs, &self.view, POSITION);
         let coverage = inputs.view(&self.view, Channel::Coverage);
         let noise = inputs.all(&self.noise).first().and_then(|connection| connection.planes[0]);
-        for (index, (out, coverage)) in mask.iter_mut().zip(coverage).enumerate() {
-            *out = 0.0;
-            if *coverage != 0.0 {
-                let point = DVec3::from(planes.map(|plane| f64::from(plane[index])));
-                *out = self.pools.mask(point, noise.map_or(0.0, |noise| f64::from(noise[index]))) as f32;
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            for (first, out) in (0..mask.len()).step_by(LANES).zip(mask.chunks_mut(LANES)) {
+                let run = first..first + out.len();
+                let coverage = &coverage[run.clone()];
+                if coverage.iter().all(|coverage| *coverage == 0.0) {
+                    out.fill(0.0);
+                    continue;
+                }
+                // What lies beyond the samples does no harm.
+                let load = |plane: &[f32]| {
+                    let mut lanes = [0.0; LANES];
+                    lanes.iter_mut().zip(&plane[run.clone()]).for_each(|(lane, value)| *lane = f64::from(*value));
+                    lanes
+                };
+                let masks = self.pools.masks(&planes.map(load), &noise.map_or([0.0; LANES], load));
+                for ((out, coverage), mask) in out.iter_mut().zip(coverage).zip(masks) {
+                    *out = if *coverage != 0.0 { mask as f32 } else { 0.0 };
+                }
             }
-        }
+        }));
         Ok(())
     }
 
