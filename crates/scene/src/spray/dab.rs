@@ -154,10 +154,16 @@ impl Dab {
         Some(Self { center, bounds, along, across, print, strength, depth, age: drop.age })
     }
 
-    /// Returns whether a position lies within the stamp's bounds; elsewhere its alpha is 0.
-    pub(super) fn may_meet(&self, [x, y]: [f64; 2]) -> bool {
-        let [left, top, right, bottom] = self.bounds;
-        left <= x && x <= right && top <= y && y <= bottom
+    /// Returns whether a column lies within the stamp's bounds; elsewhere its alpha is 0.
+    #[inline(always)]
+    pub(super) fn may_meet_column(&self, x: f64) -> bool {
+        self.bounds[0] <= x && x <= self.bounds[2]
+    }
+
+    /// Returns whether a row does.
+    #[inline(always)]
+    pub(super) fn may_meet_row(&self, y: f64) -> bool {
+        self.bounds[1] <= y && y <= self.bounds[3]
     }
 
     /// Returns its coverage at a position in front of a surface at a planar depth.
@@ -181,15 +187,16 @@ impl Dab {
         for (lane, x) in x.into_iter().enumerate() {
             [along[lane], across[lane], inside[lane]] = self.within([x, y]);
         }
-        if inside.iter().fold(true, |none, inside| none & (*inside <= 0.0)) {
+        let seen = surfaces.map(|surface| self.seen(surface, brush));
+        let is_bare = |lane: usize| (inside[lane] <= 0.0) | (seen[lane] <= 0.0);
+        if (0..LANES).fold(true, |none, lane| none & is_bare(lane)) {
             return [0.0; LANES];
         }
         let cover = self.print.covers(along, across, inside);
         let mut alphas = [0.0; LANES];
         for (lane, to) in alphas.iter_mut().enumerate() {
-            let seen = self.seen(surfaces[lane], brush);
-            let alpha = self.strength * seen * cover[lane];
-            *to = if (inside[lane] <= 0.0) | (seen <= 0.0) { 0.0 } else { alpha };
+            let alpha = self.strength * seen[lane] * cover[lane];
+            *to = if is_bare(lane) { 0.0 } else { alpha };
         }
         alphas
     }

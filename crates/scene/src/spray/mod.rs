@@ -219,16 +219,23 @@ impl Dabs {
     ) {
         let [columns, rows] = self.bins;
         let bin = |at: i64, count: i64| at.div_euclid(BIN).clamp(0, count - 1);
+        // The stamps that may touch a row of a bin: pixels mostly follow one another.
+        let (mut near, mut known): (Scratch<&Dab>, _) = (Scratch::new(), None);
         for (index, &[x, y]) in pixels.iter().enumerate() {
             if index % 1024 == 0 && stop() {
                 return;
             }
             let bin = (bin(y, rows) * columns + bin(x, columns)) as usize;
             let place = [x as f64 + offset[0], y as f64 + offset[1]];
+            if known.replace((bin, y)) != Some((bin, y)) {
+                let entries = &self.entries[self.starts[bin] as usize..self.starts[bin + 1] as usize];
+                let dabs = entries.iter().map(|entry| &self.dabs[*entry as usize]);
+                near.clear();
+                near.extend(dabs.filter(|dab| dab.may_meet_row(place[1])));
+            }
             let mut sum = SpraySample::NONE;
-            for &entry in &self.entries[self.starts[bin] as usize..self.starts[bin + 1] as usize] {
-                let dab = &self.dabs[entry as usize];
-                if dab.may_meet(place) {
+            for dab in &near {
+                if dab.may_meet_column(place[0]) {
                     sum.add(dab, dab.alpha(place, f64::from(surface[index]), &self.brush));
                 }
             }

@@ -1,7 +1,7 @@
 //! Pixels near those whose further samples are taken.
 
+use super::places::make_room;
 use super::shared::UnsharedPixels;
-use super::sparse::make_room;
 use crate::planning::schedule::Reach;
 use trochoid_image::Window;
 

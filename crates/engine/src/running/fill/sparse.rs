@@ -5,6 +5,7 @@
 
 use super::Fills;
 use super::masks::Masks;
+use super::places::{Places, make_room};
 use super::samples::Samples;
 use super::shared::UnsharedPixels;
 use crate::planning::plan::{Fill, Pass, Sample};
@@ -31,18 +32,10 @@ pub(super) struct Sparse {
     pixels: Vec<[i64; 2]>,
     /// The smallest window around the pixels.
     window: Window,
+    places: Places,
     masks: Masks,
     /// Number of pixels of the tile.
     area: usize,
-}
-
-/// Makes room in a plane for all pixels of a tile, so that it is not moved whenever more of them are listed than before.
-pub(crate) fn make_room<T>(plane: &mut Vec<T>, area: usize) {
-    if plane.capacity() < area {
-        plane.clear();
-        // Tiles differ a little in size.
-        plane.reserve_exact(area + area / 8);
-    }
 }
 
 struct SparseFill {
@@ -108,7 +101,14 @@ impl Sparse {
         for ((sparse, fill), margins) in fills.iter_mut().zip(&pass.fills).zip(&margins) {
             sparse.list(plan, fill, margins);
         }
-        Some(Self { fills, pixels: Vec::new(), window: Window::default(), masks: Masks::default(), area: 0 })
+        Some(Self {
+            fills,
+            pixels: Vec::new(),
+            window: Window::default(),
+            places: Places::default(),
+            masks: Masks::default(),
+            area: 0,
+        })
     }
 }
 
@@ -196,6 +196,7 @@ impl<'p> Fills<'p> {
             make_room(&mut sparse.pixels, sparse.area);
             sparse.pixels.extend_from_slice(pixels);
             sparse.window = window;
+            sparse.places.forget();
             sparse.masks.used = 0;
         }
         self.place_windows(window, sample.index);
@@ -357,24 +358,19 @@ impl<'p> Fills<'p> {
         let kinds = &self.plan.graph.node(state.fill.node).kinds;
         // −0 counts as 0, except in fields.
         let is_bound = self.is_bound(state.fill.node);
-        let SparseFill { is_read, planes, .. } = &mut sparse.fills[index];
-        let (mut places, mut known) = (Scratch::new(), None);
+        let Sparse { fills, pixels, window, places, area, .. } = sparse;
+        let SparseFill { is_read, planes, .. } = &mut fills[index];
         for (output, (is_read, planes)) in is_read.iter().zip(planes).enumerate() {
             let normalizes = is_bound && !matches!(kinds[output], Kind::Field(_));
             for (channel, (_, plane)) in is_read.iter().zip(planes).enumerate().filter(|(_, (is_read, _))| **is_read) {
                 let slot = Slot { node: state.fill.node, output, channel };
-                let from = self.plane(&slot, sparse.window, &self.fills);
-                let Window { x0, y0, .. } = sparse.window;
-                // Planes of a stage mostly have the same stride.
-                if known.replace(from.stride) != Some(from.stride) {
-                    let place = |[x, y]: &[i64; 2]| (y - y0) as usize * from.stride + (x - x0) as usize;
-                    places.clear();
-                    places.extend(sparse.pixels.iter().map(|pixel| place(pixel) as u32));
-                }
+                let from = self.plane(&slot, *window, &self.fills);
                 let samples = &from.samples[from.start..];
                 plane.clear();
-                make_room(plane, sparse.area);
-                plane.extend(places.iter().map(|place| samples[*place as usize]));
+                make_room(plane, *area);
+                plane.extend(
+                    places.of(pixels, *window, from.stride, *area).iter().map(|place| samples[*place as usize]),
+                );
                 if normalizes {
                     plane.iter_mut().for_each(|value| *value += 0.0);
                 }
@@ -412,13 +408,14 @@ impl<'p> Fills<'p> {
             Some(views) => {
                 // Where the sample shares, the first sample's results stay.
                 let state = &self.fills[index];
-                let held = state.window;
-                let place = |[x, y]: &[i64; 2]| (y - held.y0) as usize * held.width() + (x - held.x0) as usize;
+                let (held, within) = (state.window, sparse.window);
+                let first = (within.y0 - held.y0) as usize * held.width() + (within.x0 - held.x0) as usize;
+                let places = sparse.places.of(&sparse.pixels, within, held.width(), sparse.area);
                 for (plane, from) in planes.iter_mut().flatten().zip(state.planes.iter().flatten()) {
                     plane.clear();
                     if !from.is_empty() {
                         make_room(plane, sparse.area);
-                        plane.extend(sparse.pixels.iter().map(|pixel| from[place(pixel)]));
+                        plane.extend(places.iter().map(|place| from[first..][*place as usize]));
                     }
                 }
                 let views = self.views.iter().filter(|view| views.contains(&view.node));
