@@ -105,6 +105,21 @@ impl Row<'_> {
         }
     }
 
+    /// Returns the packed triangles of samples from one on; `None` if these are not adjacent, or not so many.
+    #[inline(always)]
+    pub(crate) fn adjacent<const N: usize>(&self, column: usize) -> Option<[u64; N]> {
+        let x = self.x.ok().filter(|_| column + N <= self.len)? + column as i64;
+        let SeenTriangles { window, triangles, samples, sample } = self.seen;
+        let first = (self.y - window.y0) as usize * window.width() + (x - window.x0) as usize;
+        let triangles = &triangles[first * samples..(first + N) * samples];
+        let mut seen = [0; N];
+        match triangles.as_chunks::<4>() {
+            (of_pixels, []) if samples == 4 => (0..N).for_each(|pixel| seen[pixel] = of_pixels[pixel][sample & 3]),
+            _ => (0..N).for_each(|pixel| seen[pixel] = triangles[pixel * samples + sample]),
+        }
+        Some(seen)
+    }
+
     /// Returns the packed triangle that a sample sees.
     #[inline]
     pub(crate) fn triangle(&self, column: usize) -> u64 {
