@@ -8,7 +8,7 @@ const LINE: usize = 16;
 /// Difference between the offsets of consecutive buffers within a page, in lines: buffers of a picture start at
 /// different offsets, so that their rows do not compete for the same cache sets.
 const STAGGER: usize = 5;
-/// Lines per small page.
+/// Lines per small page; systems with larger ones are asked more often than necessary.
 const PAGE_LINES: usize = 64;
 
 /// Samples that start on a cache line, on large pages if the system has them.
@@ -79,14 +79,18 @@ impl DerefMut for Buffer {
     }
 }
 
-/// Returns a vector of zeros, on large pages if the system has them. They are mapped when they are first written.
+/// Returns a vector of zeros, on large pages if the system has them. They are mapped already, so that the first writer does
+/// not wait for them.
 ///
 /// ```
 /// assert_eq!(trochoid_memory::zeros(1000), vec![0.0; 1000]);
 /// ```
 pub fn zeros(length: usize) -> Vec<f32> {
-    let samples = vec![0.0; length];
+    let mut samples = vec![0.0; length];
     advise(&samples);
+    // Hidden from the compiler, which knows that these are zeros.
+    let mapped = std::hint::black_box(&mut samples[..]);
+    mapped.iter_mut().step_by(PAGE_LINES * LINE).for_each(|sample| *sample = 0.0);
     samples
 }
 

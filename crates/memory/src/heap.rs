@@ -46,6 +46,8 @@ pub struct Exhausted {
 static TAKEN: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
 static BOUND: AtomicUsize = AtomicUsize::new(usize::MAX);
+/// Whether the heap never shrinks.
+static KEEPS_FREED: AtomicBool = AtomicBool::new(false);
 /// End of the heap's memory that has been asked to be on large pages; 0 if none is asked to be.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 static ON_LARGE_PAGES: AtomicUsize = AtomicUsize::new(0);
@@ -114,9 +116,8 @@ impl Heap {
     }
 
     /// Keeps freed blocks of any size for later requests, instead of handing them back to the system: for programs that make
-    /// one picture after another, whose memory would cost its page faults anew for each. Memory that is taken from now on
-    /// lies on large pages if the system has them. All threads take turns in asking for memory. Does nothing on systems
-    /// other than Linux with glibc.
+    /// one picture after another, whose memory would cost its page faults anew for each. All threads take
+    /// turns in asking for memory. Does nothing on systems other than Linux with glibc.
     pub fn keep_freed() {
         #[cfg(all(target_os = "linux", target_env = "gnu"))]
         #[allow(unsafe_code)]
@@ -126,10 +127,25 @@ impl Heap {
             libc::mallopt(libc::M_TRIM_THRESHOLD, i32::MAX);
             // Otherwise threads ask for memory of their own, and get no large blocks from it.
             libc::mallopt(libc::M_ARENA_MAX, 1);
-            // The heap grows by many large pages at once: one that is mapped in part cannot be large.
-            libc::mallopt(libc::M_TOP_PAD, 32 * LARGE_PAGE as i32);
-            // `sbrk` without a change only returns the end of the heap.
-            ON_LARGE_PAGES.store(libc::sbrk(0) as usize, Ordering::Relaxed);
+        }
+        KEEPS_FREED.store(true, Ordering::Relaxed);
+    }
+
+    /// Asks for large pages for all memory that the heap grows by from now on, if it keeps what is freed
+    /// ([`Heap::keep_freed`]): for programs that use the same memory for long. Large pages are missed less often in the
+    /// processor's table of pages, but the system may need more time to hand them out. Does nothing on systems other than
+    /// Linux with glibc.
+    pub fn use_large_pages() {
+        #[cfg(all(target_os = "linux", target_env = "gnu"))]
+        if KEEPS_FREED.load(Ordering::Relaxed) {
+            #[allow(unsafe_code)]
+            // SAFETY: as in `return_large`; and `sbrk` without a change only returns the end of the heap.
+            let end = unsafe {
+                // The heap grows by many large pages at once: one that is mapped in part cannot be large.
+                libc::mallopt(libc::M_TOP_PAD, 32 * LARGE_PAGE as i32);
+                libc::sbrk(0) as usize
+            };
+            ON_LARGE_PAGES.fetch_max(end, Ordering::Relaxed);
         }
     }
 

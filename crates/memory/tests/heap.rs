@@ -77,6 +77,7 @@ fn task(name: &str) {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     if name == "large" {
         Heap::keep_freed();
+        Heap::use_large_pages();
         let before = faults();
         drop(std::hint::black_box(vec![1_u8; 256 * MB]));
         return println!("{} pages", if faults() - before > 256 * MB / 4096 / 8 { "small" } else { "large" });

@@ -18,9 +18,9 @@ use std::time::{Duration, Instant};
 use trochoid::certificate::PrivateKey;
 use trochoid::io::{Claim, Claims};
 use trochoid::{
-    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Keep, Monitor, NodeReport, OutputError,
-    OutputFile, Pictures, Plan, ReferenceError, Repair, RunReport, Settings, Sink, Switches, Work, clear_partial_files,
-    expand_frame, frame_report, misses, quoted, write_output,
+    Cache, CheckedGraph, EvalError, FileSink, Fingerprints, Frame, Guarantee, Heap, Keep, Monitor, NodeReport,
+    OutputError, OutputFile, Pictures, Plan, ReferenceError, Repair, RunReport, Settings, Sink, Switches, Work,
+    clear_partial_files, expand_frame, frame_report, misses, quoted, write_output,
 };
 
 /// Function that evaluates a plan to a frame; tests replace it.
@@ -191,6 +191,10 @@ impl<'a> Job<'a> {
         // Runs that were killed while writing left partial files.
         let clear = || self.folders.iter().for_each(|folder| clear_partial_files(folder));
         clear();
+        if self.frames.len() > 1 {
+            // All frames take the same memory.
+            Heap::use_large_pages();
+        }
         let mut tally = Tally::default();
         let claims = self.args.share.then(|| Claims::new(PATIENCE));
         let mut open = self.frames.clone();

@@ -5,6 +5,7 @@ use super::steps::{AGAIN, Steps, Whole};
 use super::tile_size::Load;
 use crate::planning::plan::{Fill, Pass};
 use crate::{Keep, Plan};
+use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
 use trochoid_graph::{FrameContext, Key, NodeId, Settled, Variance};
@@ -144,13 +145,18 @@ impl PlaneKeeper {
         self.step = step;
         let area = plan.graph.format().window().area();
         let kept = self.keys.keys().copied().filter(|fill| steps.takes_part(*fill, step)).map(Whole::Fill);
+        let filled: Vec<Whole> = steps.filled_by(step).chain(kept).collect();
+        let count: usize = filled.iter().map(|whole| whole.channels(pass) * pass.offsets.len()).sum();
+        // All threads ask for memory, and get it from the system: tiles would wait for each other's.
+        let missing = count.saturating_sub(self.spare.len());
+        self.spare.par_extend((0..missing).into_par_iter().map(|_| zeros(area)));
         // Tiles fill all samples, so that nothing is left of what a spare plane held.
         let spare = &mut self.spare;
         let mut plane = |wanted: bool| match wanted {
             true => spare.pop().unwrap_or_else(|| zeros(area)),
             false => Vec::new(),
         };
-        for whole in steps.filled_by(step).chain(kept) {
+        for whole in filled {
             let mut planes = || match whole {
                 Whole::Fill(fill) => {
                     let wanted = pass.fills[fill].wanted.iter();
