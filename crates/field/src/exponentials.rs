@@ -32,8 +32,9 @@ pub fn exponentials<const N: usize>(numbers: [f64; N]) -> [f64; N] {
     let mut strange = false;
     for lane in 0..N {
         let given = numbers[lane];
-        strange |= !(given.abs() <= FAR);
-        let number = if given.abs() <= FAR { given } else { 0.0 };
+        let is_near = given.abs() <= FAR;
+        strange |= !is_near;
+        let number = if is_near { given } else { 0.0 };
         // x = k·ln 2 + rest, by the upper half of the bits: k is 0 up to half of ln 2, and ±1 up to 1.5 times.
         let upper = number.to_bits() >> 32 & 0x7fff_ffff;
         let half = if number.to_bits() >> 63 == 1 { -0.5 } else { 0.5 };
@@ -49,9 +50,9 @@ pub fn exponentials<const N: usize>(numbers: [f64; N]) -> [f64; N] {
         exponentials[lane] = f64::from_bits(y.to_bits().wrapping_add((k as i32 as i64 as u64) << 52));
     }
     if strange {
-        for lane in 0..N {
-            if !(numbers[lane].abs() <= FAR) {
-                exponentials[lane] = libm::exp(numbers[lane]);
+        for (exponential, number) in exponentials.iter_mut().zip(numbers) {
+            if number.is_nan() || number.abs() > FAR {
+                *exponential = libm::exp(number);
             }
         }
     }
