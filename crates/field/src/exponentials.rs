@@ -24,7 +24,7 @@ const FAR: f64 = 700.0;
 ///
 /// ```
 /// let [one, e] = trochoid_field::exponentials([0.0, 1.0]);
-/// assert_eq!([one, e], [1.0, std::f64::consts::E]);
+/// assert_eq!([one, e], [1.0, libm::exp(1.0)]);
 /// ```
 #[inline(always)]
 pub fn exponentials<const N: usize>(numbers: [f64; N]) -> [f64; N] {
