@@ -27,10 +27,14 @@ fn within(most: u64, command: &mut Command) -> Run {
     let file = |name: &str| fs::File::create(folder.path().join(name)).unwrap();
     let start = Instant::now();
     let mut child = command.stdout(file("out")).stderr(file("err")).spawn().unwrap();
-    let status = format!("/proc/{}/status", child.id());
+    let of_child = |name: &str| format!("/proc/{}/{name}", child.id());
+    let (program, status) = (of_child("exe"), of_child("status"));
+    let own = std::env::current_exe().unwrap();
     let mut peak = 0;
     let end = loop {
-        let lines = fs::read_to_string(&status).unwrap_or_default();
+        // For a moment after it is started, a child still has the parent's memory.
+        let has_begun = fs::read_link(&program).is_ok_and(|program| program != own);
+        let lines = if has_begun { fs::read_to_string(&status).unwrap_or_default() } else { String::new() };
         let mark = lines.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB"));
         peak = peak.max(mark.map_or(0, |kilobytes| kilobytes.parse::<u64>().unwrap() * 1024));
         if let Some(end) = child.try_wait().unwrap() {
