@@ -136,6 +136,48 @@ fn all_bits_are_those_of_plain_sums() {
 }
 
 #[test]
+fn bits_are_those_of_plain_sums_where_the_order_decides() {
+    // Multiples of ¼ ulp of an f32, and numbers too small to change one of these in f64 alone, but not together.
+    let unit = 2f32.powi(-23);
+    let kernels = [vec![0.25, 0.125, 0.25, 0.125, 0.25], vec![0.125, 0.25, 0.25, 0.25, 0.125]].map(kernel_of);
+    let size = [160, 40];
+    let window = Window::sized(size[0] as u32, size[1] as u32);
+    let mut random = 1u32;
+    let mut next = |count: u32| {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (random >> 16) % count
+    };
+    let mut differ = 0;
+    for signs in [[1.0, 1.0], [1.0, -1.0]] {
+        let mut number = || match next(3) {
+            0 => 2f32.powi(-52) * (1.0 + next(3) as f32) * signs[next(2) as usize],
+            _ => 1.0 + unit * next(4) as f32,
+        };
+        let image: Vec<f32> = (0..size[0] * size[1]).map(|_| number()).collect();
+        for kernel in &kernels {
+            let mut out = vec![0.0; image.len()];
+            filter([kernel, kernel], window, &image, window, window, &|| false, &mut out);
+            let expected = plain([kernel, kernel], size, &image);
+            assert!(out.iter().zip(&expected).all(|(out, expected)| out.to_bits() == expected.to_bits()));
+            // Across, sums of pairs would give other numbers.
+            let weights = weights(kernel).iter().map(|weight| f64::from(*weight)).collect::<Vec<_>>();
+            for row in image.chunks(size[0]) {
+                differ += row
+                    .windows(5)
+                    .filter(|row| {
+                        let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|index| f64::from(row[index]));
+                        let pairs = weights[2] * c + weights[1] * (b + d) + weights[0] * (a + e);
+                        let ordered = weights[0] * a + weights[1] * b + weights[2] * c;
+                        (ordered + weights[3] * d + weights[4] * e) as f32 != pairs as f32
+                    })
+                    .count();
+            }
+        }
+    }
+    assert!(differ > 20, "{differ}");
+}
+
+#[test]
 fn infinities_spread_and_opposite_ones_keep_the_center() {
     let window = Window::sized(5, 1);
     let kernel = Kernel::new(Shape::Box, 1.0);
