@@ -21,12 +21,14 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test may panic"))]
 
+mod angles;
 mod exponentials;
 mod formula;
 mod noise;
 pub mod random;
 mod ranks;
 
+pub use angles::sines_and_cosines;
 pub use exponentials::exponentials;
 pub use formula::{
     Expected, Expression, Fault, Found, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH, Program, Remedy, parse, parse_named,

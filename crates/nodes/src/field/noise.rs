@@ -3,6 +3,7 @@
 use crate::field::Screen;
 use trochoid_field::{Noise as Octaves, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
+use trochoid_image::Window;
 use trochoid_memory::Scratch;
 
 /// Makes procedural noise on the picture, in the world, or on the moving water.
@@ -261,15 +262,28 @@ impl Prepared for PreparedNoise {
             Space::World => self.on(block, inputs, WORLD, out),
             Space::Rest => self.on(block, inputs, REST, out),
             Space::Screen => {
-                let place = |pixels: [f64; 2]| {
-                    let [x, y] = self.screen.at(pixels);
-                    [x - self.moved(0), y - self.moved(1)]
-                };
-                let prints = match self.footprints {
-                    Footprints::Even(size) => Scratch::of(size as f32, out.len()),
+                let moved = [self.moved(0), self.moved(1)];
+                let prints = |count: usize| match self.footprints {
+                    Footprints::Even(size) => Scratch::of(size as f32, count),
                     _ => Scratch::new(),
                 };
-                self.octaves.fill::<2>(block.places().map(place), &prints, out);
+                if block.scattered.is_some() {
+                    let place = |pixels: [f64; 2]| {
+                        let [x, y] = self.screen.at(pixels);
+                        [x - moved[0], y - moved[1]]
+                    };
+                    self.octaves.fill::<2>(block.places().map(place), &prints(out.len()), out);
+                    return Ok(());
+                }
+                // Divisions once for each column and row.
+                let Window { x0, x1, y0, y1 } = block.window;
+                let mut across = self.screen.columns(x0..x1, block.offset[0]);
+                across.iter_mut().for_each(|across| *across -= moved[0]);
+                let prints = prints(across.len());
+                for (y, out) in (y0..y1).zip(out.chunks_mut(across.len().max(1))) {
+                    let down = self.screen.row(y, block.offset[1]) - moved[1];
+                    self.octaves.fill::<2>(across.iter().map(|across| [*across, down]), &prints, out);
+                }
             }
         }
         Ok(())

@@ -1,11 +1,10 @@
 //! FlowField: directions for brush strokes.
 
-#![allow(clippy::needless_range_loop, reason = "loops over lanes of several arrays")]
-
+use super::flow_lanes::{LANES, Line, halves, store};
 use super::{NORMAL, POSITION, grown, ramp};
 use crate::field::Screen;
 use crate::lit::eye;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd, dispatch, f64x8, prelude::*};
 use trochoid_field::{Noise, NoiseKind, NoiseParameters};
 use trochoid_graph::*;
 use trochoid_image::{Format, Window};
@@ -37,7 +36,7 @@ pub(crate) struct FlowField {
     /// Field to follow, for gradient and contour.
     field: Optional<port::Scalar>,
     /// Direction to follow: "slope" and "crest" of a surface, "gradient" and "contour" of a field, or "constant".
-    along: Along,
+    pub(super) along: Along,
     /// Clockwise rotation of all directions.
     #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]
     turn: f64,
@@ -46,10 +45,10 @@ pub(crate) struct FlowField {
     calm: [f64; 3],
     /// Value of 1 − n·Y below which only `calm` counts.
     #[knob(default = 0.0, range = 0.0..=2.0)]
-    flat: f64,
+    pub(super) flat: f64,
     /// Value of 1 − n·Y above which only the surface counts.
     #[knob(default = 0.0, range = 0.0..=2.0)]
-    steep: f64,
+    pub(super) steep: f64,
     /// Direction where nothing is seen, clockwise from the right.
     #[knob(default = 0.0, range = -360.0..=360.0, unit = "degrees")]
     still: f64,
@@ -68,7 +67,7 @@ pub(crate) struct FlowField {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
-enum Along {
+pub(super) enum Along {
     Slope,
     Crest,
     Gradient,
@@ -88,7 +87,7 @@ impl Along {
     }
 
     /// Whether directions are perpendicular to the gradient.
-    fn is_crosswise(self) -> bool {
+    pub(super) fn is_crosswise(self) -> bool {
         matches!(self, Self::Crest | Self::Contour)
     }
 }
@@ -176,17 +175,17 @@ impl Stage for FlowField {
 /// Kernel that smooths directions.
 const SMOOTHING: Shape = Shape::Gaussian;
 
-struct PreparedFlowField {
-    node: FlowField,
+pub(super) struct PreparedFlowField {
+    pub(super) node: FlowField,
     picture: Window,
     /// `Some` if directions come from the surface.
     eye: Option<Projector>,
     /// Sine and cosine.
-    turn: (f64, f64),
-    still: (f64, f64),
-    calm: DVec3,
+    pub(super) turn: (f64, f64),
+    pub(super) still: (f64, f64),
+    pub(super) calm: DVec3,
     /// In radians.
-    waver: f64,
+    pub(super) waver: f64,
     noise: Noise,
     screen: Screen,
     kernel: Kernel,
@@ -195,18 +194,11 @@ struct PreparedFlowField {
 }
 
 /// Length below which a direction vanishes.
-const SHORTEST: f64 = 1e-12;
+pub(super) const SHORTEST: f64 = 1e-12;
 /// Length below which a smoothed direction with doubled angle vanishes.
-const SHORTEST_DOUBLED: f64 = 1e-6;
-
-/// Number of pixels whose directions are computed together, by vectors. Where a pixel decides, both results are computed.
-const LANES: usize = 8;
-
-/// Values of some pixels.
-type Lanes = [f64; LANES];
+pub(super) const SHORTEST_DOUBLED: f64 = 1e-6;
 
 /// Returns the unit vector of a direction; `None` if it vanishes.
-#[inline(always)]
 fn unit([x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let length = (x * x + y * y).sqrt();
     let unit = [x / length, y / length];
@@ -214,19 +206,16 @@ fn unit([x, y]: [f64; 2]) -> Option<[f64; 2]> {
 }
 
 /// Returns a unit vector rotated clockwise, in a picture with y down.
-#[inline(always)]
 fn turned([x, y]: [f64; 2], (sin, cos): (f64, f64)) -> [f64; 2] {
     [x * cos - y * sin, x * sin + y * cos]
 }
 
 /// Returns (cos 2φ, sin 2φ) for a unit vector: the same for both directions along a line.
-#[inline(always)]
 pub(crate) fn doubled([x, y]: [f64; 2]) -> [f64; 2] {
     [x * x - y * y, 2.0 * x * y]
 }
 
 /// Inverts [`doubled`]: returns the direction along the line, to the right or down, and the length of the components.
-#[inline(always)]
 pub(crate) fn halved([c, s]: [f64; 2]) -> ([f64; 2], f64) {
     let length = (c * c + s * s).sqrt().min(1.0);
     let cos = (c / length).clamp(-1.0, 1.0);
@@ -236,7 +225,6 @@ pub(crate) fn halved([c, s]: [f64; 2]) -> ([f64; 2], f64) {
 }
 
 /// Returns the direction in the picture of a world-space direction at a point.
-#[inline(always)]
 pub(crate) fn projected(eye: &Projector, point: DVec3, direction: DVec3) -> Option<[f64; 2]> {
     let along = [direction.dot(eye.right), -direction.dot(eye.up)];
     if eye.orthographic {
@@ -251,7 +239,6 @@ pub(crate) fn projected(eye: &Projector, point: DVec3, direction: DVec3) -> Opti
 
 impl PreparedFlowField {
     /// Returns (cos 2φ, sin 2φ) on a surface.
-    #[inline(always)]
     fn on_surface(&self, eye: &Projector, point: DVec3, normal: DVec3) -> [f64; 2] {
         let still = [self.still.1, self.still.0];
         let upward = DVec3::Y - normal * normal.y;
@@ -265,43 +252,12 @@ impl PreparedFlowField {
         if way.is_some() { mixed } else { calm }
     }
 
-    /// Returns the same for some pixels, by axis, from what they see in each of the channels [`SEEN`]; `still` where that
-    /// is nothing.
-    // Plain loops: closures would not be compiled for the vectors of the caller.
-    #[inline(always)]
-    fn on_surfaces(&self, eye: &Projector, seen: [&[f32; LANES]; SEEN.len()], still: [f64; 2]) -> [Lanes; 2] {
-        let mut lines = [[0.0; LANES]; 2];
-        let [px, py, pz, nx, ny, nz, coverage] = seen;
-        for lane in 0..LANES {
-            let point = DVec3::new(f64::from(px[lane]), f64::from(py[lane]), f64::from(pz[lane]));
-            let normal = DVec3::new(f64::from(nx[lane]), f64::from(ny[lane]), f64::from(nz[lane]));
-            let line = self.on_surface(eye, point, normal);
-            let is_seen = coverage[lane] > 0.0;
-            lines[0][lane] = if is_seen { line[0] } else { still[0] };
-            lines[1][lane] = if is_seen { line[1] } else { still[1] };
-        }
-        lines
-    }
-
     /// Returns (cos 2φ, sin 2φ) for the change of a field to the right and down.
-    #[inline(always)]
     fn of_change(&self, change: [f64; 2]) -> [f64; 2] {
         let way = unit(change);
         let [x, y] = way.unwrap_or(change);
         let line = doubled(turned(if self.node.along.is_crosswise() { [-y, x] } else { [x, y] }, self.turn));
         if way.is_some() { line } else { doubled([self.still.1, self.still.0]) }
-    }
-
-    /// Returns the same for some pixels, by axis, from the field to the left, to the right, above and below.
-    #[inline(always)]
-    fn of_changes(&self, [left, right, above, below]: [&[f32; LANES]; 4]) -> [Lanes; 2] {
-        let mut lines = [[0.0; LANES]; 2];
-        for lane in 0..LANES {
-            let across = f64::from(right[lane]) - f64::from(left[lane]);
-            let line = self.of_change([across, f64::from(below[lane]) - f64::from(above[lane])]);
-            (lines[0][lane], lines[1][lane]) = (line[0], line[1]);
-        }
-        lines
     }
 
     /// Rotates a doubled direction by noise; doubled angles rotate twice as far.
@@ -312,61 +268,57 @@ impl PreparedFlowField {
     /// Returns the doubled directions over a window, before smoothing.
     fn lines(&self, window: Window, block: &Block<'_>, inputs: &Inputs<'_>) -> Result<[Scratch<f32>; 2], NodeError> {
         let mut lines = [0, 1].map(|_| Scratch::of(0.0f32, window.area()));
-        let pixels = || (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
-        let mut noise = Scratch::of(0.0f32, if self.waver > 0.0 { window.area() } else { 0 });
-        if self.waver > 0.0 {
-            let place = |(x, y): (i64, i64)| self.screen.at([x as f64 + block.offset[0], y as f64 + block.offset[1]]);
-            self.noise.fill::<2>(pixels().map(place), &[], &mut noise);
-        }
         let still = doubled(turned([1.0, 0.0], if self.is_by_hand() { self.turn } else { self.still }));
         let view = inputs.all(&self.node.view).first();
         let field = inputs.all(&self.node.field).first().and_then(|field| Some((field.window, field.planes[0]?)));
-        let (level, width) = (Level::new(), window.width());
+        let width = window.width();
         // Whole vectors, so that no rest is left; a field is read one pixel to the left and to the right, too.
         let room = width.next_multiple_of(LANES);
         let mut read = SEEN.map(|_| Scratch::of(0.0f32, room + 2));
-        let mut ways = [0, 1].map(|axis| Scratch::of(still[axis], room));
+        let mut noise = Scratch::of(0.0f32, room);
+        let mut row = [0, 1].map(|_| Scratch::of(0.0f32, room));
+        let waver = if self.waver > 0.0 { width } else { 0 };
+        let across = self.screen.columns(window.x0..window.x0 + waver as i64, block.offset[0]);
         for (y, start) in (window.y0..window.y1).zip((0..).step_by(width.max(1))) {
             inputs.check_cancelled()?;
-            let [across, down] = &mut ways;
-            let chunks = across.as_chunks_mut().0.iter_mut().zip(down.as_chunks_mut().0).zip((0..).step_by(LANES));
+            if waver > 0 {
+                let down = self.screen.row(y, block.offset[1]);
+                self.noise.fill::<2>(across.iter().map(|across| [*across, down]), &[], &mut noise[..width]);
+            }
             match (&self.eye, view, field) {
-                (Some(eye), Some(view), _) => {
+                (Some(_), Some(view), _) => {
                     for (row, channel) in read.iter_mut().zip(SEEN) {
                         if let Some(plane) = view.planes[channel as usize] {
                             copy_row(plane, view.window, [window.x0, y], row);
                         }
                     }
-                    dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
-                        for ((across, down), start) in chunks {
-                            let mut seen = [&[0.0; LANES]; SEEN.len()];
-                            for (seen, row) in seen.iter_mut().zip(&read) {
-                                *seen = chunk(row, start);
-                            }
-                            [*across, *down] = self.on_surfaces(eye, seen, still);
-                        }
-                    }));
                 }
                 (None, _, Some((of, plane))) if self.node.along.is_of_field() => {
                     for (row, (x, y)) in read.iter_mut().zip([(-1, y), (0, y - 1), (0, y + 1)]) {
                         copy_row(plane, of, [window.x0 + x, y], row);
                     }
-                    let [own, above, below, ..] = &read;
-                    dispatch!(level, simd => simd.vectorize(#[inline(always)] || {
-                        for ((across, down), start) in chunks {
-                            let sides = [chunk(own, start), chunk(own, start + 2)];
-                            let around = [sides[0], sides[1], chunk(above, start), chunk(below, start)];
-                            [*across, *down] = self.of_changes(around);
-                        }
-                    }));
                 }
                 _ => {}
             }
-            for x in 0..width {
-                let noise = noise.get(start + x).copied().map_or(0.0, f64::from);
-                let line = self.wavering([ways[0][x], ways[1][x]], noise);
-                lines[0][start + x] = line[0] as f32;
-                lines[1][start + x] = line[1] as f32;
+            dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+                for start in (0..room).step_by(LANES) {
+                    let mut line: Line<_> = still.map(|along| f64x8::splat(simd, along));
+                    if let (Some(eye), true) = (&self.eye, view.is_some()) {
+                        line = self.on_surfaces(simd, eye, read.each_ref().map(|row| chunk(row, start)), line);
+                    } else if self.node.along.is_of_field() && field.is_some() {
+                        let sides = [chunk(&read[0], start), chunk(&read[0], start + 2)];
+                        line = self.of_changes(simd, [sides[0], sides[1], chunk(&read[1], start), chunk(&read[2], start)]);
+                    }
+                    if waver > 0 {
+                        line = self.all_wavering(simd, line, chunk(&noise, start));
+                    }
+                    for (row, along) in row.iter_mut().zip(line) {
+                        store(along, &mut row[start..]);
+                    }
+                }
+            }));
+            for (line, row) in lines.iter_mut().zip(&row) {
+                line[start..start + width].copy_from_slice(&row[..width]);
             }
         }
         Ok(lines)
@@ -441,20 +393,15 @@ impl Prepared for PreparedFlowField {
             });
             inputs.check_cancelled()?;
         }
-        let (mut x, mut y, mut length) =
-            (outputs.take(Out::Flow, 0), outputs.take(Out::Flow, 1), outputs.take(Out::Length, 0));
+        let mut planes = [(Out::Flow, 0), (Out::Flow, 1), (Out::Length, 0)].map(|(out, axis)| outputs.take(out, axis));
+        let room = window.area().next_multiple_of(LANES);
+        lines.iter_mut().for_each(|line| line.resize(room, 0.0));
         dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
-            for (start, (c, s)) in (0..).step_by(LANES).zip(lines[0].chunks(LANES).zip(lines[1].chunks(LANES))) {
-                let mut found = [[0.0f32; LANES]; 3];
-                for lane in 0..c.len() {
-                    let ([x, y], length) = halved([f64::from(c[lane]), f64::from(s[lane])]);
-                    found[0][lane] = x as f32;
-                    found[1][lane] = y as f32;
-                    found[2][lane] = length as f32;
-                }
-                for (plane, found) in [&mut x, &mut y, &mut length].into_iter().zip(&found) {
+            for start in (0..room).step_by(LANES) {
+                let found = halves(simd, [chunk(&lines[0], start), chunk(&lines[1], start)]);
+                for (plane, found) in planes.iter_mut().zip(found) {
                     if let Some(plane) = plane {
-                        plane[start..start + c.len()].copy_from_slice(&found[..c.len()]);
+                        store(found, &mut plane[start..]);
                     }
                 }
             }

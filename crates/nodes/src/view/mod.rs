@@ -8,6 +8,7 @@ mod curvature;
 mod depth;
 mod edge_on;
 pub(crate) mod flow_field;
+mod flow_lanes;
 mod height;
 mod in_front;
 mod mask;
