@@ -31,7 +31,7 @@ pub struct Program {
 }
 
 /// Samples in a run, so few that the results of a few dozen steps stay in the level-1 cache.
-const RUN: usize = 64;
+const RUN: usize = 128;
 
 impl Program {
     /// Compiles an expression.

@@ -183,20 +183,25 @@ impl Pools {
     fn masks(&self, points: &[[f64; LANES]; 3], noise: &[f64; LANES]) -> [f64; LANES] {
         let mut sums = [-0.0; LANES];
         for pool in &self.pools {
-            let mut exponents = [0.0; LANES];
-            let mut is_near = [false; LANES];
+            // Loops of few operations on numbers alone, which become vectors.
+            let mut powers = [0.0; LANES];
             for lane in 0..LANES {
-                let [a, b] = self.across(pool, DVec3::from(points.map(|axis| axis[lane])));
-                let power = a * a + b * b;
-                is_near[lane] = power < NOTHING;
-                exponents[lane] = if is_near[lane] { -power } else { 0.0 };
+                let [a, b] = self.across(pool, DVec3::new(points[0][lane], points[1][lane], points[2][lane]));
+                powers[lane] = a * a + b * b;
+            }
+            let mut exponents = [0.0; LANES];
+            for lane in 0..LANES {
+                exponents[lane] = if powers[lane] < NOTHING { -powers[lane] } else { 0.0 };
             }
             let shares = exponentials(exponents);
             for lane in 0..LANES {
-                sums[lane] += if is_near[lane] { pool.strength * shares[lane] } else { 0.0 };
+                sums[lane] += if powers[lane] < NOTHING { pool.strength * shares[lane] } else { 0.0 };
             }
         }
-        std::array::from_fn(|lane| self.brightness(sums[lane] + self.ragged * noise[lane]))
+        for lane in 0..LANES {
+            sums[lane] = self.brightness(sums[lane] + self.ragged * noise[lane]);
+        }
+        sums
     }
 
     /// Returns the mask for a sum of light.

@@ -26,9 +26,24 @@ pub(super) struct BlockStrokes {
 impl BlockStrokes {
     /// Returns the values of a stroke that are not 0, by channel.
     pub(super) fn values(&self, stroke: u32) -> &[(usize, f64)] {
-        let index = stroke as usize;
-        let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
-        &self.values[start..self.ends[index]]
+        &self.values[self.start(stroke)..self.ends[stroke as usize]]
+    }
+
+    fn start(&self, stroke: u32) -> usize {
+        (stroke as usize).checked_sub(1).map_or(0, |before| self.ends[before])
+    }
+
+    /// Loads what is known of a stroke into the cache, but for its values.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, stroke: u32) {
+        prefetch(&self.brushes, stroke as usize);
+        prefetch(&self.ends, stroke as usize);
+    }
+
+    /// Loads the first values of a stroke into the cache.
+    #[inline(always)]
+    pub(super) fn prefetch_values(&self, stroke: u32) {
+        prefetch(&self.values, self.start(stroke));
     }
 }
 

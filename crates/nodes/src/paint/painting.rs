@@ -67,12 +67,13 @@ impl Painting {
     pub(crate) fn paint(&mut self, spots: &[Spot], strokes: &BlockStrokes, shift: [f64; 2]) {
         for spots in spots.chunks(TOGETHER) {
             for spot in spots {
-                prefetch(&strokes.brushes, spot.stroke as usize);
+                strokes.prefetch(spot.stroke);
             }
             self.outlines.clear();
             for spot in spots {
                 let brush = &strokes.brushes[spot.stroke as usize];
                 self.outlines.push(*spot, brush, brush.seen_from(shift), &self.counted);
+                strokes.prefetch_values(spot.stroke);
             }
             self.outlines.list(&self.counted);
             for (number, spot) in spots.iter().enumerate() {
