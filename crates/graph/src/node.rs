@@ -238,6 +238,12 @@ pub trait Stage {
         self.regions_of_interest(port, window, format)
     }
 
+    /// Returns whether planes of which the stage needs more than its block may hold more than the region of interest: whole
+    /// rows of an image that is in memory need no copy. A stage that works on all pixels of its planes should say no.
+    fn takes_whole_rows(&self) -> bool {
+        false
+    }
+
     /// Whether the result depends on the frame's time even if no knob is keyed.
     fn depends_on_time(&self) -> bool {
         false

@@ -266,7 +266,8 @@ impl<'a> Block<'a> {
 pub struct Connection<'a> {
     /// The requested channels, `None` for others: the samples of `window`, row by row.
     pub planes: Scratch<Option<&'a [f32]>>,
-    /// Pixels of the planes: those of the block, or the region of interest clipped to the image.
+    /// Pixels of the planes: those of the block, or the region of interest clipped to the image, or whole rows around it
+    /// ([`Stage::takes_whole_rows`](crate::Stage::takes_whole_rows)).
     pub window: Window,
     /// Extent of the whole image. Outside of it the nearest pixel repeats.
     pub extent: Window,

@@ -72,7 +72,7 @@ impl<'p> Worker<'p> {
                 pass,
                 machine: Machine::new(&pass.program, &mut chunks),
                 scattered: pass.scattered.as_ref().map(|program| Machine::new(program, &mut chunks)),
-                fills: Fills::new(plan, ready, buffers, pass, monitor, &mut chunks).with_keeper(keeper),
+                fills: Fills::new(plan, ready, buffers, pass, monitor, &mut chunks).with_keeper(pass, keeper),
                 sums: vec![Vec::new(); channel_count(pass)],
                 rows: vec![Vec::new(); channel_count(pass)],
                 adaptive: Adaptive::default(),

@@ -82,6 +82,10 @@ impl Stage for Blur {
         Window::new(window.x0 - across, window.y0 - down, window.x1 + across, window.y1 + down)
     }
 
+    fn takes_whole_rows(&self) -> bool {
+        true
+    }
+
     fn depends_on_format(&self) -> bool {
         false
     }

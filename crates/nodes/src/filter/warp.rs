@@ -55,6 +55,10 @@ impl Stage for Warp {
         Window::new(window.x0 - reach, window.y0 - reach, window.x1 + reach, window.y1 + reach)
     }
 
+    fn takes_whole_rows(&self) -> bool {
+        true
+    }
+
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         // Offsets are in pixels of the document, also where a smaller picture is drawn.
         let [own, meant] =

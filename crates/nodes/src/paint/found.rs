@@ -2,7 +2,7 @@
 
 use super::planes::{index, sample, used};
 use super::scan::Row;
-use super::strokes::PreparedStrokes;
+use super::strokes::{PreparedStrokes, grown};
 use super::{BlockSurroundings, Brush, Canvas, Cells, Layer, STRIDES, Stroke, pixels, reach, seeds_of};
 use fearless_simd::Level;
 use trochoid_graph::{Block, Inputs, NodeError};
@@ -117,7 +117,8 @@ impl PreparedStrokes {
             let at = |axis: usize| a.at[axis].total_cmp(&b.at[axis]);
             other.cmp(layer).then(b.order.cmp(&a.order)).then_with(|| at(1)).then_with(|| at(0))
         });
-        let is_used = used(Level::new(), image, self.kind.channels(), image.window);
+        let sources = grown(block.window, &self.layers).intersect(image.window);
+        let is_used = used(Level::new(), image, self.kind.channels(), sources);
         let channels: Scratch<usize> = (0..is_used.len()).filter(|channel| is_used[*channel]).collect();
         let (mut values, mut ends) = (Scratch::new(), Scratch::new());
         for (number, (_, stroke)) in strokes.iter().enumerate() {

@@ -119,8 +119,11 @@ impl Stage for Strokes {
     }
 
     fn regions_of_interest(&self, _port: PortId, window: Window, format: Format) -> Window {
-        let by = reach(&self.layers(format)) + MARGIN + 1 + STRIDES[1];
-        Window::new(window.x0 - by, window.y0 - by, window.x1 + by, window.y1 + by)
+        grown(window, &self.layers(format))
+    }
+
+    fn takes_whole_rows(&self) -> bool {
+        true
     }
 
     fn regions_after_find(&self, _port: PortId, window: Window, _format: Format) -> Window {
@@ -138,6 +141,12 @@ impl Stage for Strokes {
             on_surfaces: self.is_on_surfaces(),
         }))
     }
+}
+
+/// Returns the window whose pixels may decide what strokes of some layers show in another.
+pub(super) fn grown(window: Window, layers: &[Layer]) -> Window {
+    let by = reach(layers) + MARGIN + 1 + STRIDES[1];
+    Window::new(window.x0 - by, window.y0 - by, window.x1 + by, window.y1 + by)
 }
 
 /// Strokes of a frame.

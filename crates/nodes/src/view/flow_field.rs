@@ -148,6 +148,10 @@ impl Stage for FlowField {
         grown(window, SMOOTHING.radius(self.smooth) + difference)
     }
 
+    fn takes_whole_rows(&self) -> bool {
+        true
+    }
+
     fn rate(&self) -> Rate {
         Rate::Pixel
     }

@@ -2,6 +2,7 @@
 //! follow one another.
 
 use super::Fills;
+use super::spare::Spare;
 use crate::planning::plan::{Feed, Fill};
 use std::collections::{HashMap, HashSet};
 use trochoid_graph::Slot;
@@ -46,18 +47,32 @@ impl Crops {
         found.map(|crop| &crop.samples[..])
     }
 
-    /// Returns the memory for a part.
-    fn add(&mut self, slot: Slot, region: Window) -> &mut Vec<f32> {
+    /// Returns the memory for a part, which may come from `spare`.
+    fn add(&mut self, slot: Slot, region: Window, spare: Option<&mut Spare>) -> &mut Vec<f32> {
         if self.used == self.crops.len() {
             self.crops.push(Crop { slot, region, samples: Vec::new() });
         }
         let crop = &mut self.crops[self.used];
         self.used += 1;
         (crop.slot, crop.region) = (slot, region);
+        if crop.samples.capacity() < region.area()
+            && let Some(memory) = spare.and_then(|spare| spare.take(region.area()))
+        {
+            crop.samples = memory;
+        }
         crop.samples.clear();
         // Tiles differ a little in size; room for twice as much would stay unused.
         crop.samples.reserve_exact(region.area());
         &mut crop.samples
+    }
+
+    /// Gives up the memory of the parts of a plane.
+    pub(super) fn give_up(&mut self, slot: &Slot) -> impl Iterator<Item = Vec<f32>> {
+        let parts = self.crops[..self.used].iter_mut().filter(move |crop| crop.slot == *slot);
+        parts.map(|crop| {
+            crop.region = Window::default();
+            std::mem::take(&mut crop.samples)
+        })
     }
 }
 
@@ -65,11 +80,14 @@ impl Fills<'_> {
     /// Copies the parts of planes that a stage and others read.
     pub(super) fn crop(&mut self, index: usize) {
         // Taken out, so that planes can be read meanwhile.
-        let mut crops = std::mem::take(&mut self.crops);
+        let (mut crops, mut spare) = (std::mem::take(&mut self.crops), self.spare.take());
         let state = &self.fills[index];
         for ((_, connections), images) in state.fill.inputs.iter().zip(&state.images) {
             for (feeds, image) in connections.iter().zip(images) {
                 let (region, width) = (image.region, image.region.width());
+                if self.window_of(index, feeds, region) != region {
+                    continue;
+                }
                 for slot in feeds.iter().filter_map(slot_of) {
                     if !crops.shared.contains(&slot) {
                         continue;
@@ -77,13 +95,45 @@ impl Fills<'_> {
                     let plane = self.plane(&slot, region, &self.fills[..index]);
                     let is_contiguous = plane.stride == width || region.height() == 1;
                     if !is_contiguous && crops.get(&slot, region).is_none() {
-                        let samples = crops.add(slot, region);
+                        let samples = crops.add(slot, region, spare.as_mut());
                         (0..region.height()).for_each(|y| samples.extend_from_slice(plane.row(y, width)));
                     }
                 }
             }
         }
-        self.crops = crops;
+        (self.crops, self.spare) = (crops, spare);
+    }
+}
+
+impl Fills<'_> {
+    /// Returns the window over which a stage reads a connection: its region of interest, or whole rows around it that need
+    /// no copy.
+    pub(super) fn window_of(&self, index: usize, feeds: &[Feed], region: Window) -> Window {
+        let state = &self.fills[index];
+        let takes_rows = state.stage.is_some_and(|stage| stage.takes_whole_rows());
+        if !takes_rows || region == state.own_window(state.window) || self.plan.settings.bounds() {
+            return region;
+        }
+        let picture = self.plan.graph.format().window();
+        let mut rows = None;
+        for feed in feeds {
+            let within = match feed {
+                Feed::Nothing => continue,
+                Feed::Constant(_) => return region,
+                Feed::Tap(..) if self.known_taps(index).is_some() => picture,
+                Feed::Tap(..) => state.tap_window,
+                Feed::Slot(slot) => match self.by_slot.get(slot) {
+                    Some(read) if self.known(*read).is_some() => picture,
+                    Some(read) if !self.is_bound(slot.node) && !self.fills[*read].one_row => self.fills[*read].window,
+                    _ => return region,
+                },
+            };
+            let columns = (within.x0, within.x1);
+            if rows.replace(columns).is_some_and(|before| before != columns) {
+                return region;
+            }
+        }
+        rows.map_or(region, |(x0, x1)| Window { x0, x1, ..region })
     }
 }
 

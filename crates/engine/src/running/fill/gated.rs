@@ -218,6 +218,7 @@ impl<'p> Fills<'p> {
     /// Makes the planes of a stage those of a place where nothing of it shows: 0, or for a view what it has where no surface
     /// is seen, since other stages may read it there.
     pub(super) fn clear(&mut self, index: usize) {
+        self.lend(index, self.fills[index].window.area());
         let state = &mut self.fills[index];
         let area = state.window.area();
         let kinds = &self.plan.graph.node(state.fill.node).kinds;

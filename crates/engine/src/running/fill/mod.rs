@@ -13,26 +13,26 @@ mod places;
 mod runner;
 mod samples;
 mod shared;
+mod spare;
 mod sparse;
 mod state;
 mod tapped;
+mod windows;
 
 use crate::planning::plan::{Feed, Fill, Pass, Sample};
-use crate::planning::schedule::read_before;
-use crate::planning::shading::{SHARING_CHANNELS, sharing_slot};
 use crate::running::certify::{Found, Ports, fill_with_bounds};
 use crate::running::keep::PlaneKeeper;
 use crate::running::prepare::{PreparedStage, node_error};
 use crate::running::steps::Whole;
 use crate::{Buffers, EvalError, Monitor, Plan};
 use crops::Crops;
-use extent::clamped;
 pub(crate) use extent::extents;
 use gated::Gated;
 pub(crate) use places::make_room;
 use runner::Runner;
 use samples::PortSamples;
 use shared::{ReplacedValues, SharingView, UnsharedPixels};
+use spare::Spare;
 use sparse::Sparse;
 use state::{FillState, Image};
 use std::cell::Cell;
@@ -74,6 +74,8 @@ pub(crate) struct Fills<'p> {
     gated: Option<Gated<'p>>,
     /// Planes at single pixels.
     sparse: Option<Sparse>,
+    /// Memory of planes that nothing reads any more, if there is only one sample.
+    spare: Option<Spare>,
     /// By fill, the number of samples that it left out since they do not show.
     left_out: Vec<u64>,
 }
@@ -149,13 +151,15 @@ impl<'p> Fills<'p> {
             crops,
             gated,
             sparse,
+            spare: None,
         }
     }
 
     /// Uses planes that were filled before, and keeps planes that are not known yet.
-    pub(crate) fn with_keeper(self, keeper: &'p PlaneKeeper) -> Self {
+    pub(crate) fn with_keeper(self, pass: &Pass, keeper: &'p PlaneKeeper) -> Self {
         let gated = self.gated.map(|gated| gated.with_keeper(keeper));
-        Self { keeper: Some(keeper), gated, ..self }
+        let spare = Spare::of(pass, &self.by_slot, keeper);
+        Self { keeper: Some(keeper), gated, spare, ..self }
     }
 
     /// Returns the planes of a fill for the current sample that an earlier evaluation filled, by output and channel.
@@ -182,45 +186,52 @@ impl<'p> Fills<'p> {
         }
         self.begin(sample);
         for index in 0..self.fills.len() {
-            let holds_taps = self.holds(Whole::Taps(index));
-            if self.fills[index].need.is_empty() && !holds_taps {
-                continue;
-            }
-            if self.monitor.cancelled() {
-                return Err(EvalError::Cancelled);
-            }
-            let started = Instant::now();
-            let id = self.fills[index].fill.node;
-            if holds_taps {
-                self.hold_taps(index, sample.index);
-                seconds[id.0] += started.elapsed().as_secs_f64();
-                continue;
-            }
-            let filled = match &self.fills[index].fill.shared {
-                Some(views) if sample.index > 0 && self.known(index).is_none() => {
-                    self.fill_unshared(index, views, sample.offset, None)
-                }
-                _ => self.fill_gated(index, sample).and_then(|is_filled| match is_filled {
-                    true => Ok(()),
-                    false => self.fill_stage(index, sample).map(|()| self.compare_sample(index, sample.index)),
-                }),
-            };
-            filled.map_err(|error| node_error(self.plan, id, error, self.monitor))?;
-            let whole = Whole::Fill(index);
-            if let Some(keeper) = self.keeper.filter(|keeper| keeper.wants(whole)) {
-                let state = &self.fills[index];
-                let picture = self.plan.graph.format().window();
-                keeper.take(
-                    whole,
-                    sample.index,
-                    self.tile,
-                    state.window,
-                    picture,
-                    state.planes.iter().flatten().map(|plane| &plane[..]),
-                );
-            }
-            seconds[id.0] += started.elapsed().as_secs_f64();
+            self.fill_one(index, sample, seconds)?;
+            self.give_back(index);
         }
+        Ok(())
+    }
+
+    /// Fills a stage if it takes part, over its window.
+    fn fill_one(&mut self, index: usize, sample: Sample, seconds: &mut [f64]) -> Result<(), EvalError> {
+        let holds_taps = self.holds(Whole::Taps(index));
+        if self.fills[index].need.is_empty() && !holds_taps {
+            return Ok(());
+        }
+        if self.monitor.cancelled() {
+            return Err(EvalError::Cancelled);
+        }
+        let started = Instant::now();
+        let id = self.fills[index].fill.node;
+        if holds_taps {
+            self.hold_taps(index, sample.index);
+            seconds[id.0] += started.elapsed().as_secs_f64();
+            return Ok(());
+        }
+        let filled = match &self.fills[index].fill.shared {
+            Some(views) if sample.index > 0 && self.known(index).is_none() => {
+                self.fill_unshared(index, views, sample.offset, None)
+            }
+            _ => self.fill_gated(index, sample).and_then(|is_filled| match is_filled {
+                true => Ok(()),
+                false => self.fill_stage(index, sample).map(|()| self.compare_sample(index, sample.index)),
+            }),
+        };
+        filled.map_err(|error| node_error(self.plan, id, error, self.monitor))?;
+        let whole = Whole::Fill(index);
+        if let Some(keeper) = self.keeper.filter(|keeper| keeper.wants(whole)) {
+            let state = &self.fills[index];
+            let picture = self.plan.graph.format().window();
+            keeper.take(
+                whole,
+                sample.index,
+                self.tile,
+                state.window,
+                picture,
+                state.planes.iter().flatten().map(|plane| &plane[..]),
+            );
+        }
+        seconds[id.0] += started.elapsed().as_secs_f64();
         Ok(())
     }
 
@@ -251,77 +262,6 @@ impl<'p> Fills<'p> {
     pub(crate) fn audit(&self) -> WeightAudit {
         let machines = self.fills.iter().filter_map(|fill| fill.taps.as_ref());
         machines.map(Runner::audit).fold(WeightAudit::default(), WeightAudit::merge)
-    }
-
-    /// Decides every stage's window, from the program backwards; for a later sample, only what it cannot share.
-    fn place_windows(&mut self, tile: Window, sample: usize) {
-        let format = self.plan.graph.format();
-        self.tile = tile;
-        let is_last = self.keeper.is_none_or(PlaneKeeper::is_last_step);
-        for (index, state) in self.fills.iter_mut().enumerate() {
-            let is_whole = self.keeper.is_some_and(|keeper| keeper.wants(Whole::Fill(index)));
-            state.need = if (state.fill.read && is_last) || is_whole { tile } else { Window::default() };
-            state.tap_window = Window::default();
-        }
-        for index in (0..self.fills.len()).rev() {
-            let (before, rest) = self.fills.split_at_mut(index);
-            let Some(state) = rest.first_mut() else { continue };
-            let is_shared = sample > 0 && state.fill.shared.is_some();
-            let is_idle = self.keeper.is_some_and(|keeper| keeper.is_idle(index));
-            if state.need.is_empty() && sample == 0 && !is_idle {
-                // Filled although nothing reads it, where demand is switched off.
-                state.need = tile;
-            }
-            if !is_shared {
-                state.window = state.need;
-            }
-            let is_everywhere = state.fill.shared.as_ref().is_some_and(Vec::is_empty);
-            let asks =
-                |whole: Whole| self.keeper.map(|keeper| (keeper.wants(whole), keeper.known(whole, sample).is_some()));
-            let (_, is_known) = asks(Whole::Fill(index)).unwrap_or_default();
-            let (holds_taps, knows_taps) = asks(Whole::Taps(index)).unwrap_or_default();
-            if holds_taps {
-                state.tap_window = tile;
-                for slot in read_before(state.fill) {
-                    if let Some(other) = self.by_slot.get(&slot).and_then(|&index| before.get_mut(index)) {
-                        other.need = other.need.union(tile);
-                    }
-                }
-            }
-            if state.need.is_empty() || is_known || (is_shared && is_everywhere) {
-                continue;
-            }
-            let Some(stage) = state.stage else { continue };
-            let own = state.own_window(state.need);
-            let mut need = |slot: &Slot, window: Window| {
-                if let Some(other) = self.by_slot.get(slot).and_then(|&index| before.get_mut(index)) {
-                    other.need = other.need.union(window);
-                }
-            };
-            for view in state.fill.shared.iter().flatten() {
-                SHARING_CHANNELS.iter().for_each(|channel| need(&sharing_slot(*view, *channel), state.need));
-            }
-            for ((port, connections), images) in state.fill.inputs.iter().zip(&mut state.images) {
-                let asked = if sample == 0 || !self.sharing {
-                    stage.regions_of_interest(*port, own, format)
-                } else {
-                    stage.regions_after_find(*port, own, format)
-                };
-                for (feeds, image) in connections.iter().zip(images) {
-                    image.region = clamped(asked, image.extent);
-                    for feed in feeds {
-                        match feed {
-                            Feed::Slot(slot) => need(slot, image.region),
-                            Feed::Tap(..) => state.tap_window = state.tap_window.union(image.region),
-                            Feed::Nothing | Feed::Constant(_) => {}
-                        }
-                    }
-                }
-            }
-            for slot in read_before(state.fill).filter(|_| !knows_taps) {
-                need(&slot, state.tap_window);
-            }
-        }
     }
 
     fn is_bound(&self, node: NodeId) -> bool {
@@ -374,6 +314,7 @@ impl<'p> Fills<'p> {
             return Ok(());
         }
         self.crop(index);
+        self.lend(index, self.fills[index].own_window(self.fills[index].window).area());
         // Taken out, so that the stages before it can be read meanwhile.
         let state = &mut self.fills[index];
         let tapped_of = if state.fill.steady { &mut state.tapped } else { &mut self.tapped };
@@ -424,19 +365,17 @@ impl<'p> Fills<'p> {
                 let connections = connections.iter().zip(images);
                 connections
                     .map(|(feeds, image)| {
-                        feeds.iter().map(|feed| self.samples(feed, image.region, index, taps)).collect()
+                        let window = self.window_of(index, feeds, image.region);
+                        feeds.iter().map(|feed| self.samples(feed, window, index, taps)).collect()
                     })
                     .collect()
             })
             .collect();
-        let ports: Ports<'_> = state
-            .images
-            .iter()
-            .zip(&held)
-            .map(|(images, held)| {
-                let connections = images.iter().zip(held).map(|(image, held)| Connection {
+        let ports: Ports<'_> = (state.fill.inputs.iter().zip(&state.images).zip(&held))
+            .map(|(((_, connections), images), held)| {
+                let connections = connections.iter().zip(images).zip(held).map(|((feeds, image), held)| Connection {
                     planes: held.iter().map(Option::as_deref).collect(),
-                    window: image.region,
+                    window: self.window_of(index, feeds, image.region),
                     extent: image.extent,
                 });
                 connections.collect()
