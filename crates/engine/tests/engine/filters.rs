@@ -19,6 +19,18 @@ pub(super) struct Smear {
     image: One<port::Color>,
 }
 
+/// The same, of whole rows if there are any.
+///
+/// # Formula
+/// # Edge cases
+/// # Source
+#[derive(Clone, Node)]
+#[node(stage, end = Back, revision = 1, output(image: Kind::Color = ""))]
+struct SmearOfRows {
+    /// Color to blend.
+    image: One<port::Color>,
+}
+
 /// A blend with a negative lobe, which no filter may have.
 ///
 /// # Formula
@@ -32,12 +44,15 @@ struct Sharpen {
 }
 
 macro_rules! filter {
-    ($ty:ident, $lobe:literal) => {
+    ($ty:ident, $lobe:literal, $takes_whole_rows:literal) => {
         impl Node for $ty {}
 
         impl Stage for $ty {
             fn regions_of_interest(&self, _port: PortId, window: Window, _format: Format) -> Window {
                 Window { x0: window.x0 - 2, x1: window.x1 + 2, ..window }
+            }
+            fn takes_whole_rows(&self) -> bool {
+                $takes_whole_rows
             }
             fn prepare(&self, _prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
                 Ok(Box::new(Blended { image: self.image.clone(), lobe: $lobe }))
@@ -46,10 +61,12 @@ macro_rules! filter {
     };
 }
 
-filter!(Smear, 0.25);
-filter!(Sharpen, -0.25);
+filter!(Smear, 0.25, false);
+filter!(SmearOfRows, 0.25, true);
+filter!(Sharpen, -0.25, false);
 
-pub(super) static TYPES: [NodeType; 2] = [NodeType::of::<Smear>(), NodeType::of::<Sharpen>()];
+pub(super) static TYPES: [NodeType; 3] =
+    [NodeType::of::<Smear>(), NodeType::of::<SmearOfRows>(), NodeType::of::<Sharpen>()];
 
 struct Blended {
     image: One<port::Color>,
@@ -82,8 +99,12 @@ impl Prepared for Blended {
 }
 
 fn graph(last: &str) -> CheckedGraph {
+    graph_of(last, 4)
+}
+
+fn graph_of(last: &str, samples: u32) -> CheckedGraph {
     let text = format!(
-        r##"{{ "trochoid": 1, "format": {{ "width": 31, "height": 5, "samples": 4 }},
+        r##"{{ "trochoid": 1, "format": {{ "width": 31, "height": 5, "samples": {samples} }},
         "nodes": {{
             "slope": {{ "type": "Slope" }}, "gate": {{ "type": "Gate", "field": "slope" }},
             "mix": {{ "type": "Mix", "a": [0, 0.5, 1], "b": [1, 0.25, 0], "weight": "gate" }},
@@ -107,11 +128,21 @@ fn evaluate(graph: &CheckedGraph, settings: &Settings) -> Frame {
 fn tiles_share_what_lies_between_them() {
     let graph = graph("Smear");
     let expected = evaluate(&graph, &Settings::default());
-    for switches in [Switches::ALL, Switches::NONE] {
-        for (threads, tile) in [(1, (1, 1)), (2, (7, 3)), (1, (1000, 1000))] {
-            let mut settings = Settings::default();
-            (settings.switches, settings.threads, settings.tile) = (switches, threads, Some(tile));
-            assert_eq!(evaluate(&graph, &settings).pictures[0].planes, expected.pictures[0].planes, "{tile:?}");
+    for samples in [1, 4] {
+        let expected = evaluate(&graph_of("Smear", samples), &Settings::default());
+        for (last, switches) in [
+            ("Smear", Switches::ALL),
+            ("Smear", Switches::NONE),
+            ("SmearOfRows", Switches::ALL),
+            ("SmearOfRows", Switches::NONE),
+        ] {
+            let graph = graph_of(last, samples);
+            for (threads, tile) in [(1, (1, 1)), (2, (7, 3)), (1, (1000, 1000))] {
+                let mut settings = Settings::default();
+                (settings.switches, settings.threads, settings.tile) = (switches, threads, Some(tile));
+                let found = evaluate(&graph, &settings);
+                assert_eq!(found.pictures[0].planes, expected.pictures[0].planes, "{last} {samples} {tile:?}");
+            }
         }
     }
     let reference = ReferenceFrame::new(&graph, "last", 1).unwrap();
