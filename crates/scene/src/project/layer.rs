@@ -39,6 +39,7 @@ impl Layer {
         let mut layer = Self { mesh, screen, clipped: Vec::new(), clipped_from: Vec::new(), primitives };
         let tasks: Vec<(Vec<Binned>, Vec<ClippedTriangle>)> = (0..primitives.div_ceil(TASK))
             .into_par_iter()
+            .with_max_len(1)
             .map(|task| {
                 let (mut binned, mut clipped) = (Vec::new(), Vec::new());
                 let task = task * TASK..((task + 1) * TASK).min(primitives);

@@ -326,6 +326,9 @@ impl Layout for Disc<'_> {
     }
 }
 
+/// Most rows of a task: near rows take longer than far ones, so that threads with many of them would wait for each other.
+const TASK: usize = 8;
+
 impl<L: Layout> Rows<'_, L> {
     fn mesh(&self, wanted: ChannelSet, stop: &(dyn Fn() -> bool + Sync)) -> Option<Mesh> {
         let [rows, columns] = match self.part {
@@ -350,7 +353,7 @@ impl<L: Layout> Rows<'_, L> {
             ..Mesh::empty(self.sea.level)
         };
         let mut tangents = vec![[[0.0; 3]; 2]; size(curved)];
-        // One row per task; channels that are not wanted have empty rows.
+        // Channels that are not wanted have empty rows.
         let mut targets: Vec<Row<'_>> = Vec::with_capacity(rows.len());
         let mut tangent_rows = tangents.chunks_mut(width);
         let mut rests = mesh.rests.chunks_mut(width);
@@ -363,14 +366,14 @@ impl<L: Layout> Rows<'_, L> {
                 slope_variances: slope_variances.next().unwrap_or_default(),
             });
         }
-        let filled =
-            targets.into_par_iter().enumerate().try_for_each_init(Scratch::default, |scratch, (index, row)| {
-                if stop() {
-                    return None;
-                }
-                self.row(rows.start + index, columns.clone(), row, scratch);
-                Some(())
-            });
+        let tasks = targets.into_par_iter().with_max_len(TASK).enumerate();
+        let filled = tasks.try_for_each_init(Scratch::default, |scratch, (index, row)| {
+            if stop() {
+                return None;
+            }
+            self.row(rows.start + index, columns.clone(), row, scratch);
+            Some(())
+        });
         filled?;
         if curved {
             let place = |row: usize| self.layout.place(row);
