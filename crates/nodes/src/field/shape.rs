@@ -1,6 +1,7 @@
 //! Shape: a mask of discs, boxes and polygons on the picture.
 
 use crate::field::Screen;
+use fearless_simd::{Level, Simd, dispatch};
 use trochoid_graph::*;
 use trochoid_memory::Scratch;
 
@@ -161,6 +162,7 @@ impl Drawn {
     }
 
     /// Transforms a point of the picture into the shape's own coordinates, before its rotation and translation.
+    #[inline(always)]
     fn place(&self, at: [f64; 2]) -> [f64; 2] {
         let [x, y] = [at[0] - self.center[0], at[1] - self.center[1]];
         let (sin, cos) = self.turn;
@@ -174,6 +176,7 @@ impl Drawn {
     }
 
     /// Returns the signed distance in pixels, negative inside.
+    #[inline(always)]
     fn distance(&self, at: [f64; 2]) -> f64 {
         let place = self.place(at);
         match &self.outline {
@@ -216,6 +219,7 @@ impl Polygon {
     }
 }
 
+#[inline(always)]
 fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
@@ -233,6 +237,9 @@ fn squared_away(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
 fn crosses(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> bool {
     (a[1] > place[1]) != (b[1] > place[1]) && place[0] < a[0] + (place[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
 }
+
+/// Samples of a row that are drawn together, in vectors.
+const LANES: usize = 8;
 
 struct PreparedShape {
     drawn: Vec<Drawn>,
@@ -252,6 +259,26 @@ impl PreparedShape {
         self.mask(near.map(|shape| shape.distance(at)).fold(f64::INFINITY, f64::min))
     }
 
+    /// Draws a disc or a box over samples of a row, from the one in the column `x` on, which are shifted by `offset`.
+    fn draw(&self, shape: &Drawn, [x, y]: [f64; 2], offset: f64, row: &mut [f32]) {
+        dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+            for (start, out) in (0..).step_by(LANES).zip(row.chunks_mut(LANES)) {
+                let mut distances = [0.0; LANES];
+                for (lane, distance) in distances.iter_mut().enumerate() {
+                    *distance = shape.distance([x + (start + lane) as f64 + offset, y]);
+                }
+                let mut masks = [0.0; LANES];
+                for (mask, distance) in masks.iter_mut().zip(distances) {
+                    *mask = self.mask(distance) as f32;
+                }
+                for (out, mask) in out.iter_mut().zip(masks) {
+                    *out = out.max(mask);
+                }
+            }
+        }));
+    }
+
+    #[inline(always)]
     fn mask(&self, distance: f64) -> f64 {
         if self.edge > 0.0 {
             (0.5 - distance / self.edge).clamp(0.0, 1.0)
@@ -282,13 +309,16 @@ impl Prepared for PreparedShape {
                 let row = &mut mask[(y - window.y0) as usize * window.width()..][..window.width()];
                 let at = y as f64 + block.offset[1];
                 let place = |x: i64| shape.place([x as f64 + block.offset[0], at]);
+                let Outline::Polygon(polygon) = &shape.outline else {
+                    if !columns.is_empty() {
+                        let [first, end] = [columns.start, columns.end].map(|x| (x - window.x0) as usize);
+                        self.draw(shape, [columns.start as f64, at], block.offset[0], &mut row[first..end]);
+                    }
+                    continue;
+                };
                 let mut draw = |x: i64, distance: f64| {
                     let out = &mut row[(x - window.x0) as usize];
                     *out = out.max(self.mask(distance) as f32);
-                };
-                let Outline::Polygon(polygon) = &shape.outline else {
-                    columns.clone().for_each(|x| draw(x, shape.distance([x as f64 + block.offset[0], at])));
-                    continue;
                 };
                 let near = polygon.near(at, reach);
                 let (mut x, mut begun) = (columns.start, 0);
