@@ -24,6 +24,7 @@
 mod angles;
 mod exponentials;
 mod formula;
+mod hypotenuses;
 mod noise;
 pub mod random;
 mod ranks;
@@ -33,5 +34,6 @@ pub use exponentials::exponentials;
 pub use formula::{
     Expected, Expression, Fault, Found, MAX_DEPTH, MAX_LENGTH, MAX_WIDTH, Program, Remedy, parse, parse_named,
 };
+pub use hypotenuses::hypotenuses;
 pub use noise::{Noise, NoiseKind, NoiseParameters, Octave};
 pub use ranks::Ranks;

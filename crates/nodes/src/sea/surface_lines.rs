@@ -2,8 +2,9 @@
 
 use crate::lit::eye;
 use crate::view::{is_covered, view_planes, view_vector};
+use fearless_simd::{Level, Simd, dispatch};
 use std::f64::consts::TAU;
-use trochoid_field::{Noise, NoiseKind, NoiseParameters, Ranks};
+use trochoid_field::{Noise, NoiseKind, NoiseParameters, Ranks, exponentials, hypotenuses};
 use trochoid_graph::*;
 use trochoid_memory::Scratch;
 use trochoid_scene::{DVec3, Footprints};
@@ -162,11 +163,59 @@ struct LinePoint {
     share: f64,
 }
 
-/// Returns the share of the lines that remains at the pixel's size, given its steps; 0 below 1e-8.
-fn sharp(steps: [[f64; 2]; 2]) -> f64 {
-    let longest = steps.map(|[x, z]| libm::hypot(x, z)).into_iter().fold(0.0, f64::max);
-    let turn = TAU * longest;
-    if turn < 12.0 { libm::exp(-turn * turn / 8.0) } else { 0.0 }
+/// Number of places whose lengths and exponentials are computed together, in vectors.
+const LANES: usize = 8;
+
+/// Fills in the share of the lines that remains at the size of each place's pixel; 0 below 1e-8.
+fn sharpen(places: &mut [(usize, LinePoint)]) {
+    dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+        for places in places.chunks_mut(LANES) {
+            let mut longest = [0.0_f64; LANES];
+            for step in 0..2 {
+                let mut along = [[0.0; LANES]; 2];
+                for (lane, (_, place)) in places.iter().enumerate() {
+                    (along[0][lane], along[1][lane]) = (place.steps[step][0], place.steps[step][1]);
+                }
+                let lengths = hypotenuses(along[0], along[1]);
+                for (longest, length) in longest.iter_mut().zip(lengths) {
+                    *longest = longest.max(length);
+                }
+            }
+            let mut exponents = [0.0; LANES];
+            for (exponent, longest) in exponents.iter_mut().zip(longest) {
+                let turn = TAU * longest;
+                *exponent = if turn < FAINT { -turn * turn / 8.0 } else { 0.0 };
+            }
+            let shares = exponentials(exponents);
+            for (((_, place), share), longest) in places.iter_mut().zip(shares).zip(longest) {
+                place.sharp = if TAU * longest < FAINT { share } else { 0.0 };
+            }
+        }
+    }));
+}
+
+/// Turns of a pixel from which on nothing remains of lines.
+const FAINT: f64 = 12.0;
+
+/// Returns how much the distance from a line changes from pixel to pixel, in cells, given places with the gradients of
+/// F₂ − F₁.
+fn changes(places: &[(usize, LinePoint)], slopes: &[[f64; 2]], changes: &mut [f64]) {
+    dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
+        let chunks = places.chunks(LANES).zip(slopes.chunks(LANES)).zip(changes.chunks_mut(LANES));
+        for ((places, slopes), changes) in chunks {
+            let mut along = [[0.0; LANES]; 2];
+            for (lane, ((_, place), slope)) in places.iter().zip(slopes).enumerate() {
+                for (step, along) in along.iter_mut().enumerate() {
+                    let [x, z] = place.steps[step];
+                    along[lane] = (slope[0] * x + slope[1] * z) / 2.0;
+                }
+            }
+            let lengths = hypotenuses(along[0], along[1]);
+            for (change, length) in changes.iter_mut().zip(lengths) {
+                *change = length.max(LEAST_CHANGE);
+            }
+        }
+    }));
 }
 
 impl LinePoint {
@@ -175,11 +224,9 @@ impl LinePoint {
         Self { at: [self.at[0] + by[0], self.at[1] + by[1]], ..*self }
     }
 
-    /// Returns the mask, given F₂ − F₁ and its gradient.
-    fn mask(&self, edges: f64, slope: [f64; 2]) -> f64 {
+    /// Returns the mask, given F₂ − F₁ and the change of half of it from pixel to pixel.
+    fn mask(&self, edges: f64, change: f64) -> f64 {
         let d = edges / 2.0;
-        let [across, along] = self.steps.map(|[x, z]| (slope[0] * x + slope[1] * z) / 2.0);
-        let change = libm::hypot(across, along).max(LEAST_CHANGE);
         let drawn = self.width.max(change);
         let line = if self.width > 0.0 {
             (self.width / drawn) * (0.5 + (drawn / 2.0 - d) / change).clamp(0.0, 1.0)
@@ -204,12 +251,12 @@ impl PreparedSurfaceLines {
         [rest.x / self.node.scale - self.scrolled[0], rest.z / self.node.scale - self.scrolled[1]]
     }
 
-    /// Returns the place of a rest point, before it is bent.
+    /// Returns the place of a rest point, before it is bent, and before it is known what remains of the lines there.
     fn place(&self, rest: DVec3, thickness: f64) -> LinePoint {
         let steps = self.footprints.axes(rest).map(|axis| axis.map(|along| along / self.node.scale));
         let width = self.node.width * thickness / self.node.scale;
         let share = self.distances.share_below(width / 2.0);
-        LinePoint { at: self.tiles(rest), steps, width, sharp: sharp(steps), share }
+        LinePoint { at: self.tiles(rest), steps, width, sharp: 0.0, share }
     }
 
     /// Returns texture coordinates without whole pairs of tiles, which make no difference to a picture, mirrored or
@@ -224,14 +271,7 @@ impl PreparedSurfaceLines {
         // Places with lines side by side, however few of them there are.
         let mut near = Scratch::new();
         for (index, _) in coverage.iter().enumerate().filter(|(_, coverage)| **coverage != 0.0) {
-            let place = self.place(rest(index), thickness.map_or(1.0, |plane| f64::from(plane[index])));
-            // Without a line to see there, its distance does not matter.
-            let has_line = place.width > 0.0 && place.sharp > 0.0;
-            if !has_line {
-                mask[index] = place.faded(0.0) as f32;
-                continue;
-            }
-            near.push((index, place));
+            near.push((index, self.place(rest(index), thickness.map_or(1.0, |plane| f64::from(plane[index])))));
             if near.len() == AT_ONCE {
                 self.draw(&mut near, mask);
                 near.clear();
@@ -241,7 +281,16 @@ impl PreparedSurfaceLines {
     }
 
     /// Draws the lines at up to `AT_ONCE` places, each with its index in the mask.
-    fn draw(&self, near: &mut [(usize, LinePoint)], mask: &mut [f32]) {
+    fn draw(&self, near: &mut Scratch<(usize, LinePoint)>, mask: &mut [f32]) {
+        sharpen(near);
+        near.retain(|(index, place)| {
+            // Without a line to see there, its distance does not matter.
+            let has_line = place.width > 0.0 && place.sharp > 0.0;
+            if !has_line {
+                mask[*index] = place.faded(0.0) as f32;
+            }
+            has_line
+        });
         if self.node.sway > 0.0 {
             let mut bends = [[0.0; AT_ONCE]; 2];
             for (bend, out) in self.bends.iter().zip(&mut bends) {
@@ -255,8 +304,12 @@ impl PreparedSurfaceLines {
         places.iter_mut().zip(near.iter()).for_each(|(at, (_, place))| *at = place.at);
         let count = near.len();
         self.net.fill_edges(&places[..count], &mut edges[..count], &mut slopes[..count]);
-        for (((index, place), edges), slope) in near.iter().zip(edges).zip(slopes) {
-            mask[*index] = place.mask(f64::from(edges), slope.map(f64::from)) as f32;
+        let mut wide = [[0.0; 2]; AT_ONCE];
+        wide.iter_mut().zip(&slopes[..count]).for_each(|(wide, slope)| *wide = slope.map(f64::from));
+        let mut changed = [0.0; AT_ONCE];
+        changes(near, &wide[..count], &mut changed[..count]);
+        for (((index, place), edges), change) in near.iter().zip(edges).zip(changed) {
+            mask[*index] = place.mask(f64::from(edges), change) as f32;
         }
     }
 }
@@ -302,10 +355,14 @@ impl Prepared for PreparedSurfaceLines {
         }
         let rest = view_vector(inputs, &self.node.view, RESTS);
         let thickness = self.node.thickness.as_ref().map_or(1.0, |source| inputs.scalar(source));
-        let place = self.place(rest, thickness);
+        let mut place = self.place(rest, thickness);
+        let longest = place.steps.map(|[x, z]| libm::hypot(x, z)).into_iter().fold(0.0, f64::max);
+        let turn = TAU * longest;
+        place.sharp = if turn < FAINT { libm::exp(-turn * turn / 8.0) } else { 0.0 };
         let place = place.bent([0, 1].map(|axis| self.node.sway * self.bends[axis].reference(&place.at, 0.0)));
         let (edges, slope) = self.net.edges_reference(place.at);
-        let mask = place.mask(edges, slope);
+        let [across, along] = place.steps.map(|[x, z]| (slope[0] * x + slope[1] * z) / 2.0);
+        let mask = place.mask(edges, libm::hypot(across, along).max(LEAST_CHANGE));
         Ok(references(mask, self.coordinates(rest)))
     }
 
