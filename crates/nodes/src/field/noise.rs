@@ -218,6 +218,13 @@ impl Footprints {
 /// Number of points on surfaces whose noise is computed at once.
 const AT_ONCE: usize = 256;
 
+/// Points on surfaces: indices in planes, and positions in pixels.
+struct Points {
+    count: usize,
+    indices: [usize; AT_ONCE],
+    pixels: [[f64; 2]; AT_ONCE],
+}
+
 impl PreparedNoise {
     /// Fills the noise at the positions in the given channels of the view; 0 where no surface is seen.
     fn on<const S: usize>(&self, block: &Block<'_>, inputs: &Inputs<'_>, channels: [Channel; S], out: &mut [f32]) {
@@ -226,26 +233,32 @@ impl PreparedNoise {
         let planes = channels.map(|channel| inputs.view(&self.node.view, channel));
         let place = |index: usize| std::array::from_fn(|axis| f64::from(planes[axis][index]) - self.moved(axis));
         out.fill(0.0);
-        let mut places = block.places().enumerate().filter(|(index, _)| coverage[*index] != 0.0).peekable();
-        let (mut indices, mut pixels) = ([0; AT_ONCE], [[0.0; 2]; AT_ONCE]);
+        // Points on surfaces lie side by side, however few of them there are.
+        let mut points = Points { count: 0, indices: [0; AT_ONCE], pixels: [[0.0; 2]; AT_ONCE] };
         let [mut ahead, mut prints, mut values] = [[0.0; AT_ONCE]; 3];
-        while places.peek().is_some() {
-            // Points on surfaces lie side by side, however few of them there are.
-            let mut count = 0;
-            for (index, at) in places.by_ref().take(AT_ONCE) {
-                (indices[count], pixels[count]) = (index, at);
-                ahead[count] = depths.map_or(0.0, |depths| depths[index]);
-                count += 1;
-            }
-            let (indices, values) = (&indices[..count], &mut values[..count]);
-            if depths.is_some() {
-                self.footprints.fill(&pixels[..count], &ahead[..count], &mut prints[..count]);
+        let mut fill = |points: &mut Points| {
+            let count = std::mem::take(&mut points.count);
+            let (indices, values) = (&points.indices[..count], &mut values[..count]);
+            if let Some(depths) = depths {
+                ahead.iter_mut().zip(indices).for_each(|(ahead, index)| *ahead = depths[*index]);
+                self.footprints.fill(&points.pixels[..count], &ahead[..count], &mut prints[..count]);
             }
             self.octaves.fill::<S>(indices.iter().map(|index| place(*index)), &prints[..count], values);
             for (index, value) in indices.iter().zip(values) {
                 out[*index] = *value;
             }
-        }
+        };
+        // From within, which is faster than to ask for one place after another.
+        block.places().enumerate().for_each(|(index, at)| {
+            if coverage[index] != 0.0 {
+                (points.indices[points.count], points.pixels[points.count]) = (index, at);
+                points.count += 1;
+                if points.count == AT_ONCE {
+                    fill(&mut points);
+                }
+            }
+        });
+        fill(&mut points);
     }
 
     /// Returns the offset along an axis of the space. In rest space, the second axis is z.
