@@ -30,7 +30,7 @@ pub struct Program {
     guards: Guards,
 }
 
-/// Samples in a run, so few that the results of a few dozen steps stay in the level-1 cache.
+/// Samples in a run, so few that the results of two dozen steps stay in the level-1 cache.
 const RUN: usize = 128;
 
 impl Program {

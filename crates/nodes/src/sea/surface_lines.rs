@@ -197,12 +197,12 @@ fn sharpen(places: &mut [(usize, LinePoint)]) {
 /// Turns of a pixel from which on nothing remains of lines.
 const FAINT: f64 = 12.0;
 
-/// Returns how much the distance from a line changes from pixel to pixel, in cells, given places with the gradients of
+/// Fills in how much the distance from a line changes from pixel to pixel, in cells, given places with the gradients of
 /// F₂ − F₁.
-fn changes(places: &[(usize, LinePoint)], slopes: &[[f64; 2]], changes: &mut [f64]) {
+fn fill_changes(places: &[(usize, LinePoint)], slopes: &[[f64; 2]], out: &mut [f64]) {
     dispatch!(Level::new(), simd => simd.vectorize(#[inline(always)] || {
-        let chunks = places.chunks(LANES).zip(slopes.chunks(LANES)).zip(changes.chunks_mut(LANES));
-        for ((places, slopes), changes) in chunks {
+        let chunks = places.chunks(LANES).zip(slopes.chunks(LANES)).zip(out.chunks_mut(LANES));
+        for ((places, slopes), out) in chunks {
             let mut along = [[0.0; LANES]; 2];
             for (lane, ((_, place), slope)) in places.iter().zip(slopes).enumerate() {
                 for (step, along) in along.iter_mut().enumerate() {
@@ -211,7 +211,7 @@ fn changes(places: &[(usize, LinePoint)], slopes: &[[f64; 2]], changes: &mut [f6
                 }
             }
             let lengths = hypotenuses(along[0], along[1]);
-            for (change, length) in changes.iter_mut().zip(lengths) {
+            for (change, length) in out.iter_mut().zip(lengths) {
                 *change = length.max(LEAST_CHANGE);
             }
         }
@@ -306,9 +306,9 @@ impl PreparedSurfaceLines {
         self.net.fill_edges(&places[..count], &mut edges[..count], &mut slopes[..count]);
         let mut wide = [[0.0; 2]; AT_ONCE];
         wide.iter_mut().zip(&slopes[..count]).for_each(|(wide, slope)| *wide = slope.map(f64::from));
-        let mut changed = [0.0; AT_ONCE];
-        changes(near, &wide[..count], &mut changed[..count]);
-        for (((index, place), edges), change) in near.iter().zip(edges).zip(changed) {
+        let mut changes = [0.0; AT_ONCE];
+        fill_changes(near, &wide[..count], &mut changes[..count]);
+        for (((index, place), edges), change) in near.iter().zip(edges).zip(changes) {
             mask[*index] = place.mask(f64::from(edges), change) as f32;
         }
     }

@@ -103,9 +103,7 @@ impl Fills<'_> {
         }
         (self.crops, self.spare) = (crops, spare);
     }
-}
 
-impl Fills<'_> {
     /// Returns the window over which a stage reads a connection: its region of interest, or whole rows around it that need
     /// no copy.
     pub(super) fn window_of(&self, index: usize, feeds: &[Feed], region: Window) -> Window {
