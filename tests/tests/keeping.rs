@@ -2,6 +2,7 @@
 //! what depends on it, and changed files and buffers are noticed.
 
 use crate::support::{all_bits, evaluate, evaluate_again, graph, graph_in, root, settings, write_exr};
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use trochoid::{Buffers, Cache, CheckedGraph, Format, Frame, Keep, Monitor, Pictures, Plan, Settings, Silent, Window};
 
@@ -295,11 +296,20 @@ fn filters_of_filters_are_filled_in_steps() {
         }
         // Whole planes are not made beyond the limit of memory.
         let mut settings = settings(|s| (s.threads, s.tile) = (2, Some((32, 16))));
-        settings.memory_limit = Plan::new(&graph, &[], 1, &[], &settings).unwrap().memory(Pictures::Whole).total();
-        let plan = Plan::new(&graph, &[], 1, &[], &settings).unwrap();
-        let tiles = Tiles::default();
-        let frame = plan.evaluate(&Buffers::new(), &mut Cache::with_limit(0), &tiles).unwrap();
-        assert!(all_bits(&frame) == all_bits(&plain), "{samples} samples, at the limit of memory");
-        assert_eq!(tiles.0.into_inner(), 3 * 5, "one step of 3 × 5 tiles");
+        let memory = |settings: &Settings| Plan::new(&graph, &[], 1, &[], settings).unwrap().memory(Pictures::Whole);
+        let (all, mut steps) = (memory(&settings).total(), HashSet::new());
+        for share in 1..=32 {
+            settings.memory_limit = all * share / 32;
+            let (account, plan) = (memory(&settings), Plan::new(&graph, &[], 1, &[], &settings).unwrap());
+            let tiles = Tiles::default();
+            let Ok(frame) = plan.evaluate(&Buffers::new(), &mut Cache::with_limit(0), &tiles) else {
+                assert!(account.total() > settings.memory_limit, "{samples} samples, {share}/32 of the memory");
+                continue;
+            };
+            assert!(all_bits(&frame) == all_bits(&plain), "{samples} samples, {share}/32 of the memory");
+            assert!(account.total() <= settings.memory_limit);
+            steps.insert(tiles.0.into_inner() / (3 * 5));
+        }
+        assert!(steps.len() > 1, "{samples} samples: always {steps:?} steps");
     }
 }

@@ -88,6 +88,6 @@ fn with_little_memory_fewer_threads_make_the_same_picture() {
     let (few, short) = evaluate(all.total() - tiles + tiles / 2);
     assert_eq!((few.workers(), few.total()), (4, all.total() - tiles / 2));
     assert_eq!(short.unwrap().planes, whole.unwrap().planes);
-    let (_, none) = evaluate(all.total() - tiles + tiles / 9);
+    let (_, none) = evaluate(all.total() / 20);
     assert!(none.unwrap_err().to_string().contains("tiles of one thread"));
 }

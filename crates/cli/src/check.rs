@@ -305,6 +305,7 @@ fn memory_to_json(graph: &CheckedGraph, account: &MemoryAccount) -> Value {
             MemoryConsumer::Pictures => ("pictures", None),
             MemoryConsumer::Passes => ("passes", None),
             MemoryConsumer::Writing => ("writing pictures", None),
+            MemoryConsumer::Whole => ("planes of the whole picture", None),
             MemoryConsumer::Tiles => ("tiles", None),
         };
         json!({ "what": what, "node": node.map(|id| &graph.node(*id).name), "bytes": bytes })

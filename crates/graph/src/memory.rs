@@ -14,9 +14,11 @@ pub struct MemoryUse {
     pub working: u64,
     /// For a surface or a view: memory that each view of the surfaces holds.
     pub per_view: u64,
-    /// Memory that each thread working on tiles holds for the node: bytes per pixel of the tile, and the maximum in
-    /// bytes. Nodes share this memory, so only the largest counts.
+    /// Memory that each thread working on tiles holds for the node: bytes per pixel that it reads for a tile, and the
+    /// maximum in bytes. Nodes share this memory, so only the largest counts.
     pub thread: [u64; 2],
+    /// Memory of what the node finds for all samples of a tile: bytes per pixel that it reads, for each node.
+    pub found: u64,
     /// Key of shared memory: nodes with the same key hold it together.
     pub shared: Option<[u64; 3]>,
     /// Remedy: what to make smaller.
@@ -45,6 +47,12 @@ impl MemoryUse {
     #[must_use]
     pub fn thread(self, pixel: u64, most: u64) -> Self {
         Self { thread: [pixel, most], ..self }
+    }
+
+    /// Sets the memory of what the node finds for all samples of a tile, in bytes per pixel that it reads.
+    #[must_use]
+    pub fn found(self, pixel: u64) -> Self {
+        Self { found: pixel, ..self }
     }
 
     /// Sets the memory that each view of the surface holds.

@@ -219,7 +219,7 @@ pub struct CompiledProgram {
 
 impl CompiledProgram {
     /// Returns the number of chunks that a machine needs to run it.
-    pub(crate) fn chunks(&self) -> usize {
+    pub fn chunks(&self) -> usize {
         [&self.column, &self.row, &self.main].map(Code::chunks).into_iter().sum()
     }
 

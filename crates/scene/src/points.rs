@@ -1,7 +1,7 @@
 //! Finds the points of surfaces themselves, near those of their meshes.
 
 use crate::project::Layer;
-use crate::sheets::Sheet;
+use crate::sheets::{Sheet, Sheets};
 use crate::surface::{Between, Hit, Surface};
 use crate::{Channel, ChannelSet, Projector, Ray, Samples, Visible};
 use glam::DVec3;
@@ -35,6 +35,11 @@ pub enum Sums {
 const APART: f64 = 0.1;
 
 impl Visible {
+    /// Bytes that a thread takes for each pixel for which [`points`](Self::points) are asked: its sheets, where it meets the
+    /// mesh, in lists that grow to twice what they hold, and the points found, first by surface.
+    pub const BYTES_OF_POINT: u64 =
+        (size_of::<Sheets>() + 2 * size_of::<(Ray, MeshHit)>() + 2 * size_of::<Option<Hit>>()) as u64;
+
     /// Returns what a sample of each of these pixels sees of the surfaces themselves, at `offset` from the pixel's
     /// upper left corner: the point where its ray meets the surface near where it meets the nearest mesh. `None` if
     /// there is no mesh, or no such point.

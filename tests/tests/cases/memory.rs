@@ -7,7 +7,9 @@ use crate::support::{folder, graph_in, root, settings};
 use crate::trial;
 use allocation_counter::measure;
 use libtest_mimic::Trial;
-use trochoid::{Buffers, Cache, CheckedGraph, Format, Plan, Shading, Silent, registry};
+use trochoid::{
+    Buffers, Cache, CheckedGraph, Format, Frame, MemoryConsumer, Pictures, Plan, Shading, Silent, registry,
+};
 
 /// Width of the pictures, and heights of a picture and of one with more tiles.
 const WIDTH: u32 = 96;
@@ -74,18 +76,85 @@ fn tiles_take_nothing(graph: &CheckedGraph, adaptive: Option<f32>) -> Result<(),
 }
 
 fn scene(name: &str) -> Result<(), String> {
-    let path = root().join(format!("graphs/{name}.json"));
-    tiles_take_nothing(&trochoid::load(&path, &[]).map_err(|error| error.to_string())?.graph, Some(0.02))
+    tiles_take_nothing(&load_scene(name)?, Some(0.02))
 }
 
-fn node(name: &str) -> Result<(), String> {
+fn node(name: &str, check: fn(&CheckedGraph) -> Result<(), String>) -> Result<(), String> {
     let text = std::fs::read_to_string(root().join(format!("tests/nodes/{name}.json"))).unwrap();
     let folder = folder();
-    tiles_take_nothing(&graph_in(folder.path(), &text), None)
+    check(&graph_in(folder.path(), &text))
+}
+
+/// Size of the pictures whose memory is estimated, and of their tiles, unless the engine chooses one.
+const SIZE: (u32, u32) = (320, 180);
+const QUARTER: (usize, usize) = (160, 90);
+
+/// Most times that an estimate may be of what tiles take, and bytes that do not matter.
+const OVER: f64 = 5.0;
+const SMALL: u64 = 1 << 20;
+
+/// Samples of a pixel, how they are shaded, and the tolerance of adaptive sampling.
+type Sampling = (u32, Shading, Option<f32>);
+
+/// Samplings of scenes, and of nodes.
+const OF_SCENES: [Sampling; 3] =
+    [(1, Shading::Sample, None), (4, Shading::Sample, Some(0.02)), (4, Shading::Pixel, None)];
+const OF_NODES: [Sampling; 2] = [(1, Shading::Sample, None), (4, Shading::Pixel, None)];
+
+/// Checks that the tiles of one thread take no more memory than estimated, nor much less.
+fn tiles_are_estimated(
+    graph: &CheckedGraph,
+    formats: &[Sampling],
+    tiles: &[Option<(usize, usize)>],
+) -> Result<(), String> {
+    let pool = || rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let mut faults = Vec::new();
+    for (samples, shading, adaptive) in formats {
+        let format = Format::new(SIZE.0, SIZE.1, *samples).unwrap().with_shading(*shading).with_adaptive(*adaptive);
+        let graph = graph.clone().with_scaled_format(format);
+        for tile in tiles {
+            // Whole planes count apart.
+            let settings = settings(|settings| {
+                (settings.tile, settings.threads, settings.switches.hold) = (*tile, 0, false);
+            });
+            let plan = Plan::new(&graph, &[], graph.frames().0, &[], &settings).unwrap();
+            let (mut cache, mut frame) = (Cache::new(), Frame::default());
+            let mut evaluate = || plan.evaluate_into(&mut frame, &Buffers::new(), &mut cache, &Silent).unwrap();
+            pool().install(&mut evaluate);
+            // A thread of its own, which holds nothing yet.
+            let (estimated, taken) = pool().install(|| {
+                let account = plan.memory(Pictures::Whole);
+                let tiles = account.consumers.iter().find(|(consumer, ..)| *consumer == MemoryConsumer::Tiles);
+                (tiles.map_or(0, |(_, bytes, _)| *bytes), measure(&mut evaluate).bytes_max)
+            });
+            if estimated < taken || estimated as f64 > OVER * taken as f64 + SMALL as f64 {
+                let shading = shading.name();
+                faults.push(format!(
+                    "{samples} samples, shaded by the {shading}, adaptive {adaptive:?}, tiles {tile:?}: \
+                     estimated {estimated} bytes, taken {taken}"
+                ));
+            }
+        }
+    }
+    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
+}
+
+fn load_scene(name: &str) -> Result<CheckedGraph, String> {
+    let path = root().join(format!("graphs/{name}.json"));
+    trochoid::load(&path, &[]).map(|loaded| loaded.graph).map_err(|error| error.to_string())
 }
 
 pub(crate) fn trials() -> Vec<Trial> {
     let scenes = SCENES.into_iter().map(|name| trial("memory", name, move || scene(name)));
-    let types = registry().iter().map(|ty| ty.declaration().name);
-    scenes.chain(types.map(|name| trial("memory/nodes", name, move || node(name)))).collect()
+    let estimated = |name: &str| tiles_are_estimated(&load_scene(name)?, &OF_SCENES, &[None, Some(QUARTER)]);
+    let estimates = SCENES.into_iter().map(move |name| trial("memory/estimates", name, move || estimated(name)));
+    let types = || registry().iter().map(|ty| ty.declaration().name);
+    let nodes =
+        types().map(|name| trial("memory/nodes", name, move || node(name, |graph| tiles_take_nothing(graph, None))));
+    let of_nodes = types().map(|name| {
+        trial("memory/estimates/nodes", name, move || {
+            node(name, |graph| tiles_are_estimated(graph, &OF_NODES, &[Some(QUARTER)]))
+        })
+    });
+    scenes.chain(estimates).chain(nodes).chain(of_nodes).collect()
 }

@@ -68,6 +68,38 @@ fn many_files_that_are_too_large_together_are_refused() {
     scene.run(&["check", "a.json", "--memory", "8GB"]).code(2);
 }
 
+/// A picture whose tiles take much memory beside the planes of their stages: samples where it is rough, strokes, a blur.
+const ROUGH: &str = r##"{
+  "trochoid": 1,
+  "format": { "width": 960, "height": 540, "samples": 4, "adaptive": 0.02 },
+  "frames": { "first": 1, "last": 2, "fps": 24 },
+  "nodes": {
+    "camera": { "type": "Camera", "position": [0, 3, 10], "target": [0, 2, 0] },
+    "sea": { "type": "GerstnerSea", "count": 24 },
+    "view": { "type": "Render", "camera": "camera", "surfaces": ["sea"] },
+    "height": { "type": "Height", "view": "view" },
+    "mask": { "type": "Clamp", "field": "height", "min": -0.1, "max": 0.1 },
+    "line": { "type": "Outline", "view": "view", "width": 3 },
+    "soft": { "type": "Blur", "image": "mask", "size": 12 },
+    "water": { "type": "Mix", "a": "#0b2545", "b": "#8da9c4", "weight": "soft" },
+    "drawn": { "type": "Mix", "a": "water", "b": "#000000", "weight": "line" },
+    "painted": { "type": "Strokes", "image": "drawn", "view": "view", "layers": [{ "spacing": 4 }] }
+  },
+  "outputs": { "beauty": { "color": "painted", "file": "out.####.png" } }
+}"##;
+
+#[test]
+fn the_memory_that_a_frame_is_said_to_take_is_enough() {
+    let scene = Scene::new(ROUGH);
+    for threads in ["1", "2", "16"] {
+        let render = |memory: &str| scene.run(&["render", "a.json", "--threads", threads, "--memory", memory]);
+        let refused = render("64MB").code(1);
+        let (_, taken) = refused.err.split_once("takes about ").unwrap();
+        let (megabytes, _) = taken.split_once(" MB").unwrap();
+        render(&format!("{}MB", megabytes.parse::<f64>().unwrap().ceil())).code(0);
+    }
+}
+
 #[test]
 fn sizes_need_a_unit() {
     let scene = Scene::new(crate::scene::SCENE);

@@ -2,7 +2,7 @@
 
 use super::bands::Rows;
 use super::fill::make_room;
-use super::tile::{Worker, audit_tile, run_samples, slices};
+use super::tile::{Worker, audit_tile, channel_count, run_samples, slices};
 use crate::planning::plan::{Pass, Sample};
 use crate::{EvalError, Plan};
 use fearless_simd::{Level, Simd, dispatch};
@@ -123,6 +123,15 @@ pub(super) struct Adaptive {
     pixels: Vec<[i64; 2]>,
     /// Sums of the samples at these pixels, by channel.
     sums: Vec<Vec<f64>>,
+}
+
+/// Returns the bytes that adaptive sampling keeps for each pixel of a tile.
+pub(crate) fn bytes_of_pixel(pass: &Pass) -> u64 {
+    let channels = channel_count(pass);
+    let outputs = pass.roots.iter().map(|(output, _)| output + 1).max().unwrap_or(0);
+    let values = channels * (size_of::<f32>() + size_of::<f64>()) + 2 * size_of::<f32>();
+    let listed = size_of::<usize>() + size_of::<[i64; 2]>();
+    (values + listed + outputs * size_of::<bool>()) as u64
 }
 
 impl Adaptive {

@@ -48,9 +48,7 @@ impl Plan<'_> {
         account: &MemoryAccount,
         cache: &mut Cache,
     ) -> PlaneKeeper {
-        // Steps make tiles smaller, but whole planes come on top of what was checked.
-        let spare = account.tiles().min(self.settings.memory_limit.saturating_sub(account.total()));
-        let bytes = [account.held(), spare].map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX));
+        let bytes = [account.held(), account.whole()].map(|bytes| usize::try_from(bytes).unwrap_or(usize::MAX));
         PlaneKeeper::new(self, ready, bytes, cache)
     }
 }

@@ -1,7 +1,7 @@
 //! Planes that stages filled, kept for the next evaluation: an edit refills only what depends on it.
 
 use super::prepare::{Cache, PreparedStage, key_of_planes};
-use super::steps::{AGAIN, Steps, Whole};
+use super::steps::{Steps, Whole};
 use super::tile_size::Load;
 use crate::planning::plan::{Fill, Pass};
 use crate::{Keep, Plan};
@@ -66,22 +66,14 @@ impl PlaneKeeper {
         let Some(pass) = plan.whole_pass() else { return keeper };
         let picture = plan.graph.format().window();
         let extents = super::fill::extents(plan, ready, &pass.fills);
+        let is_picture = |node: NodeId| extents.get(&node) == Some(&picture);
         // Planes kept hold no pixels beyond the picture, and what varies along one axis costs almost nothing to
         // refill.
         let can_wait = |index: usize| {
             let fill = &pass.fills[index];
-            fill.variance == Variance::Pixel && extents.get(&fill.node) == Some(&picture)
+            fill.variance == Variance::Pixel && is_picture(fill.node)
         };
-        let holds = plan.settings.switches.hold;
-        let can_hold = |planes: Whole| match planes {
-            _ if !holds => false,
-            Whole::Fill(index) => can_wait(index),
-            // Others run the program before them at single pixels.
-            Whole::Taps(index) => {
-                let fill = &pass.fills[index];
-                fill.shared.is_none() && plan.stage(fill.node).is_some_and(|stage| !stage.is_pixelwise())
-            }
-        };
+        let can_hold = |planes: Whole| plan.can_hold(pass, planes, &is_picture);
         let mut unknown = Vec::new();
         let keeps = plan.settings.keep != Keep::Nothing;
         for (index, fill) in pass.fills.iter().enumerate().filter(|(index, _)| keeps && can_wait(*index)) {
@@ -93,7 +85,8 @@ impl PlaneKeeper {
         }
         let known_before: HashSet<Whole> = keeper.known.keys().copied().collect();
         let is_known = |fill: usize| known_before.contains(&Whole::Fill(fill));
-        let mut steps = Steps::new(plan, pass, &is_known, &can_hold, AGAIN[0]);
+        let mut ways = Steps::ways(plan, pass, &is_known, &can_hold);
+        let Some(mut steps) = ways.next() else { return keeper };
         let is_spared = |node: NodeId| {
             let mut fills = pass.fills.iter().enumerate().filter(|(_, fill)| fill.node == node);
             fills.all(|(index, _)| steps.is_idle(index))
@@ -111,7 +104,7 @@ impl PlaneKeeper {
         let coarse = cache.recent(picture.area()).saturating_sub(now);
         // Estimates saturate.
         let mut room = cache.limit().saturating_sub(prepared.saturating_add(known).saturating_add(coarse));
-        let bytes = |whole: Whole| bytes(plan, pass, whole);
+        let bytes = |whole: Whole| plan.bytes_of(pass, whole);
         let mut taken = prepared - now;
         for (index, _, key) in unknown.into_iter().rev() {
             let Some(left) = room.checked_sub(bytes(Whole::Fill(index))) else { continue };
@@ -123,14 +116,11 @@ impl PlaneKeeper {
         if keeps {
             cache.make_way(taken);
         }
-        let fills = |planes: Whole| matches!(planes, Whole::Fill(_)) && can_hold(planes);
-        let fewer: [(&dyn Fn(Whole) -> bool, f64); 3] =
-            [(&fills, AGAIN[0]), (&fills, AGAIN[1]), (&|_| false, f64::INFINITY)];
-        for (can_hold, least) in fewer {
-            if steps.held(&|fill| keeper.keys.contains_key(&fill), &bytes) > spare {
-                steps = Steps::new(plan, pass, &is_known, can_hold, least);
-            }
+        while steps.held(&|fill| keeper.keys.contains_key(&fill), &bytes) > spare {
+            let Some(fewer) = ways.next() else { break };
+            steps = fewer;
         }
+        drop(ways);
         keeper.step = steps.count();
         keeper.steps = Some(steps);
         keeper
@@ -196,6 +186,11 @@ impl PlaneKeeper {
         }
     }
 
+    /// Returns how the evaluation is divided.
+    pub(crate) fn steps(&self) -> Option<&Steps> {
+        self.steps.as_ref()
+    }
+
     /// Returns whether the current step is the last one, which also runs the program.
     pub(crate) fn is_last_step(&self) -> bool {
         self.step == 0
@@ -211,7 +206,7 @@ impl PlaneKeeper {
     pub(crate) fn whole(&self, plan: &Plan<'_>, pass: &Pass) -> Vec<(Whole, usize, usize)> {
         let mut whole: Vec<Whole> = self.steps.iter().flat_map(Steps::whole).collect();
         whole.sort_unstable();
-        whole.into_iter().map(|whole| (whole, whole.channels(pass), bytes(plan, pass, whole))).collect()
+        whole.into_iter().map(|whole| (whole, whole.channels(pass), plan.bytes_of(pass, whole))).collect()
     }
 
     /// Returns the work of stages on a tile and beyond it in the last step, or in the current one.
@@ -298,10 +293,4 @@ impl Plan<'_> {
 /// Returns the number of channels of each root of the program before a fill.
 fn tap_channels(fill: &Fill) -> impl Iterator<Item = usize> {
     fill.taps.iter().flat_map(|taps| &taps.roots).copied()
-}
-
-/// Returns the bytes of whole planes.
-fn bytes(plan: &Plan<'_>, pass: &Pass, whole: Whole) -> usize {
-    let plane = plan.graph.format().window().area().saturating_mul(4 * pass.offsets.len());
-    plane.saturating_mul(whole.channels(pass))
 }

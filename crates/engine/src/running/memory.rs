@@ -1,13 +1,12 @@
 //! Estimates how much memory a plan takes before any of it is allocated.
 
-use super::tile::channel_count;
-use super::tile_size::Load;
-use crate::planning::plan::{Feed, Fill, Pass};
+use super::steps::{Steps, Whole};
+use super::tile_memory::samples;
+use crate::planning::plan::Pass;
 use crate::{EvalError, Plan};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
-use trochoid_graph::{MemoryContext, MemoryUse, NodeId, Stage, Variance, in_bytes};
-use trochoid_image::Window;
+use trochoid_graph::{MemoryContext, MemoryUse, NodeId, Stage, in_bytes};
 
 /// Most consumers that a message names.
 const NAMED: usize = 4;
@@ -23,6 +22,8 @@ pub enum MemoryConsumer {
     Passes,
     /// Buffers needed while one picture is written to its file.
     Writing,
+    /// Planes that are held over the whole picture, since filters read far around tiles.
+    Whole,
     /// Tiles that threads work on.
     Tiles,
     /// Most memory that one node needs while it prepares.
@@ -56,6 +57,10 @@ pub struct MemoryAccount {
     shared: Vec<NodeId>,
     /// Number of threads that work on tiles at once.
     workers: usize,
+    /// Estimates of nodes.
+    uses: HashMap<NodeId, MemoryUse>,
+    /// Bytes of a sample in a band of rows that is handed on.
+    beside_tiles: u64,
 }
 
 impl MemoryAccount {
@@ -76,10 +81,18 @@ impl MemoryAccount {
         nodes.fold(0, |sum, (_, bytes, _)| sum.saturating_add(*bytes))
     }
 
-    /// Returns the bytes of the tiles that threads work on.
-    pub(crate) fn tiles(&self) -> u64 {
-        let tiles = self.consumers.iter().find(|(consumer, ..)| *consumer == MemoryConsumer::Tiles);
-        tiles.map_or(0, |(_, bytes, _)| *bytes)
+    /// Returns the bytes of planes that may be held over the whole picture.
+    pub(crate) fn whole(&self) -> u64 {
+        let whole = self.consumers.iter().find(|(consumer, ..)| *consumer == MemoryConsumer::Whole);
+        whole.map_or(0, |(_, bytes, _)| *bytes)
+    }
+
+    /// Sets the bytes of the tiles of all threads.
+    fn set_tiles(&mut self, each: u64, threads: usize) {
+        self.workers = threads;
+        self.consumers.retain(|(consumer, ..)| *consumer != MemoryConsumer::Tiles);
+        let remedy = "lower the format's \"width\", or reduce the reach of filters";
+        self.consumers.push((MemoryConsumer::Tiles, each.saturating_mul(threads as u64), remedy));
     }
 
     /// Raises a node's share to the bytes that it really holds, if that is more.
@@ -121,7 +134,13 @@ impl Plan<'_> {
     /// Does the same as [`Plan::memory`], given the bytes of nodes that are already prepared.
     pub(crate) fn account(&self, pictures: Pictures, known: &HashMap<NodeId, u64>) -> MemoryAccount {
         let mut uses: HashMap<NodeId, MemoryUse> = HashMap::new();
-        let mut account = MemoryAccount { consumers: Vec::new(), shared: Vec::new(), workers: 1 };
+        let mut account = MemoryAccount {
+            consumers: Vec::new(),
+            shared: Vec::new(),
+            workers: 1,
+            uses: HashMap::new(),
+            beside_tiles: 0,
+        };
         let consumers = &mut account.consumers;
         let mut preparing = None;
         let mut shared = HashSet::new();
@@ -162,27 +181,89 @@ impl Plan<'_> {
         }
         let remedy = "hand over passes whose samples lie one after another, or make a smaller picture";
         consumers.push((MemoryConsumer::Passes, self.settings.copies, remedy));
-        let tiles = self.passes.iter().map(|pass| self.scratch(pass, &uses)).fold(0, u64::saturating_add);
-        // A band that is handed on is as wide as the picture.
-        let band = match pictures {
-            Pictures::Rows => {
-                let rows = self.passes.iter().map(|pass| self.tile_before(pass)[1]).max().unwrap_or(0);
-                let rows = rows.next_multiple_of(ROWS).min(self.window.height());
-                samples(channels().sum(), [self.window.width(), rows])
-            }
+        account.uses = uses;
+        account.beside_tiles = match pictures {
+            Pictures::Rows => size_of::<f32>() as u64 + ENCODED_ROWS,
             Pictures::Whole | Pictures::Files => 0,
         };
-        let tiles = tiles.saturating_add(band.saturating_mul(size_of::<f32>() as u64 + ENCODED_ROWS));
-        // Tiles that are narrower than the picture are computed beside their band.
-        let tile =
-            self.passes.iter().map(|pass| self.tile_before(pass)).filter(|[width, _]| *width < self.window.width());
-        let beside = tile.map(|tile| samples(channels().sum(), tile)).max().unwrap_or(0);
-        let tiles = tiles.saturating_add(beside.saturating_mul(size_of::<f32>() as u64));
-        let remedy = "lower the format's \"width\", or reduce the reach of filters";
-        account.workers = self.threads();
-        account.consumers.push((MemoryConsumer::Tiles, tiles.saturating_mul(account.workers as u64), remedy));
+        let threads = self.threads();
+        let ways = self.ways(&account);
+        // Whole planes may leave less memory for tiles, and so for threads.
+        let left = self.settings.memory_limit.saturating_sub(account.total());
+        let workers = |(each, whole): &(u64, u64)| (left.saturating_sub(*whole) / (*each).max(1)).min(threads as u64);
+        // Of equally good ways the first one, and if none is possible, the one that takes the least.
+        let least = |(each, whole): &(u64, u64)| std::cmp::Reverse(each.saturating_add(*whole));
+        let way = ways.iter().copied().rev().max_by_key(|way| match workers(way) {
+            0 => (0, Some(least(way))),
+            workers => (workers, None),
+        });
+        let way = way.unwrap_or_default();
+        let remedy = "lower the format's \"width\" or \"height\", or use fewer samples";
+        account.consumers.push((MemoryConsumer::Whole, way.1, remedy));
+        account.set_tiles(way.0, threads);
         account.shrink_to(self.settings.memory_limit);
         account
+    }
+
+    /// Returns the ways to fill tiles: the most bytes that the tile of a thread takes, and those of planes that are held over
+    /// the whole picture; the way with the most such planes first, at least one.
+    fn ways(&self, account: &MemoryAccount) -> Vec<(u64, u64)> {
+        let Some(pass) = self.whole_pass() else {
+            let each = self.passes.iter().map(|pass| self.bytes_of_tile(account, pass, None));
+            return vec![(each.fold(0, u64::saturating_add), 0)];
+        };
+        // Not more than all tiles would take to be filled otherwise.
+        let most = self.tile_memory(pass, &account.uses, None).filling.saturating_mul(self.threads() as u64);
+        let can_hold = |planes: Whole| self.can_hold(pass, planes, &|_| true);
+        let ways = Steps::ways(self, pass, &|_| false, &can_hold).filter_map(|steps| {
+            let whole = steps.held(&|_| false, &|planes| self.bytes_of(pass, planes)) as u64;
+            (whole <= most).then(|| (self.bytes_of_steps(account, pass, &steps), whole))
+        });
+        let mut found: Vec<(u64, u64)> = Vec::new();
+        for way in ways {
+            found.push(way);
+            if way.1 == 0 {
+                break;
+            }
+        }
+        found
+    }
+
+    /// Returns the most bytes that the tile of a thread takes in any step.
+    fn bytes_of_steps(&self, account: &MemoryAccount, pass: &Pass, steps: &Steps) -> u64 {
+        let each = (0..steps.count()).map(|step| self.bytes_of_tile(account, pass, Some((steps, step))));
+        each.max().unwrap_or(0)
+    }
+
+    /// Returns the bytes that the tile of a thread takes, with its rows of the pictures.
+    fn bytes_of_tile(&self, account: &MemoryAccount, pass: &Pass, step: Option<(&Steps, usize)>) -> u64 {
+        let memory = self.tile_memory(pass, &account.uses, step);
+        let tile = memory.filling.saturating_add(memory.rest);
+        if step.is_some_and(|(_, step)| step > 0) {
+            return tile;
+        }
+        let channels = self.outputs.iter().map(|output| output.kind.channels()).sum();
+        let [width, height] = self.tile_before(pass, step);
+        // A band that is handed on is as wide as the picture.
+        let rows = height.next_multiple_of(ROWS).min(self.window.height());
+        let band = samples(channels, [self.window.width(), rows]).saturating_mul(account.beside_tiles);
+        // Tiles that are narrower than the picture are computed beside their band.
+        let is_beside = width < self.window.width();
+        let beside = if is_beside { samples(channels, [width, height]) * size_of::<f32>() as u64 } else { 0 };
+        tile.saturating_add(band).saturating_add(beside)
+    }
+
+    /// Estimates tiles again once it is known how the evaluation is divided into steps: images of files may have other
+    /// sizes than the picture.
+    ///
+    /// # Errors
+    /// Same as [`check_memory`](Self::check_memory).
+    pub(crate) fn account_for(&self, account: &mut MemoryAccount, steps: &Steps) -> Result<(), EvalError> {
+        let Some(pass) = self.whole_pass() else { return Ok(()) };
+        let each = self.bytes_of_steps(account, pass, steps);
+        account.set_tiles(each, self.threads());
+        account.shrink_to(self.settings.memory_limit);
+        self.check_memory(account)
     }
 
     /// Refuses a frame that takes more memory than the settings allow; an evaluation does this before it prepares
@@ -220,6 +301,7 @@ impl Plan<'_> {
                 MemoryConsumer::Pictures => "pictures".into(),
                 MemoryConsumer::Passes => "copies of passes".into(),
                 MemoryConsumer::Writing => "writing pictures".into(),
+                MemoryConsumer::Whole => "planes of the whole picture".into(),
                 MemoryConsumer::Tiles if account.workers == 1 => "tiles of one thread".into(),
                 MemoryConsumer::Tiles => format!("tiles of {} threads", account.workers),
                 MemoryConsumer::Preparing(id) => format!("preparing {}", name(id)),
@@ -240,90 +322,8 @@ impl Plan<'_> {
         if self.settings.threads == 0 { rayon::current_num_threads() } else { self.settings.threads }
     }
 
-    /// Returns the bytes that one thread needs for a tile of a pass: every stage's planes over the window that its
-    /// readers need, sums of samples, the first sample's surface and depth for each view, the temporary data of the
-    /// stage that needs most, and the data that nodes hold per thread.
-    fn scratch(&self, pass: &Pass, uses: &HashMap<NodeId, MemoryUse>) -> u64 {
-        let tile = self.tile_before(pass);
-        let (sizes, passing) = self.sizes(pass, tile);
-        let of_thread = pass.fills.iter().zip(&sizes).map(|(fill, size)| {
-            let [pixel, most] = uses.get(&fill.node).copied().unwrap_or_default().thread;
-            samples(1, *size).saturating_mul(pixel).min(most)
-        });
-        let of_thread = of_thread.max().unwrap_or_default();
-        let planes = pass.fills.iter().zip(sizes).map(|(fill, [width, height])| {
-            let channels = fill.wanted.iter().flatten().filter(|wanted| **wanted).count();
-            let rows = if fill.variance <= Variance::Column { height.min(1) } else { height };
-            samples(channels, [width, rows])
-        });
-        let views: HashSet<NodeId> = pass.fills.iter().flat_map(|fill| fill.shared.iter().flatten()).copied().collect();
-        let held = planes.sum::<u64>() + samples(3 * views.len(), tile) + passing;
-        let sums = if pass.offsets.len() > 1 { samples(channel_count(pass), tile) } else { 0 };
-        let sums = sums.saturating_mul(size_of::<f64>() as u64).saturating_add(of_thread);
-        held.saturating_mul(size_of::<f32>() as u64).saturating_add(sums)
-    }
-
-    /// Returns the largest size of a tile, as far as it is known before files are open.
-    fn tile_before(&self, pass: &Pass) -> [usize; 2] {
-        let reads = |fill: &Fill| self.stage(fill.node).is_some_and(|stage| !stage.files(&self.context).is_empty());
-        let (width, height) = self.tile_for(pass.fills.iter().any(reads).then_some(1), &Load::of(self.halo()));
-        [width.min(self.window.width()), height.min(self.window.height())]
-    }
-
-    /// Returns the width and height that each stage of a pass fills for a tile, without what lies beyond the picture,
-    /// and the largest number of temporary samples: of any stage its inputs, of which it gets copies and makes about as
-    /// much again, and the planes of the programs before stages, which share their memory unless samples share results.
-    fn sizes(&self, pass: &Pass, tile: [usize; 2]) -> (Vec<[usize; 2]>, u64) {
-        let mut sizes: Vec<[usize; 2]> = pass.fills.iter().map(|fill| if fill.read { tile } else { [0, 0] }).collect();
-        let (mut most, mut taps, mut tapped, mut kept) = (0, HashSet::new(), [0, 0], 0_u64);
-        for (index, fill) in pass.fills.iter().enumerate().rev() {
-            let Some(stage) = self.stage(fill.node) else { continue };
-            let [width, height] = sizes[index];
-            let own = Window::new(0, 0, width as i64, height as i64);
-            let (mut passing, mut own_taps) = (0_u64, [0, 0]);
-            for (port, connections) in &fill.inputs {
-                let asked = stage.regions_of_interest(*port, own, self.graph.format());
-                let asked = [asked.width().min(self.window.width()), asked.height().min(self.window.height())];
-                let mut need = |node: NodeId| {
-                    let readers = pass.fills[..index].iter().zip(&mut sizes).filter(|(fill, _)| fill.node == node);
-                    readers.for_each(|(_, size)| *size = larger(*size, asked));
-                };
-                for feed in connections.iter().flatten().filter(|feed| **feed != Feed::Nothing) {
-                    passing = passing.saturating_add(samples(2, asked));
-                    match feed {
-                        Feed::Slot(slot) => need(slot.node),
-                        Feed::Tap(root, channel) => {
-                            own_taps = larger(own_taps, asked);
-                            if !fill.steady {
-                                taps.insert((*root, *channel));
-                                tapped = larger(tapped, asked);
-                            }
-                            fill.taps.iter().flat_map(|taps| &taps.planes).for_each(|slot| need(slot.node));
-                        }
-                        Feed::Nothing | Feed::Constant(_) => {}
-                    }
-                }
-            }
-            most = most.max(passing);
-            if let Some(program) = fill.taps.as_ref().filter(|_| fill.steady) {
-                kept = kept.saturating_add(samples(program.roots.iter().sum(), own_taps));
-            }
-        }
-        (sizes, most.saturating_add(samples(taps.len(), tapped)).saturating_add(kept))
-    }
-
     /// Returns a node's stage, if it is needed and not filled from outside.
     pub(crate) fn stage(&self, id: NodeId) -> Option<&dyn Stage> {
         self.settled[id.0].as_ref().filter(|_| !self.bound[id.0])?.stage()
     }
-}
-
-/// Returns the larger of two sizes, along each axis.
-fn larger(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
-    [a[0].max(b[0]), a[1].max(b[1])]
-}
-
-/// Returns the number of samples in some planes.
-fn samples(planes: usize, [width, height]: [usize; 2]) -> u64 {
-    (planes as u64).saturating_mul(width as u64).saturating_mul(height as u64)
 }

@@ -24,4 +24,5 @@ pub(crate) mod reference;
 pub(crate) mod run;
 pub(crate) mod steps;
 pub(crate) mod tile;
+mod tile_memory;
 mod tile_size;

@@ -148,7 +148,7 @@ impl Plan<'_> {
         self.in_pool(|| {
             self.validate(buffers)?;
             let started = Instant::now();
-            let (ready, account) = prepare(self, cache, monitor, pictures)?;
+            let (ready, mut account) = prepare(self, cache, monitor, pictures)?;
             let prepared = started.elapsed().as_secs_f64();
             let started = Instant::now();
             let judges: Vec<Option<Arc<Judge>>> =
@@ -156,6 +156,9 @@ impl Plan<'_> {
             let judged = started.elapsed().as_secs_f64();
             let started = Instant::now();
             let mut keeper = self.keeper(&ready, &account, cache);
+            if let Some(steps) = keeper.steps() {
+                self.account_for(&mut account, steps)?;
+            }
             let bands = bands(self.tile(&ready, &keeper.load(self, true)))?;
             let mut totals = WorkerTotals::default();
             let mut steps = || {

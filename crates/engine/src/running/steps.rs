@@ -9,8 +9,9 @@ use super::tile_size::Load;
 use crate::Plan;
 use crate::planning::plan::{Fill, Pass};
 use crate::planning::schedule::{Reach, Reads, larger, read_before};
+use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
-use trochoid_graph::Slot;
+use trochoid_graph::{NodeId, Slot, Variance};
 
 /// Time that a stage takes to fill a sample of a plane, in units of the time to write and read it: about that of a short
 /// formula. Views and noise take several times as long.
@@ -20,7 +21,7 @@ const STAGE: f64 = 4.0;
 const COSTLY: f64 = 16.0;
 
 /// Least shares of a picture's pixels that tiles fill again for planes to be held, and if memory is too short for these.
-pub(crate) const AGAIN: [f64; 2] = [0.05, 0.5];
+const AGAIN: [f64; 2] = [0.05, 0.5];
 
 /// Planes that are held over the whole picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -53,9 +54,25 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
+    /// Returns the ways to divide a pass, from the one that holds the most planes on to the one that holds none. Fills that are
+    /// `known` take no part; only planes that `can_wait` for all of their pixels begin a step.
+    pub(crate) fn ways<'w>(
+        plan: &'w Plan<'_>,
+        pass: &'w Pass,
+        known: &'w dyn Fn(usize) -> bool,
+        can_wait: &'w dyn Fn(Whole) -> bool,
+    ) -> impl Iterator<Item = Self> + 'w {
+        let [often, seldom] = AGAIN;
+        let ways = [(true, true, often), (true, false, often), (true, false, seldom), (false, false, f64::INFINITY)];
+        ways.into_iter().map(move |(fills, taps, least)| {
+            let is_meant = |planes: Whole| if matches!(planes, Whole::Fill(_)) { fills } else { taps };
+            Self::new(plan, pass, known, &|planes| is_meant(planes) && can_wait(planes), least)
+        })
+    }
+
     /// Divides a pass. Fills that are `known` take no part; only planes that `can_wait` for all of their pixels begin a step,
     /// and only where tiles would fill at least this share of the pixels again.
-    pub(crate) fn new(
+    fn new(
         plan: &Plan<'_>,
         pass: &Pass,
         known: &dyn Fn(usize) -> bool,
@@ -64,8 +81,13 @@ impl Steps {
     ) -> Self {
         let fills = &pass.fills;
         let by_slot = by_slot(fills);
+        let shares: RefCell<HashMap<Reach, f64>> = RefCell::default();
+        let filled_again = |reach: Reach| match reach {
+            (0, 0) => 0.0,
+            _ => *shares.borrow_mut().entry(reach).or_insert_with(|| plan.filled_again(reach)),
+        };
         let pays = |reach: Reach, planes: usize, upstream: &dyn Fn() -> usize| {
-            let again = plan.filled_again(reach);
+            let again = filled_again(reach);
             again > least && STAGE * again * upstream() as f64 > planes as f64
         };
         let mut steps = Self { of: vec![BTreeSet::new(); fills.len()], ..Self::default() };
@@ -82,12 +104,13 @@ impl Steps {
             let is_needed = !known(index) && !own.is_empty();
             let whole = Whole::Fill(index);
             let all = || upstream(fills, &by_slot, fill.slots().copied(), known) + whole.channels(pass);
-            let is_far = is_needed && pays(beyond[index], whole.channels(pass), &all);
+            let can_be_whole = is_needed && can_wait(whole);
+            let is_far = can_be_whole && pays(beyond[index], whole.channels(pass), &all);
             if !is_needed {
                 steps.of[index].clear();
             } else if let (Some(&first), Some(&last)) = (own.last(), own.first())
+                && can_be_whole
                 && (is_far || first > last)
-                && can_wait(whole)
             {
                 let step = if is_far { first + 1 } else { first };
                 steps.whole.insert(whole, [step, last]);
@@ -178,6 +201,16 @@ impl Steps {
         self.whole.iter().filter(move |(_, [first, _])| *first == step).map(|(planes, _)| *planes)
     }
 
+    /// Returns whether a step fills some whole planes.
+    pub(crate) fn is_filled_by(&self, planes: Whole, step: usize) -> bool {
+        self.whole.get(&planes).is_some_and(|[first, _]| *first == step)
+    }
+
+    /// Returns whether some whole planes are filled by a step before this one.
+    pub(crate) fn is_filled_before(&self, planes: Whole, step: usize) -> bool {
+        self.whole.get(&planes).is_some_and(|[first, _]| *first > step)
+    }
+
     /// Returns whether some planes must be whole before the next step.
     pub(crate) fn is_whole(&self, planes: Whole) -> bool {
         self.whole.contains_key(&planes)
@@ -199,6 +232,27 @@ impl Steps {
             at.map(|(planes, _)| bytes(*planes)).fold(0, usize::saturating_add)
         };
         (0..self.count()).map(held).max().unwrap_or(0)
+    }
+}
+
+impl Plan<'_> {
+    /// Returns whether planes may be held over the whole picture, given which nodes have an image of just that size.
+    pub(super) fn can_hold(&self, pass: &Pass, planes: Whole, is_picture: &dyn Fn(NodeId) -> bool) -> bool {
+        let (Whole::Fill(index) | Whole::Taps(index)) = planes;
+        let fill = &pass.fills[index];
+        self.settings.switches.hold
+            && match planes {
+                // What varies along one axis costs almost nothing to refill.
+                Whole::Fill(_) => fill.variance == Variance::Pixel && is_picture(fill.node),
+                // Others run the program before them at single pixels.
+                Whole::Taps(_) => fill.shared.is_none() && self.stage(fill.node).is_some_and(|s| !s.is_pixelwise()),
+            }
+    }
+
+    /// Returns the bytes of whole planes.
+    pub(super) fn bytes_of(&self, pass: &Pass, planes: Whole) -> usize {
+        let plane = self.graph.format().window().area().saturating_mul(4 * pass.offsets.len());
+        plane.saturating_mul(planes.channels(pass))
     }
 }
 

@@ -72,6 +72,11 @@ impl Stage for Grain {
         Rate::Pixel
     }
 
+    fn memory(&self, _context: &MemoryContext<'_>) -> MemoryUse {
+        // Where a pixel lies in the pulp, and the values of noise there.
+        MemoryUse::default().thread(64, u64::MAX)
+    }
+
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         let seed = self.seed as u32;
         let noise = |kind: NoiseKind, octaves: usize, salt: u32| {

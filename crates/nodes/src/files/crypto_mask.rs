@@ -95,7 +95,7 @@ impl Stage for CryptoMask {
         let path = context.frame.path(&self.file);
         let parts = Cryptomatte::find(context.frame, &path, &self.asked())
             .and_then(|matte| Self::parts(context.frame, &path, &matte));
-        memory_on_demand(&parts.unwrap_or_default())
+        memory_on_demand(&parts.unwrap_or_default()).thread(BYTES_OF_PIXEL, u64::MAX)
     }
 
     fn check_headers(&self, frame: &FrameContext, _wanted: &[Vec<bool>]) -> Result<(), NodeError> {
@@ -217,6 +217,9 @@ impl PreparedMask {
         Ok(sum.min(1.0))
     }
 }
+
+/// Bytes that a thread takes for a pixel: the sum of its coverages, and where it lies in the file.
+const BYTES_OF_PIXEL: u64 = 32;
 
 impl Prepared for PreparedMask {
     fn data_window(&self, picture: Window, _inputs: &dyn Fn(PortId) -> Window) -> Window {

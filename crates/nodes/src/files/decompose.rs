@@ -139,7 +139,9 @@ impl Stage for Decompose {
     }
 
     fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
-        memory_of_picture(self.knobs(&self.named()), context, None)
+        // A pixel's color, twice, and weights that nobody wants.
+        let pixel = size_of::<f32>() * (6 + self.kind().channels());
+        memory_of_picture(self.knobs(&self.named()), context, None).thread(pixel as u64, u64::MAX)
     }
 
     fn check_headers(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {

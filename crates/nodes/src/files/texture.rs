@@ -100,7 +100,8 @@ impl Stage for Texture {
         let picture = memory_of_picture(self.knobs(), context, None);
         // Sums take 8 bytes for each sample of 4.
         let sums = if self.footprint.is_some() { 2 * picture.held } else { 0 };
-        MemoryUse { held: picture.held + sums, ..picture }
+        let pixel = if self.footprint.is_some() { BYTES_OF_AREA } else { BYTES_OF_PIXEL };
+        MemoryUse { held: picture.held + sums, ..picture }.thread(pixel, u64::MAX)
     }
 
     fn check_headers(&self, frame: &FrameContext, wanted: &[Vec<bool>]) -> Result<(), NodeError> {
@@ -336,6 +337,10 @@ impl PreparedTexture {
 fn extremes(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), number| (least.min(number), most.max(number)))
 }
+
+/// Bytes that a thread takes for a pixel: the pixels that it reads, and, with a footprint, the area that it covers.
+const BYTES_OF_PIXEL: u64 = 128;
+const BYTES_OF_AREA: u64 = 512;
 
 /// Maximum number of pixels examined where a position is uncertain.
 const MOST: f64 = 4096.0;

@@ -190,14 +190,13 @@ impl Stage for BezierModel {
     }
 
     fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
-        if let Some(model) = &self.model {
-            return memory::of_model(&context.frame.path(model), BYTES_OF_VERTEX);
-        }
-        let side = match self.tessellation {
-            Pieces::Adaptive => 1,
-            Pieces::Uniform => self.segments as u64 + 1,
+        let model = self.model.as_ref();
+        let model = model.map(|model| memory::of_model(&context.frame.path(model), BYTES_OF_VERTEX));
+        let own = match self.tessellation {
+            Pieces::Adaptive => memory::of_curved(self.tolerance, context),
+            Pieces::Uniform => memory::of_patches(self.patches.len() as u64, self.segments as u64 + 1),
         };
-        memory::of_patches(self.patches.len() as u64, side)
+        model.map_or(own, |model| model.per_view(model.per_view.max(own.per_view)))
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

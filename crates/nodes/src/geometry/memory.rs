@@ -21,6 +21,9 @@ const VIEW: &str = "lower the format's \"width\" and \"height\", or the \"finene
 #[cfg(feature = "sea")]
 const SMALL: (f64, f64) = (1.5, 3e5);
 
+/// Vertices per pixel of patches whose triangles are a pixel off.
+const CURVED: f64 = 0.01;
+
 /// Returns the memory of a sea of waves: the vertices of a view are limited by pixel, times `detail` along each axis;
 /// small pictures have more.
 #[cfg(feature = "sea")]
@@ -49,6 +52,13 @@ pub(crate) fn of_model(path: &Path, bytes_of_vertex: u64) -> MemoryUse {
 /// Returns the memory of patches with a number of vertices along each side.
 pub(crate) fn of_patches(patches: u64, side: u64) -> MemoryUse {
     MemoryUse::default().per_view((patches * side * side).min(MOST) * VERTEX)
+}
+
+/// Returns the memory of patches that are cut as a view requires, with a tolerance in pixels: the number of vertices is
+/// inverse to it.
+pub(crate) fn of_curved(tolerance: f64, context: &MemoryContext<'_>) -> MemoryUse {
+    let vertices = context.pixels() as f64 * CURVED / tolerance;
+    MemoryUse::default().per_view((vertices as u64).min(MOST) * VERTEX)
 }
 
 /// Returns the memory of a view of a port's surfaces, with `fineness` times the vertex density that pixels require

@@ -24,6 +24,13 @@ pub(super) struct BlockStrokes {
 }
 
 impl BlockStrokes {
+    /// Returns the bytes that a thread takes for each stroke while it finds those of a block, and then, given the channels of
+    /// the image: lists grow to twice what they hold.
+    pub(super) const fn bytes_of_stroke(channels: usize) -> [usize; 2] {
+        let found = size_of::<usize>() + channels * size_of::<(usize, f64)>();
+        [2 * size_of::<(usize, Stroke)>(), 2 * found + size_of::<Brush>()]
+    }
+
     /// Returns the values of a stroke that are not 0, by channel.
     pub(super) fn values(&self, stroke: u32) -> &[(usize, f64)] {
         &self.values[self.start(stroke)..self.ends[stroke as usize]]

@@ -190,6 +190,11 @@ impl Stage for Hooks {
         true
     }
 
+    fn memory(&self, _context: &MemoryContext<'_>) -> MemoryUse {
+        // The claws near it, and where their ribbons lie.
+        MemoryUse::default().thread(96, u64::MAX)
+    }
+
     fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         Channel::Depth.into()
     }

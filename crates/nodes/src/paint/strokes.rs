@@ -130,6 +130,17 @@ impl Stage for Strokes {
         window
     }
 
+    fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
+        let layers = self.layers(context.frame.format);
+        // Seeds on surfaces do not come nearer or part gradually: some of them wait until there is room.
+        let waiting = if self.is_on_surfaces() { 2.0 } else { 1.0 };
+        let strokes = waiting * layers.iter().map(|layer| (layer.spacing * layer.spacing).recip()).sum::<f64>();
+        let channels = context.wanted.iter().flatten().filter(|wanted| **wanted).count();
+        let [working, found] =
+            BlockStrokes::bytes_of_stroke(channels).map(|bytes| (strokes * bytes as f64).ceil() as u64);
+        MemoryUse::default().thread(working, u64::MAX).found(found)
+    }
+
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {
         Ok(Box::new(PreparedStrokes {
             image: self.image.clone(),

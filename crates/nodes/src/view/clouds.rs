@@ -164,6 +164,13 @@ impl Stage for Clouds {
         true
     }
 
+    fn memory(&self, _context: &MemoryContext<'_>) -> MemoryUse {
+        // Lists grow to twice what they hold.
+        let lists = 2 * (size_of::<Dense>() + size_of::<(usize, Cut)>());
+        let ray = size_of::<Ray>() + (1 + self.layers.len()) * size_of::<Accumulated>() + 4 * size_of::<f64>();
+        MemoryUse::default().thread((lists + ray) as u64, u64::MAX)
+    }
+
     fn rate(&self) -> Rate {
         Rate::Pixel
     }

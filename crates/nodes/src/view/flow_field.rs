@@ -129,6 +129,11 @@ impl Stage for FlowField {
         true
     }
 
+    fn memory(&self, _context: &MemoryContext<'_>) -> MemoryUse {
+        // Planes in f64 and f32 before and after they are smoothed.
+        MemoryUse::default().thread(64, u64::MAX)
+    }
+
     fn required_channels(&self, _wanted: &[bool]) -> ChannelSet {
         if !self.along.is_of_surface() {
             return ChannelSet::EMPTY;

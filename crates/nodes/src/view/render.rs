@@ -97,7 +97,10 @@ impl Stage for Render {
     }
 
     fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
-        memory::of_view(&self.surfaces, self.fineness, context)
+        let taken = memory::of_view(&self.surfaces, self.fineness, context);
+        let [pixel, most] = taken.thread;
+        let of_points = if self.points == Points::Mesh { 0 } else { scene::Visible::BYTES_OF_POINT };
+        taken.thread(pixel + of_points, most)
     }
 
     fn prepare(&self, prepare: &Prepare<'_>) -> Result<Box<dyn Prepared>, NodeError> {

@@ -1,6 +1,7 @@
 //! Stages that are filled only where they show.
 
 use super::extent::clamped;
+use super::places::make_room;
 use super::runner::Runner;
 use super::shared::UnsharedPixels;
 use super::sparse::nothing;
@@ -17,7 +18,7 @@ use trochoid_kernel::Plane;
 use trochoid_memory::Scratch;
 
 /// Share of a tile from which on a stage is filled everywhere: pixels by themselves cost more.
-const MOST: f64 = 0.6;
+pub(super) const MOST: f64 = 0.6;
 
 /// Where stages show at the current sample.
 pub(super) struct Gated<'p> {
@@ -96,6 +97,7 @@ impl<'p> Gated<'p> {
     pub(super) fn look(&mut self, planes: &[Plane<'_>], tile: Window) {
         let roots = &mut self.roots[self.known];
         roots.iter_mut().for_each(Vec::clear);
+        roots.iter_mut().for_each(|plane| make_room(plane, tile.area()));
         self.machines[self.known].tile(planes, tile.width(), tile.height(), &mut |root, _, _, row| {
             roots[root].extend_from_slice(row);
         });

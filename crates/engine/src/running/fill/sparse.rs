@@ -112,6 +112,18 @@ impl Sparse {
     }
 }
 
+impl Sparse {
+    /// Returns the number of planes at single pixels.
+    pub(super) fn planes(&self) -> u64 {
+        self.fills.iter().flat_map(|fill| &fill.is_read).flatten().filter(|is_read| **is_read).count() as u64
+    }
+
+    /// Returns by fill how far from the pixels others are listed, if they are.
+    pub(super) fn margins(&self) -> impl Iterator<Item = Option<Reach>> {
+        self.fills.iter().map(|fill| fill.margin)
+    }
+}
+
 /// Returns by fill, output and channel how far from a pixel its readers need it.
 fn margins(plan: &Plan<'_>, pass: &Pass) -> Vec<Vec<Vec<Reach>>> {
     let format = plan.graph.format();
