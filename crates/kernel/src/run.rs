@@ -240,6 +240,15 @@ impl<'p> Machine<'p> {
         sweep(self.level, &mut self.main, inputs, width, out, start, &mut self.end, look);
     }
 
+    /// Runs over a tile and writes every channel of every root to a plane of its size.
+    pub fn fill(&mut self, planes: &[Plane<'_>], width: usize, height: usize, into: &mut [&mut [f32]]) {
+        let mut tile = self.begin(planes, width);
+        let mut out: Scratch<Target<'_>> = into.iter_mut().map(|plane| Target::new(plane)).collect();
+        for y in 0..height {
+            self.row(&mut tile, y, &mut out, y * width, None);
+        }
+    }
+
     /// Runs over a tile and hands every row of every root to `take` as (root, channel, y, samples).
     pub fn tile(&mut self, planes: &[Plane<'_>], width: usize, height: usize, take: TakeRow<'_>) {
         let compiled = self.compiled;

@@ -103,10 +103,17 @@ impl PreparedObjectMask {
 impl Prepared for PreparedObjectMask {
     fn fill(&self, _block: &Block<'_>, inputs: &Inputs<'_>, outputs: &mut Outputs<'_>) -> Result<(), NodeError> {
         let Some(mask) = outputs.only(0) else { return Ok(()) };
-        mask.fill(0.0);
+        let surfaces = inputs.view(&self.view, Channel::Surface);
         // Surface by surface rather than sample by sample, for vector code.
-        for index in &self.indices {
-            for (mask, surface) in mask.iter_mut().zip(inputs.view(&self.view, Channel::Surface)) {
+        let Some((first, others)) = self.indices.split_first() else {
+            mask.fill(0.0);
+            return Ok(());
+        };
+        for (mask, surface) in mask.iter_mut().zip(surfaces) {
+            *mask = if *surface == *first { 1.0 } else { 0.0 };
+        }
+        for index in others {
+            for (mask, surface) in mask.iter_mut().zip(surfaces) {
                 *mask = if *surface == *index { 1.0 } else { *mask };
             }
         }

@@ -2,7 +2,6 @@
 
 use super::extent::clamped;
 use super::places::make_room;
-use super::runner::Runner;
 use super::shared::UnsharedPixels;
 use super::sparse::nothing;
 use super::state::Image;
@@ -14,7 +13,7 @@ use crate::running::steps::Whole;
 use fearless_simd::{Level, Simd, dispatch};
 use trochoid_graph::NodeError;
 use trochoid_image::{Format, Window};
-use trochoid_kernel::Plane;
+use trochoid_kernel::{Machine, Plane};
 use trochoid_memory::Scratch;
 
 /// Share of a tile from which on a stage is filled everywhere: pixels by themselves cost more.
@@ -24,7 +23,7 @@ pub(super) const MOST: f64 = 0.6;
 pub(super) struct Gated<'p> {
     fills: &'p [Fill],
     pub(super) gates: &'p Gates,
-    machines: Vec<Runner<'p>>,
+    machines: Vec<Machine<'p>>,
     /// Planes of the programs' roots, by level.
     roots: Vec<Vec<Vec<f32>>>,
     /// Number of levels that have run.
@@ -55,7 +54,7 @@ impl<'p> Gated<'p> {
         Some(Self {
             fills: &pass.fills,
             gates,
-            machines: gates.levels.iter().map(|level| Runner::new(level, false, chunks)).collect(),
+            machines: gates.levels.iter().map(|level| Machine::new(level, chunks)).collect(),
             roots: gates.levels.iter().map(|level| vec![Vec::new(); level.roots.len()]).collect(),
             known: 0,
             open: gates.sets.iter().map(|_| Open::default()).collect(),
@@ -95,12 +94,14 @@ impl<'p> Gated<'p> {
 
     /// Runs the next level over a tile.
     pub(super) fn look(&mut self, planes: &[Plane<'_>], tile: Window) {
-        let roots = &mut self.roots[self.known];
-        roots.iter_mut().for_each(Vec::clear);
-        roots.iter_mut().for_each(|plane| make_room(plane, tile.area()));
-        self.machines[self.known].tile(planes, tile.width(), tile.height(), &mut |root, _, _, row| {
-            roots[root].extend_from_slice(row);
-        });
+        let mut roots: Scratch<&mut [f32]> = (self.roots[self.known].iter_mut())
+            .map(|plane| {
+                make_room(plane, tile.area());
+                plane.resize(tile.area(), 0.0);
+                &mut plane[..]
+            })
+            .collect();
+        self.machines[self.known].fill(planes, tile.width(), tile.height(), &mut roots);
         self.known += 1;
     }
 }
