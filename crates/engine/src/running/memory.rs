@@ -243,7 +243,7 @@ impl Plan<'_> {
             return tile;
         }
         let channels = self.outputs.iter().map(|output| output.kind.channels()).sum();
-        let [width, height] = self.tile_before(pass, step);
+        let [width, height] = memory.tile;
         // A band that is handed on is as wide as the picture.
         let rows = height.next_multiple_of(ROWS).min(self.window.height());
         let band = samples(channels, [self.window.width(), rows]).saturating_mul(account.beside_tiles);

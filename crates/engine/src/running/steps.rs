@@ -62,26 +62,28 @@ impl Steps {
         known: &'w dyn Fn(usize) -> bool,
         can_wait: &'w dyn Fn(Whole) -> bool,
     ) -> impl Iterator<Item = Self> + 'w {
+        let shares: RefCell<HashMap<Reach, f64>> = RefCell::default();
         let [often, seldom] = AGAIN;
         let ways = [(true, true, often), (true, false, often), (true, false, seldom), (false, false, f64::INFINITY)];
         ways.into_iter().map(move |(fills, taps, least)| {
             let is_meant = |planes: Whole| if matches!(planes, Whole::Fill(_)) { fills } else { taps };
-            Self::new(plan, pass, known, &|planes| is_meant(planes) && can_wait(planes), least)
+            Self::new(plan, pass, known, &|planes| is_meant(planes) && can_wait(planes), least, &shares)
         })
     }
 
     /// Divides a pass. Fills that are `known` take no part; only planes that `can_wait` for all of their pixels begin a step,
-    /// and only where tiles would fill at least this share of the pixels again.
+    /// and only where tiles would fill at least this share of the pixels again. `shares` are those of reaches that were asked for
+    /// before.
     fn new(
         plan: &Plan<'_>,
         pass: &Pass,
         known: &dyn Fn(usize) -> bool,
         can_wait: &dyn Fn(Whole) -> bool,
         least: f64,
+        shares: &RefCell<HashMap<Reach, f64>>,
     ) -> Self {
         let fills = &pass.fills;
         let by_slot = by_slot(fills);
-        let shares: RefCell<HashMap<Reach, f64>> = RefCell::default();
         let filled_again = |reach: Reach| match reach {
             (0, 0) => 0.0,
             _ => *shares.borrow_mut().entry(reach).or_insert_with(|| plan.filled_again(reach)),

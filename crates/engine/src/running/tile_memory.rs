@@ -22,6 +22,8 @@ pub(super) struct TileMemory {
     pub(super) filling: u64,
     /// All the rest.
     pub(super) rest: u64,
+    /// Width and height of the tile.
+    pub(super) tile: [usize; 2],
 }
 
 impl Plan<'_> {
@@ -34,10 +36,9 @@ impl Plan<'_> {
         uses: &HashMap<NodeId, MemoryUse>,
         step: Option<(&Steps, usize)>,
     ) -> TileMemory {
-        let mut tile = self.tile_before(pass, step);
-        if self.graph.format().adaptive().is_some() {
-            tile = larger(tile, tile.map(|size| size + 2));
-        }
+        let own = self.tile_before(pass, step);
+        // Adaptive sampling looks at the pixels beside it, too.
+        let tile = if self.graph.format().adaptive().is_some() { own.map(|size| size + 2) } else { own };
         let Windows { sizes, reads, passing, copied } = self.windows(pass, tile, step);
         let filled = pass.fills.iter().zip(&sizes).map(|(fill, [width, height])| {
             let rows = if fill.variance <= Variance::Column { 1.min(*height) } else { *height };
@@ -65,11 +66,11 @@ impl Plan<'_> {
             THREAD + chunks as u64,
         ]);
         let sum = |all: u64, bytes: u64| all.saturating_add(bytes);
-        TileMemory { filling: filling.into_iter().fold(0, sum), rest: rest.fold(0, sum) }
+        TileMemory { filling: filling.into_iter().fold(0, sum), rest: rest.fold(0, sum), tile: own }
     }
 
     /// Returns the largest size of a tile, as far as it is known before files are open.
-    pub(super) fn tile_before(&self, pass: &Pass, step: Option<(&Steps, usize)>) -> [usize; 2] {
+    fn tile_before(&self, pass: &Pass, step: Option<(&Steps, usize)>) -> [usize; 2] {
         let reads = |fill: &Fill| self.stage(fill.node).is_some_and(|stage| !stage.files(&self.context).is_empty());
         let load = step.map_or_else(|| Load::of(self.halo()), |(steps, step)| steps.load(step));
         let (width, height) = self.tile_for(pass.fills.iter().any(reads).then_some(1), &load);

@@ -77,17 +77,20 @@ fn divided((width, height): (usize, usize), most: usize, load: &Load, threads: u
         });
         times.sum()
     };
-    let time =
-        |way: &(usize, usize), threads: usize| (((way.0 * way.1) as f64 / threads as f64).max(1.0) + LOST) * work(way);
     let is_small = |&(columns, bands): &(usize, usize)| width.div_ceil(columns) * height.div_ceil(bands) <= area;
     // At least as many rows as a tile without a halo has.
     let (columns, bands) = (1..=most.max(1), 1..=(height / TILE.1).max(1));
     let ways = columns.flat_map(|columns| bands.clone().map(move |bands| (columns, bands)));
-    let ways: Vec<(usize, usize)> = ways.filter(is_small).collect();
+    // With the number of tiles, and the work for one.
+    let ways: Vec<((usize, usize), usize, f64)> =
+        ways.filter(is_small).map(|way| (way, way.0 * way.1, work(&way))).collect();
     let fastest = |threads: usize, most: f64| {
-        let all = |way: &(usize, usize)| (way.0 * way.1) as f64 * work(way);
-        let ways = ways.iter().filter(|way| way.0 * way.1 <= threads || all(way) <= most);
-        ways.min_by(|a, b| time(a, threads).total_cmp(&time(b, threads))).map(|way| (*way, all(way)))
+        let ways = ways.iter().map(|(way, tiles, work)| {
+            let time = ((*tiles as f64 / threads as f64).max(1.0) + LOST) * work;
+            (way, time, *tiles as f64 * work, *tiles <= threads)
+        });
+        let ways = ways.filter(|(.., all, has_few)| *has_few || *all <= most);
+        ways.min_by(|(_, a, ..), (_, b, ..)| a.total_cmp(b)).map(|(way, _, all, _)| (*way, all))
     };
     let alone = fastest(1, f64::INFINITY);
     let chosen = alone.and_then(|(_, least)| fastest(threads, MORE * least));
