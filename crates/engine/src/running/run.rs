@@ -9,8 +9,9 @@ use crate::judge::Judge;
 use crate::planning::plan::{Feed, Pass, PlannedOutput};
 use crate::{Buffers, Cache, EvalError, Monitor, Plan};
 use std::collections::HashMap;
+use std::num::NonZero;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 use trochoid_graph::{Guarantee, Kind, NodeId, Omission, PortId, Prepared, Source};
 use trochoid_image::{Plane, Window};
@@ -168,8 +169,8 @@ impl Plan<'_> {
                         Bands::of_planes(Vec::new(), self.window, tile)
                     });
                     let bands = between.as_ref().unwrap_or(&bands);
-                    // No more workers than tiles.
-                    let workers = account.workers().min(bands.tiles()).max(1);
+                    // No more workers than tiles, nor than can run at once: those that wait would hold tiles.
+                    let workers = account.workers().min(bands.tiles()).min(cores()).max(1);
                     let judges = &judges[..];
                     let evaluation =
                         Evaluation { plan: self, ready: &ready, buffers, judges, keeper: &keeper, monitor };
@@ -466,6 +467,13 @@ impl Plan<'_> {
             })
             .collect()
     }
+}
+
+/// Returns the number of threads that the machine runs at once.
+fn cores() -> usize {
+    static CORES: OnceLock<usize> = OnceLock::new();
+    // If it is unknown, as many as are asked for.
+    *CORES.get_or_init(|| std::thread::available_parallelism().map_or(usize::MAX, NonZero::get))
 }
 
 /// Lists every program that a pass runs.

@@ -216,13 +216,8 @@ impl Visible {
     /// lower number.
     fn rasterize(&self, window: Window, offsets: &[[f64; 2]], triangles: &mut Vec<u64>, keys: &mut Vec<f64>) {
         let count = window.area() * offsets.len();
-        // Windows differ a little in size; room for twice as much would stay unused.
-        triangles.clear();
-        triangles.reserve_exact(count);
-        triangles.resize(count, NOTHING);
-        keys.clear();
-        keys.reserve_exact(count);
-        keys.resize(count, f64::NEG_INFINITY);
+        refill(triangles, count, NOTHING);
+        refill(keys, count, f64::NEG_INFINITY);
         let shift = |offset: [f64; 2]| offset.map(|part| self.raster.fix(part) as i32);
         let mut shifts = offsets.iter().copied().map(shift);
         let mut next = |_| shifts.next().unwrap_or_default();
@@ -288,6 +283,16 @@ impl Visible {
         }
         samples.cover(batch, part);
     }
+}
+
+/// Fills a list with a number of equal items. A new list has room for no more: windows differ a little in size, and room for
+/// twice as much would stay unused. Nothing of the old one is copied.
+fn refill<T: Clone>(list: &mut Vec<T>, count: usize, item: T) {
+    list.clear();
+    if list.capacity() < count {
+        *list = Vec::with_capacity(count);
+    }
+    list.resize(count, item);
 }
 
 /// Steps through primitives that mostly follow one another.

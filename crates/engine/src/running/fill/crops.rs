@@ -2,6 +2,7 @@
 //! follow one another.
 
 use super::Fills;
+use super::places::make_room;
 use super::spare::Spare;
 use crate::planning::plan::{Feed, Fill};
 use std::collections::{HashMap, HashSet};
@@ -61,8 +62,7 @@ impl Crops {
             crop.samples = memory;
         }
         crop.samples.clear();
-        // Tiles differ a little in size; room for twice as much would stay unused.
-        crop.samples.reserve_exact(region.area());
+        make_room(&mut crop.samples, region.area());
         &mut crop.samples
     }
 

@@ -347,11 +347,7 @@ impl<'p> Fills<'p> {
         let window = state.own_window(state.window);
         for (plane, wanted) in planes.iter_mut().flatten().zip(state.fill.wanted.iter().flatten()) {
             let samples = if *wanted { window.area() } else { 0 };
-            if plane.capacity() < samples {
-                // Tiles differ a little in size; room for twice as much would stay unused.
-                plane.clear();
-                plane.reserve_exact(samples + samples / 8);
-            }
+            make_room(plane, samples);
             plane.resize(samples, 0.0);
         }
         if self.known_taps(index).is_none() {

@@ -31,8 +31,7 @@ impl Places {
 /// Makes room in a plane for all pixels of a tile, so that it is not moved whenever more of them are listed than before.
 pub(crate) fn make_room<T>(plane: &mut Vec<T>, area: usize) {
     if plane.capacity() < area {
-        plane.clear();
-        // Tiles differ a little in size.
-        plane.reserve_exact(area + area / 8);
+        // Tiles differ a little in size. Nothing of the old plane is copied.
+        *plane = Vec::with_capacity(area + area / 8);
     }
 }

@@ -1,5 +1,6 @@
 //! Planes of the pointwise program before a stage.
 
+use super::places::make_room;
 use super::runner::Runner;
 use super::samples::Samples;
 use super::shared::UnsharedPixels;
@@ -27,6 +28,25 @@ impl Taps {
             self.0.len() - 1
         });
         &mut self.0[index].1
+    }
+
+    /// Returns the planes of all channels of a program's roots, in order, with room for some samples; others are emptied.
+    fn targets(&mut self, roots: &[usize], samples: usize) -> Scratch<&mut [f32]> {
+        let channels =
+            || roots.iter().enumerate().flat_map(|(root, count)| (0..*count).map(move |channel| (root, channel)));
+        channels().for_each(|(root, channel)| _ = self.of(root, channel));
+        self.0.sort_unstable_by_key(|(of, _)| *of);
+        let is_own = |(root, channel): (usize, usize)| roots.get(root).is_some_and(|count| channel < *count);
+        let planes = self.0.iter_mut().filter_map(|(of, plane)| {
+            if !is_own(*of) {
+                plane.clear();
+                return None;
+            }
+            make_room(plane, samples);
+            plane.resize(samples, 0.0);
+            Some(&mut plane[..])
+        });
+        planes.collect()
     }
 
     /// Returns all of them.
@@ -102,12 +122,19 @@ impl<'p> Fills<'p> {
             return;
         }
         let planes: Scratch<Plane<'_>> = compiled.planes.iter().map(|slot| self.plane(slot, window, before)).collect();
-        tapped.planes.planes().for_each(Vec::clear);
-        machine.tile(&planes, window.width(), window.height(), &mut |root, channel, _, row| {
-            let plane = tapped.planes.of(root, channel);
-            plane.reserve_exact(if plane.is_empty() { window.area() } else { 0 });
-            plane.extend_from_slice(row);
-        });
+        let (width, height) = (window.width(), window.height());
+        match machine {
+            Runner::Machine(machine) => {
+                let mut targets = tapped.planes.targets(&compiled.roots, window.area());
+                machine.fill(&planes, width, height, &mut targets);
+            }
+            Runner::Trace(trace) => {
+                tapped.planes.planes().for_each(Vec::clear);
+                trace.tile(&planes, width, height, &mut |root, channel, _, row| {
+                    tapped.planes.of(root, channel).extend_from_slice(row);
+                });
+            }
+        }
         tapped.changed.clear();
         tapped.first.clear();
         // Only the first sample's results can be updated.
