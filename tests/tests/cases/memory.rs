@@ -90,7 +90,7 @@ const SIZE: (u32, u32) = (320, 180);
 const QUARTER: (usize, usize) = (160, 90);
 
 /// Most times that an estimate may be of what tiles take, and bytes that do not matter.
-const OVER: f64 = 5.0;
+const OVER: f64 = 6.0;
 const SMALL: u64 = 1 << 20;
 
 /// Samples of a pixel, how they are shaded, and the tolerance of adaptive sampling.

@@ -45,6 +45,9 @@ pub enum Pictures {
 const ENCODED: u64 = 9;
 const ENCODED_ROWS: u64 = 5;
 
+/// Inverse of the share by which a thread's memory may exceed what it uses at once.
+const UNEVEN: u64 = 16;
+
 /// Most rows that files take at once.
 const ROWS: usize = 32;
 
@@ -239,6 +242,8 @@ impl Plan<'_> {
     fn bytes_of_tile(&self, account: &MemoryAccount, pass: &Pass, step: Option<(&Steps, usize)>) -> u64 {
         let memory = self.tile_memory(pass, &account.uses, step);
         let tile = memory.filling.saturating_add(memory.rest);
+        // Memory that is used again is not always of the size that is asked for.
+        let tile = tile.saturating_add(tile / UNEVEN);
         if step.is_some_and(|(_, step)| step > 0) {
             return tile;
         }

@@ -61,7 +61,7 @@ impl Plan<'_> {
             working.max().unwrap_or_default(),
         ];
         let rest = found.chain([
-            copied.saturating_mul(size_of::<f32>() as u64),
+            with_room(copied).saturating_mul(size_of::<f32>() as u64),
             beside(self, pass, samples(1, tile), &areas),
             THREAD + chunks as u64,
         ]);
@@ -144,7 +144,8 @@ impl Plan<'_> {
         let several = parts.into_values().filter(|parts| parts.len() > 1);
         let copied = several.flat_map(|parts| parts.into_iter().collect::<HashSet<_>>());
         let copied = copied.map(|part| samples(1, part)).fold(0, u64::saturating_add);
-        let passing = most.saturating_add(samples(taps.len(), tapped)).saturating_add(kept);
+        let programs = samples(taps.len(), tapped).saturating_add(kept);
+        let passing = most.saturating_add(with_room(programs));
         Windows { sizes, reads, passing, copied }
     }
 }
