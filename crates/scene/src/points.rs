@@ -36,9 +36,9 @@ const APART: f64 = 0.1;
 
 impl Visible {
     /// Bytes that a thread takes for each pixel for which [`points`](Self::points) are asked: its sheets, where it meets the
-    /// mesh, in lists that grow to twice what they hold, and the points found, first by surface.
+    /// mesh, in lists that grow to twice what they hold out of the ones before, and the points found, first by surface.
     pub const BYTES_OF_POINT: u64 =
-        (size_of::<Sheets>() + 2 * size_of::<(Ray, MeshHit)>() + 2 * size_of::<Option<Hit>>()) as u64;
+        (size_of::<Sheets>() + 3 * size_of::<(Ray, MeshHit)>() + 2 * size_of::<Option<Hit>>()) as u64;
 
     /// Returns what a sample of each of these pixels sees of the surfaces themselves, at `offset` from the pixel's
     /// upper left corner: the point where its ray meets the surface near where it meets the nearest mesh. `None` if

@@ -86,8 +86,8 @@ fn node(name: &str, check: fn(&CheckedGraph) -> Result<(), String>) -> Result<()
 }
 
 /// Size of the pictures whose memory is estimated, and of their tiles, unless the engine chooses one.
-const SIZE: (u32, u32) = (320, 180);
-const QUARTER: (usize, usize) = (160, 90);
+const SIZE: (u32, u32) = (256, 144);
+const QUARTER: (usize, usize) = (128, 72);
 
 /// Most times that an estimate may be of what tiles take, and bytes that do not matter.
 const OVER: f64 = 6.0;

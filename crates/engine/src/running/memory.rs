@@ -258,17 +258,13 @@ impl Plan<'_> {
         tile.saturating_add(band).saturating_add(beside)
     }
 
-    /// Estimates tiles again once it is known how the evaluation is divided into steps: images of files may have other
-    /// sizes than the picture.
-    ///
-    /// # Errors
-    /// Same as [`check_memory`](Self::check_memory).
-    pub(crate) fn account_for(&self, account: &mut MemoryAccount, steps: &Steps) -> Result<(), EvalError> {
-        let Some(pass) = self.whole_pass() else { return Ok(()) };
+    /// Estimates tiles again once it is known how the evaluation is divided into steps, and lets fewer threads work if they
+    /// are larger: images of files may have other sizes than the picture.
+    pub(crate) fn account_for(&self, account: &mut MemoryAccount, steps: &Steps) {
+        let Some(pass) = self.whole_pass() else { return };
         let each = self.bytes_of_steps(account, pass, steps);
         account.set_tiles(each, self.threads());
         account.shrink_to(self.settings.memory_limit);
-        self.check_memory(account)
     }
 
     /// Refuses a frame that takes more memory than the settings allow; an evaluation does this before it prepares

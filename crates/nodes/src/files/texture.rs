@@ -338,9 +338,10 @@ fn extremes(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), number| (least.min(number), most.max(number)))
 }
 
-/// Bytes that a thread takes for a pixel: the pixels that it reads, and, with a footprint, the area that it covers.
+/// Bytes that a thread takes for a pixel: the pixels that it reads, and, with a footprint, the area that it covers, in a
+/// list that grows to twice what it holds.
 const BYTES_OF_PIXEL: u64 = 128;
-const BYTES_OF_AREA: u64 = 512;
+const BYTES_OF_AREA: u64 = 800;
 
 /// Maximum number of pixels examined where a position is uncertain.
 const MOST: f64 = 4096.0;

@@ -18,7 +18,7 @@ pub(crate) struct StrokeInputs {
     /// Direction of the strokes (components right and down), for example from a FlowField; to the right by default.
     flow: Optional<port::Direction>,
     /// Scale of the strokes' length, width and spacing at each place; values below 1/16 count as 1/16.
-    size: Optional<port::Mask>,
+    pub(super) size: Optional<port::Mask>,
     /// Fraction of the strokes that are painted at each place.
     density: Optional<port::Mask>,
     /// Share of the last (finest) layer: where it is 1, only that layer paints; where 0, all do.

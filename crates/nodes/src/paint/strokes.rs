@@ -7,7 +7,7 @@ use super::painting::Painting;
 use super::planes::used;
 use super::{
     Layer, LayerKnobs, MARGIN, RESTS, ReferenceSurroundings, STRIDES, StrokeInputs, StrokeSettings, StrokeSurroundings,
-    layers, reach,
+    layers, pixels, reach,
 };
 use crate::filter::{fill_together, kind, numbers, value};
 use fearless_simd::{Level, Simd, dispatch};
@@ -104,6 +104,9 @@ impl Node for Strokes {
     }
 }
 
+/// Size of strokes that stands for those of a mask in estimates of memory: few pictures have smaller ones throughout.
+const SMALL: f64 = 0.33;
+
 impl Stage for Strokes {
     fn is_costly(&self) -> bool {
         true
@@ -132,9 +135,15 @@ impl Stage for Strokes {
 
     fn memory(&self, context: &MemoryContext<'_>) -> MemoryUse {
         let layers = self.layers(context.frame.format);
+        // Smaller strokes lie nearer together. A mask makes some of them small.
+        let size = match self.stroke_inputs.size.as_ref() {
+            None => 1.0,
+            Some(Source::Number(size)) => size[0],
+            Some(_) => SMALL,
+        };
         // Seeds on surfaces do not come nearer or part gradually: some of them wait until there is room.
         let waiting = if self.is_on_surfaces() { 2.0 } else { 1.0 };
-        let strokes = waiting * layers.iter().map(|layer| (layer.spacing * layer.spacing).recip()).sum::<f64>();
+        let strokes = waiting * layers.iter().map(|layer| pixels(layer, size).recip()).sum::<f64>();
         let channels = context.wanted.iter().flatten().filter(|wanted| **wanted).count();
         let [working, found] =
             BlockStrokes::bytes_of_stroke(channels).map(|bytes| (strokes * bytes as f64).ceil() as u64);

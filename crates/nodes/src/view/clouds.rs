@@ -165,8 +165,8 @@ impl Stage for Clouds {
     }
 
     fn memory(&self, _context: &MemoryContext<'_>) -> MemoryUse {
-        // Lists grow to twice what they hold.
-        let lists = 2 * (size_of::<Dense>() + size_of::<(usize, Cut)>());
+        // Lists grow to twice what they hold, out of the ones before.
+        let lists = 3 * (size_of::<Dense>() + size_of::<(usize, Cut)>());
         let ray = size_of::<Ray>() + (1 + self.layers.len()) * size_of::<Accumulated>() + 4 * size_of::<f64>();
         MemoryUse::default().thread((lists + ray) as u64, u64::MAX)
     }
