@@ -89,6 +89,11 @@ impl Fill {
         slots.chain(self.taps.iter().flat_map(|taps| &taps.planes))
     }
 
+    /// Returns the number of planes that it fills.
+    pub(crate) fn planes(&self) -> usize {
+        self.wanted.iter().flatten().filter(|wanted| **wanted).count()
+    }
+
     /// Returns whether it fills the plane of `slot`.
     pub(crate) fn fills(&self, slot: &Slot) -> bool {
         self.node == slot.node

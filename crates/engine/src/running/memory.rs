@@ -63,7 +63,7 @@ pub struct MemoryAccount {
     /// Estimates of nodes.
     uses: HashMap<NodeId, MemoryUse>,
     /// Bytes of a sample in a band of rows that is handed on.
-    beside_tiles: u64,
+    bytes_in_bands: u64,
 }
 
 impl MemoryAccount {
@@ -142,7 +142,7 @@ impl Plan<'_> {
             shared: Vec::new(),
             workers: 1,
             uses: HashMap::new(),
-            beside_tiles: 0,
+            bytes_in_bands: 0,
         };
         let consumers = &mut account.consumers;
         let mut preparing = None;
@@ -185,7 +185,7 @@ impl Plan<'_> {
         let remedy = "hand over passes whose samples lie one after another, or make a smaller picture";
         consumers.push((MemoryConsumer::Passes, self.settings.copies, remedy));
         account.uses = uses;
-        account.beside_tiles = match pictures {
+        account.bytes_in_bands = match pictures {
             Pictures::Rows => size_of::<f32>() as u64 + ENCODED_ROWS,
             Pictures::Whole | Pictures::Files => 0,
         };
@@ -251,7 +251,7 @@ impl Plan<'_> {
         let [width, height] = memory.tile;
         // A band that is handed on is as wide as the picture.
         let rows = height.next_multiple_of(ROWS).min(self.window.height());
-        let band = samples(channels, [self.window.width(), rows]).saturating_mul(account.beside_tiles);
+        let band = samples(channels, [self.window.width(), rows]).saturating_mul(account.bytes_in_bands);
         // Tiles that are narrower than the picture are computed beside their band.
         let is_beside = width < self.window.width();
         let beside = if is_beside { samples(channels, [width, height]) * size_of::<f32>() as u64 } else { 0 };
@@ -260,7 +260,7 @@ impl Plan<'_> {
 
     /// Estimates tiles again once it is known how the evaluation is divided into steps, and lets fewer threads work if they
     /// are larger: images of files may have other sizes than the picture.
-    pub(crate) fn account_for(&self, account: &mut MemoryAccount, steps: &Steps) {
+    pub(crate) fn account_for_steps(&self, account: &mut MemoryAccount, steps: &Steps) {
         let Some(pass) = self.whole_pass() else { return };
         let each = self.bytes_of_steps(account, pass, steps);
         account.set_tiles(each, self.threads());

@@ -158,7 +158,7 @@ impl Plan<'_> {
             let started = Instant::now();
             let mut keeper = self.keeper(&ready, &account, cache);
             if let Some(steps) = keeper.steps() {
-                self.account_for(&mut account, steps);
+                self.account_for_steps(&mut account, steps);
             }
             let bands = bands(self.tile(&ready, &keeper.load(self, true)))?;
             let mut totals = WorkerTotals::default();

@@ -36,7 +36,7 @@ impl Whole {
     /// Returns the number of planes for each sample of a pixel.
     pub(crate) fn channels(self, pass: &Pass) -> usize {
         match self {
-            Self::Fill(fill) => pass.fills[fill].wanted.iter().flatten().filter(|wanted| **wanted).count(),
+            Self::Fill(fill) => pass.fills[fill].planes(),
             Self::Taps(fill) => pass.fills[fill].taps.iter().flat_map(|taps| &taps.roots).sum(),
         }
     }
@@ -272,5 +272,5 @@ fn upstream(
             open.extend(fills[index].slots().filter_map(|slot| by_slot.get(slot)));
         }
     }
-    seen.into_iter().map(|index| fills[index].wanted.iter().flatten().filter(|wanted| **wanted).count()).sum()
+    seen.into_iter().map(|index| fills[index].planes()).sum()
 }

@@ -1,6 +1,6 @@
 //! Estimates how much memory a thread takes for its tile.
 
-use super::fill::{beside, planes, with_room};
+use super::fill::{bytes_beside_planes, with_room};
 use super::run::programs;
 use super::steps::{Steps, Whole};
 use super::tile::channel_count;
@@ -42,7 +42,7 @@ impl Plan<'_> {
         let Windows { sizes, reads, passing, copied } = self.windows(pass, tile, step);
         let filled = pass.fills.iter().zip(&sizes).map(|(fill, [width, height])| {
             let rows = if fill.variance <= Variance::Column { 1.min(*height) } else { *height };
-            with_room(planes(fill).saturating_mul(samples(1, [*width, rows])))
+            with_room(samples(fill.planes(), [*width, rows]))
         });
         let views: HashSet<NodeId> = pass.fills.iter().flat_map(|fill| fill.shared.iter().flatten()).copied().collect();
         let filled = filled.chain([samples(3 * views.len(), tile), passing]).fold(0, u64::saturating_add);
@@ -62,7 +62,7 @@ impl Plan<'_> {
         ];
         let rest = found.chain([
             with_room(copied).saturating_mul(size_of::<f32>() as u64),
-            beside(self, pass, samples(1, tile), &areas),
+            bytes_beside_planes(self, pass, samples(1, tile), &areas),
             THREAD + chunks as u64,
         ]);
         let sum = |all: u64, bytes: u64| all.saturating_add(bytes);

@@ -28,10 +28,18 @@ impl Places {
     }
 }
 
+/// Inverse of the share by which planes have more room than they need.
+const ROOM: usize = 8;
+
 /// Makes room in a plane for all pixels of a tile, so that it is not moved whenever more of them are listed than before.
 pub(crate) fn make_room<T>(plane: &mut Vec<T>, area: usize) {
     if plane.capacity() < area {
         // Tiles differ a little in size. Nothing of the old plane is copied.
-        *plane = Vec::with_capacity(area + area / 8);
+        *plane = Vec::with_capacity(area + area / ROOM);
     }
+}
+
+/// Returns the number of samples for which [`make_room`] makes room.
+pub(crate) fn with_room(samples: u64) -> u64 {
+    samples.saturating_add(samples / ROOM as u64)
 }

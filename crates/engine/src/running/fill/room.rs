@@ -1,6 +1,7 @@
 //! Estimates what a thread's fills of a pass take beside the planes that stages fill over a tile.
 
 use super::gated::MOST as OPEN;
+use super::places::with_room;
 use super::sparse::Sparse;
 use crate::Plan;
 use crate::planning::plan::{Fill, Pass};
@@ -14,19 +15,9 @@ const SAMPLE: u64 = size_of::<f32>() as u64;
 /// Bytes of a pixel in a list: its index in a plane, and its position.
 const LISTED: u64 = (size_of::<usize>() + size_of::<[i64; 2]>()) as u64;
 
-/// Returns the bytes for a number of samples with room for tiles that are a little larger.
-pub(crate) fn with_room(samples: u64) -> u64 {
-    samples.saturating_add(samples / 8)
-}
-
-/// Returns the number of planes that a fill has.
-pub(crate) fn planes(fill: &Fill) -> u64 {
-    fill.wanted.iter().flatten().filter(|wanted| **wanted).count() as u64
-}
-
 /// Returns the most bytes that a thread's fills take for lists of pixels, results of the first sample, planes at single pixels
 /// and conditions, given the pixels of a tile and of each fill's window.
-pub(crate) fn beside(plan: &Plan<'_>, pass: &Pass, tile: u64, windows: &[u64]) -> u64 {
+pub(crate) fn bytes_beside_planes(plan: &Plan<'_>, pass: &Pass, tile: u64, windows: &[u64]) -> u64 {
     let fills = || pass.fills.iter().zip(windows.iter().copied()).filter(|(fill, _)| fill.variance == Variance::Pixel);
     let mut bytes = Bytes(0);
     if let Some(gates) = &pass.gates {
@@ -34,18 +25,20 @@ pub(crate) fn beside(plan: &Plan<'_>, pass: &Pass, tile: u64, windows: &[u64]) -
         bytes.add(with_room(tile), roots as u64 * SAMPLE);
         bytes.add(tile, gates.sets.len() as u64 * (1 + (OPEN * LISTED as f64) as u64));
         let is_part = |fill: &Fill| fill.gates.is_some() && plan.stage(fill.node).is_some_and(|s| !s.is_pixelwise());
-        let parts: u64 = pass.fills.iter().filter(|fill| is_part(fill)).map(planes).sum();
+        let parts: u64 = pass.fills.iter().filter(|fill| is_part(fill)).map(|fill| fill.planes() as u64).sum();
         bytes.add(tile, (OPEN * (parts * SAMPLE) as f64) as u64);
     }
     if pass.offsets.len() > 1 {
         // Results of the first sample that others replace, and the pixels at which they do.
         let shared = || fills().filter(|(fill, _)| fill.shared.is_some());
-        shared().for_each(|(fill, window)| bytes.add(window, planes(fill) * SAMPLE + size_of::<usize>() as u64));
+        shared()
+            .for_each(|(fill, window)| bytes.add(window, fill.planes() as u64 * SAMPLE + size_of::<usize>() as u64));
         let views: HashSet<(&[NodeId], u64)> =
             shared().map(|(fill, window)| (fill.shared.as_deref().unwrap_or_default(), window)).collect();
         views.into_iter().for_each(|(_, window)| bytes.add(window, LISTED));
         // Results at single pixels, before they are stored.
-        bytes.add(shared().map(|(fill, window)| window.saturating_mul(planes(fill))).max().unwrap_or(0), SAMPLE);
+        bytes
+            .add(shared().map(|(fill, window)| window.saturating_mul(fill.planes() as u64)).max().unwrap_or(0), SAMPLE);
     }
     if plan.graph.format().adaptive().is_some() && pass.offsets.len() > 1 {
         bytes.add(with_room(tile), adaptive::bytes_of_pixel(pass));

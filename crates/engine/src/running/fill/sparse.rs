@@ -110,9 +110,7 @@ impl Sparse {
             area: 0,
         })
     }
-}
 
-impl Sparse {
     /// Returns the number of planes at single pixels.
     pub(super) fn planes(&self) -> u64 {
         self.fills.iter().flat_map(|fill| &fill.is_read).flatten().filter(|is_read| **is_read).count() as u64
