@@ -176,7 +176,8 @@ fn encode(path: &Path, image: &PngImage<'_>, bytes: &[u8], colors: [ExtendedColo
     let text = text::chunks(path, &image.metadata)?;
     let mut png = Vec::new();
     let color = colors[image.channels.len() - 1];
-    PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::Adaptive)
+    // One filter for all rows: choosing among them takes up to 1.7 times as long, for files of about the same size.
+    PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::Paeth)
         .write_image(bytes, image.width, image.height, color)
         .map_err(|error| {
             Error::unwritable(path, format!("a picture that the PNG encoder refuses ({error})"), "a smaller one")
