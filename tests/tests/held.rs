@@ -21,7 +21,11 @@ const NODES: &str = r##""camera": { "type": "Camera", "position": [0, 3, 12], "t
     "seen": { "type": "Mix", "a": "soft", "b": "#a41", "weight": "spots" }"##;
 
 fn scene(samples: u32, shading: &str, out: &str) -> CheckedGraph {
-    let format = format!(r#""width": 90, "height": 60, "samples": {samples}, "shading": "{shading}""#);
+    scene_of([60, 40], samples, shading, out)
+}
+
+fn scene_of([width, height]: [u32; 2], samples: u32, shading: &str, out: &str) -> CheckedGraph {
+    let format = format!(r#""width": {width}, "height": {height}, "samples": {samples}, "shading": "{shading}""#);
     graph(&format, NODES, &format!(r#""out": {{ "color": "{out}" }}"#))
 }
 
@@ -43,7 +47,7 @@ fn what_a_program_computes_before_a_filter_is_held() {
         let all = held(&graph, &tiles());
         let before = all.iter().find(|(name, held)| name == "swaying" && held.before);
         let (_, planes) = before.unwrap_or_else(|| panic!("{samples} samples, {shading}: {all:?}"));
-        assert_eq!((planes.channels, planes.bytes), (3, 3 * 90 * 60 * 4 * samples as usize), "{samples} samples");
+        assert_eq!((planes.channels, planes.bytes), (3, 3 * 60 * 40 * 4 * samples as usize), "{samples} samples");
         under_all_settings(&graph, 1, &Buffers::new(), &format!("{samples} samples, {shading}"));
         let plain = evaluate(&graph, 1, &Buffers::new(), &settings(|_| ()));
         let again = settings(|s| (s.threads, s.tile, s.switches.hold) = (2, Some((32, 16)), false));
@@ -64,9 +68,9 @@ fn what_is_read_before_and_after_a_filter_is_filled_once_or_again() {
 
 #[test]
 fn nothing_is_held_that_does_not_pay() {
-    let near = scene(4, "sample", "seen");
+    let near = scene_of([90, 60], 4, "sample", "seen");
     assert_eq!(held(&near, &settings(|s| s.tile = Some((45, 60)))), [], "a filter that reads nearby");
     let far = scene(4, "sample", "swaying");
     assert_eq!(held(&far, &settings(|s| (s.tile, s.switches.hold) = (Some((32, 16)), false))), [], "switched off");
-    assert_eq!(held(&far, &settings(|s| s.tile = Some((90, 60)))), [], "a single tile");
+    assert_eq!(held(&far, &settings(|s| s.tile = Some((60, 40)))), [], "a single tile");
 }

@@ -3,7 +3,7 @@
 use crate::support::{evaluate, graph, settings, under_all_settings};
 use trochoid::Buffers;
 
-const SIZE: [u64; 2] = [60, 32];
+const SIZE: [u64; 2] = [40, 24];
 
 /// Samples, what is shaded, and more keys of formats.
 const FORMATS: [(u64, &str, &str); 5] = [
@@ -161,7 +161,7 @@ fn a_view_behind_another_one_is_filled_only_where_it_shows() {
         "sky": { "type": "Mix", "a": "veiled", "b": "#012", "weight": "near" },
         "out": { "type": "Mix", "a": "sky", "b": "#0a2c40", "weight": "view.coverage" }"##;
     for (samples, shading, more) in FORMATS {
-        let [width, height] = SIZE;
+        let [width, height] = [60, 32];
         let format =
             format!(r#""width": {width}, "height": {height}, "samples": {samples}, "shading": "{shading}"{more}"#);
         let graph = graph(&format, nodes, r#""out": { "color": "out" }"#);

@@ -12,11 +12,11 @@ use trochoid::{
 };
 
 /// Width of the pictures, and heights of a picture and of one with more tiles.
-const WIDTH: u32 = 96;
-const HEIGHTS: [u32; 2] = [36, 180];
+const WIDTH: u32 = 48;
+const HEIGHTS: [u32; 2] = [18, 54];
 
 /// Size of tiles.
-const TILE: (u32, u32) = (8, 6);
+const TILE: (u32, u32) = (4, 3);
 
 /// Most vectors that still grow, as a share of the tiles: some tiles see more than any before.
 const GROW: f64 = 0.5;
@@ -38,6 +38,17 @@ const SCENES: [&str; 9] = [
     "toon_teapot",
 ];
 
+/// Samples of a pixel, how they are shaded, and the tolerance of adaptive sampling.
+type Sampling = (u32, Shading, Option<f32>);
+
+/// Samplings of scenes, and of nodes. With adaptive sampling, the first sample is taken like all others without it.
+const OF_SCENES: [Sampling; 3] =
+    [(1, Shading::Sample, None), (4, Shading::Sample, Some(0.02)), (4, Shading::Pixel, None)];
+const OF_NODES: [Sampling; 3] = [(1, Shading::Sample, None), (4, Shading::Sample, None), (4, Shading::Pixel, None)];
+
+/// What is checked of a document that is sampled in several ways.
+type Check = fn(&CheckedGraph, &[Sampling]) -> Result<(), String>;
+
 /// Returns how often a frame asks for memory, once everything is prepared.
 fn counted(graph: &CheckedGraph) -> u64 {
     let settings =
@@ -49,7 +60,7 @@ fn counted(graph: &CheckedGraph) -> u64 {
 }
 
 /// Checks that more tiles take no more memory.
-fn tiles_take_nothing(graph: &CheckedGraph, adaptive: Option<f32>) -> Result<(), String> {
+fn tiles_take_nothing(graph: &CheckedGraph, samplings: &[Sampling]) -> Result<(), String> {
     // One thread, on which everything is counted.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let stated: u64 = (graph.nodes().iter())
@@ -57,12 +68,9 @@ fn tiles_take_nothing(graph: &CheckedGraph, adaptive: Option<f32>) -> Result<(),
         .sum();
     let tiles = (WIDTH / TILE.0) * ((HEIGHTS[1] - HEIGHTS[0]) / TILE.1);
     let mut faults = Vec::new();
-    // With adaptive sampling, the first sample is taken like all others without it.
-    for (samples, shading, adaptive) in
-        [(1, Shading::Sample, None), (4, Shading::Sample, adaptive), (4, Shading::Pixel, None)]
-    {
+    for (samples, shading, adaptive) in samplings {
         let [few, many] = HEIGHTS.map(|height| {
-            let format = Format::new(WIDTH, height, samples).unwrap().with_shading(shading).with_adaptive(adaptive);
+            let format = Format::new(WIDTH, height, *samples).unwrap().with_shading(*shading).with_adaptive(*adaptive);
             pool.install(|| counted(&graph.clone().with_scaled_format(format)))
         });
         let taken = many.saturating_sub(few);
@@ -75,47 +83,38 @@ fn tiles_take_nothing(graph: &CheckedGraph, adaptive: Option<f32>) -> Result<(),
     if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
 }
 
-fn scene(name: &str) -> Result<(), String> {
-    tiles_take_nothing(&load_scene(name)?, Some(0.02))
+fn scene(name: &str, check: Check) -> Result<(), String> {
+    let graph = load_scene(name)?;
+    // What a scene of one sample does with several is tested by its nodes.
+    let samplings = if graph.format().samples() == 1 { &OF_SCENES[..1] } else { &OF_SCENES };
+    check(&graph, samplings)
 }
 
-fn node(name: &str, check: fn(&CheckedGraph) -> Result<(), String>) -> Result<(), String> {
+fn node(name: &str, check: Check) -> Result<(), String> {
     let text = std::fs::read_to_string(root().join(format!("tests/nodes/{name}.json"))).unwrap();
     let folder = folder();
-    check(&graph_in(folder.path(), &text))
+    check(&graph_in(folder.path(), &text), &OF_NODES)
 }
 
 /// Size of the pictures whose memory is estimated, and of their tiles, unless the engine chooses one.
-const SIZE: (u32, u32) = (256, 144);
-const QUARTER: (usize, usize) = (128, 72);
+const SIZE: (u32, u32) = (192, 108);
+const TILES: [Option<(usize, usize)>; 2] = [None, Some((96, 54))];
 
 /// Most times that an estimate may be of what tiles take, and bytes that do not matter.
 const OVER: f64 = 6.0;
 const SMALL: u64 = 1 << 20;
 
-/// Samples of a pixel, how they are shaded, and the tolerance of adaptive sampling.
-type Sampling = (u32, Shading, Option<f32>);
-
-/// Samplings of scenes, and of nodes.
-const OF_SCENES: [Sampling; 3] =
-    [(1, Shading::Sample, None), (4, Shading::Sample, Some(0.02)), (4, Shading::Pixel, None)];
-const OF_NODES: [Sampling; 2] = [(1, Shading::Sample, None), (4, Shading::Pixel, None)];
-
 /// Checks that the tiles of one thread take no more memory than estimated, nor much less.
-fn tiles_are_estimated(
-    graph: &CheckedGraph,
-    formats: &[Sampling],
-    tiles: &[Option<(usize, usize)>],
-) -> Result<(), String> {
+fn tiles_are_estimated(graph: &CheckedGraph, samplings: &[Sampling]) -> Result<(), String> {
     let pool = || rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let mut faults = Vec::new();
-    for (samples, shading, adaptive) in formats {
+    for (samples, shading, adaptive) in samplings {
         let format = Format::new(SIZE.0, SIZE.1, *samples).unwrap().with_shading(*shading).with_adaptive(*adaptive);
         let graph = graph.clone().with_scaled_format(format);
-        for tile in tiles {
+        for tile in TILES {
             // Whole planes count apart.
             let settings = settings(|settings| {
-                (settings.tile, settings.threads, settings.switches.hold) = (*tile, 0, false);
+                (settings.tile, settings.threads, settings.switches.hold) = (tile, 0, false);
             });
             let plan = Plan::new(&graph, &[], graph.frames().0, &[], &settings).unwrap();
             let (mut cache, mut frame) = (Cache::new(), Frame::default());
@@ -145,16 +144,13 @@ fn load_scene(name: &str) -> Result<CheckedGraph, String> {
 }
 
 pub(crate) fn trials() -> Vec<Trial> {
-    let scenes = SCENES.into_iter().map(|name| trial("memory", name, move || scene(name)));
-    let estimated = |name: &str| tiles_are_estimated(&load_scene(name)?, &OF_SCENES, &[None, Some(QUARTER)]);
-    let estimates = SCENES.into_iter().map(move |name| trial("memory/estimates", name, move || estimated(name)));
-    let types = || registry().iter().map(|ty| ty.declaration().name);
-    let nodes =
-        types().map(|name| trial("memory/nodes", name, move || node(name, |graph| tiles_take_nothing(graph, None))));
-    let of_nodes = types().map(|name| {
-        trial("memory/estimates/nodes", name, move || {
-            node(name, |graph| tiles_are_estimated(graph, &OF_NODES, &[Some(QUARTER)]))
-        })
-    });
-    scenes.chain(estimates).chain(nodes).chain(of_nodes).collect()
+    let checks: [(&str, Check); 2] = [("memory", tiles_take_nothing), ("memory/estimates", tiles_are_estimated)];
+    let of_scenes = move |(kind, check): (&'static str, Check)| {
+        SCENES.into_iter().map(move |name| trial(kind, name, move || scene(name, check)))
+    };
+    let of_nodes = move |(kind, check): (&'static str, Check)| {
+        let names = registry().iter().map(|ty| ty.declaration().name);
+        names.map(move |name| trial(&format!("{kind}/nodes"), name, move || node(name, check)))
+    };
+    checks.into_iter().flat_map(of_scenes).chain(checks.into_iter().flat_map(of_nodes)).collect()
 }
