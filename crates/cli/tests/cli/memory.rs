@@ -71,7 +71,7 @@ fn many_files_that_are_too_large_together_are_refused() {
 /// A picture whose tiles take much memory beside the planes of their stages: samples where it is rough, strokes, a blur.
 const ROUGH: &str = r##"{
   "trochoid": 1,
-  "format": { "width": 960, "height": 540, "samples": 4, "adaptive": 0.02 },
+  "format": { "width": 720, "height": 405, "samples": 4, "adaptive": 0.02 },
   "frames": { "first": 1, "last": 2, "fps": 24 },
   "nodes": {
     "camera": { "type": "Camera", "position": [0, 3, 10], "target": [0, 2, 0] },
