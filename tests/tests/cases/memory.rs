@@ -84,10 +84,7 @@ fn tiles_take_nothing(graph: &CheckedGraph, samplings: &[Sampling]) -> Result<()
 }
 
 fn scene(name: &str, check: Check) -> Result<(), String> {
-    let graph = load_scene(name)?;
-    // What a scene of one sample does with several is tested by its nodes.
-    let samplings = if graph.format().samples() == 1 { &OF_SCENES[..1] } else { &OF_SCENES };
-    check(&graph, samplings)
+    check(&load_scene(name)?, &OF_SCENES)
 }
 
 fn node(name: &str, check: Check) -> Result<(), String> {
